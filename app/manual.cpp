@@ -124,7 +124,7 @@ void write_surroundings(std::ostream &out) {
                    {"2", "invalid options"}});
     write_section(
         out, "ENVIRONMENT",
-        {{"SPRINGDRIVE_ASSETS", "the folder of devices, tunings, scenes and figures"},
+        {{"SPRINGDRIVE_ASSETS", "the folder of devices, tunings, scenes, protocols and figures"},
          {"XDG_CACHE_HOME", "the folder of caches [~/.cache]"},
          {"XDG_STATE_HOME", "the folder of what the assistant has come through [~/.local/state]"},
          {"XDG_CONFIG_HOME",
@@ -132,7 +132,8 @@ void write_surroundings(std::ostream &out) {
           "[~/.config]"}});
     write_section(
         out, "FILES",
-        {{assets.string(), "devices, tunings, scenes, and the scripts that draw the figures"},
+        {{assets.string(),
+          "devices, tunings, scenes, protocols, and the scripts that draw the figures"},
          {"~/Documents/springdrive",
           "what is made in a window that was started from a menu; one that was started in a folder "
           "of its own uses that"},

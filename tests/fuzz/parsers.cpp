@@ -9,6 +9,7 @@
 #include "engine/control/tuning_file.h"
 #include "engine/record/record_reader.h"
 #include "engine/scene/gltf.h"
+#include "engine/study/protocol/protocol_file.h"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -60,6 +61,9 @@ const std::map<std::string_view, Parser> kParsers{
       "input.toml"}},
     {"tuning",
      {[](const fs::path &file) { static_cast<void>(control::read_whole_tuning_file(file)); },
+      "input.toml"}},
+    {"protocol",
+     {[](const fs::path &file) { static_cast<void>(study::read_protocol_file(file)); },
       "input.toml"}},
     {"hand-path",
      {[](const fs::path &file) { static_cast<void>(simulated::HandPath::read_csv(file)); },

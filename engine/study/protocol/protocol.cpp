@@ -59,8 +59,8 @@ Condition comparison(const Protocol &protocol, std::size_t condition, double lev
     Condition one = protocol.conditions[condition];
     variable_of(protocol).set(one, value_at(protocol, level));
     if (protocol.task.kind == TaskKind::forced_choice_by_place) {
-        one.turn_axis_deg = std::remainder(
-            one.turn_axis_deg + 360.0 * target / protocol.task.alternatives, 360.0);
+        one.turn_axis_deg =
+            std::remainder(one.turn_axis_deg + 360.0 * target / protocol.task.alternatives, 360.0);
     }
     return one;
 }

@@ -38,9 +38,10 @@ public:
 
     template <typename Table, std::size_t count>
     void add_numbers(const std::array<NumberKey<Table>, count> &numbers) {
+        static const Table by_default{};
         for (const NumberKey<Table> &one : numbers) {
             add_number(one.key, one.unit, one.minimum, one.maximum,
-                       fmt::format("{:g}", one.of(Table{})), one.help);
+                       fmt::format("{:g}", one.of(by_default)), one.help);
             keys_.back().allowed += one.whole != nullptr ? ", whole" : "";
         }
     }

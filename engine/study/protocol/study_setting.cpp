@@ -1,5 +1,6 @@
 #include "engine/study/protocol/study_setting.h"
 
+#include "base/complaint.h"
 #include "base/degrees.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/scenario/touch_scene.h"
@@ -27,13 +28,19 @@ std::filesystem::path included_or_own(const std::string &name, const ProtocolFol
 
 struct LoadedStudyScene {
     scene::Lesson lesson;
-    std::shared_ptr<const contact::HapticSurface> surface;
+    std::shared_ptr<const contact::HapticSurface> surface; ///< null: it could not be loaded
+    std::string problem;                                   ///< why
 };
 
 LoadedStudyScene load(const std::filesystem::path &file, const device::Workspace &workspace) {
-    const scene::Scene scene = rig::touch_scene(file.string(), workspace);
-    return {scene.lesson,
-            std::make_shared<const contact::HapticSurface>(rig::haptic_surface_of(scene))};
+    LoadedStudyScene loaded;
+    loaded.problem = complaint_of([&] {
+        const scene::Scene scene = rig::touch_scene(file.string(), workspace);
+        loaded.lesson = scene.lesson;
+        loaded.surface =
+            std::make_shared<const contact::HapticSurface>(rig::haptic_surface_of(scene));
+    });
+    return loaded;
 }
 
 /// The contact of a tip that comes straight down on a spot and stops half a millimetre below it.
@@ -77,6 +84,10 @@ std::string wrong_spot(const scene::TouchSpot &spot, const contact::Contact &con
 PlacedCondition placed(const Condition &condition, const LoadedStudyScene &scene) {
     PlacedCondition place;
     place.surface = scene.surface;
+    if (!scene.problem.empty()) {
+        place.problem = scene.problem;
+        return place;
+    }
     if (!condition.spot && !scene.lesson.spot) {
         place.problem = fmt::format("scene {} marks no spot; give point_m and normal, in device "
                                     "coordinates",

@@ -41,7 +41,7 @@ struct StudySetting {
 };
 
 /// Loads the device and all scenes; each scene once.
-/// @throw InputError if the device or a scene cannot be read.
+/// @throw InputError if the device cannot be read.
 [[nodiscard]] StudySetting study_setting(const Protocol &protocol, const ProtocolFolders &folders);
 
 /// Height above the spot, along its normal, at which a trial begins.

@@ -171,6 +171,13 @@ TEST(ProtocolCheck, FindsSpotsThatAreNotOnTheSurface) {
               2);
 }
 
+TEST(ProtocolCheck, FindsScenesThatAreNotThere) {
+    const Protocol protocol = protocol_of(with(kPlainProtocol, "\"plate\"", "\"plat\""));
+    EXPECT_EQ(
+        count(check_protocol(protocol, testing::folders()).findings, Severity::error, "plat.gltf"),
+        2);
+}
+
 TEST(ProtocolCheck, FindsScenesWithoutASpotAndTakesThatOfALesson) {
     const std::string without = with(with(kPlainProtocol, "point_m = [0.0, -0.005, -0.015]\n", ""),
                                      "normal = [0.0, 1.0, 0.0]\n", "");
@@ -420,11 +427,11 @@ TEST(ProtocolCheck, PredictsTheWarmthOfALongPress) {
     const std::optional<PredictedPress> press = predicted_press(
         setting.device, setting.conditions[0], presented[0].parameters, StimulusForm::press);
     const double i_A = press->current_A.cwiseAbs().maxCoeff();
-    // Of each 120.3 s the hand presses 120 s.
-    const double rise_K = i_A * i_A * 2.18 * 1.02 * (3.1 + 14.0) * 120.0 / 120.3;
+    // Of each 120.4 s the hand presses 120 s.
+    const double rise_K = i_A * i_A * 2.18 * 1.02 * (3.1 + 14.0) * 120.0 / 120.4;
     const double expected_C = 25.0 + rise_K / (1.0 - 0.0039 * rise_K);
-    // Commutation ripple of 2 % is at the angle that was taken; the gap of 0.3 s lets the winding
-    // cool by 0.3/12 of its own rise at most.
+    // Commutation ripple of 2 % is at the angle that was taken; the gap of 0.4 s lets the winding
+    // cool by 0.4/12 of its own rise at most.
     EXPECT_NEAR(warmth.hottest_C, expected_C, 0.01 * (expected_C - 25.0));
 
     for (device::MotorParameters &motor : setting.device.motor) {

@@ -144,7 +144,7 @@ const std::vector<Malformed> &malformed() {
         {"levels = [0.1, 0.2, 0.3]", "levels = []", {"method.levels is", "1 to 1000 numbers"}},
         {"conditions = [\"a\"]", "conditions = [1]", {"block[1].conditions", "texts"}},
         {"point_m = [0.0, -0.005, -0.015]", "point_m = [0.0, 1.0]", {"common.point_m", "three"}},
-        {"[breaks]\nevery_trials = 20", "breaks = 3", {"breaks is", "[breaks]"}},
+        {"[texts]\nquestion = \"Which?\"\n", "texts = 3\n", {"texts is", "[texts]"}},
         // Out of range.
         {"participants = 4", "participants = 0", {"participants is 0", "1 to 10000"}},
         {"dR_Ohm = 0.5\nlambda",
@@ -204,7 +204,7 @@ const std::vector<Malformed> &malformed() {
     return all;
 }
 
-TEST(ProtocolFile, RefusesSeventyMalformedOnesInOneLineEach) {
+TEST(ProtocolFile, RefusesEveryMalformedOneInOneLine) {
     ASSERT_GE(malformed().size(), 50U);
     for (const Malformed &one : malformed()) {
         const std::string text = with(kPlainProtocol, one.from, one.to);
