@@ -1,6 +1,9 @@
 #include "engine/study/analysis/posterior.h"
 
 #include "base/assertions.h"
+#include "base/bisection.h"
+
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
@@ -26,16 +29,57 @@ std::vector<double> best_along(const std::vector<double> &log_weights,
     return best;
 }
 
-/// u below which a share of the weight lies, spread evenly over each cell.
-double quantile_of(double first, double width, const std::vector<double> &shares, double share) {
-    double below = 0.0;
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-        if (below + shares[i] >= share && shares[i] > 0.0) {
-            return first + (static_cast<double>(i) + (share - below) / shares[i]) * width;
-        }
-        below += shares[i];
+/// Parts of a cell into which a marginal density is interpolated.
+constexpr std::size_t kParts = 8;
+
+/// The shares of the parts of each cell: the logarithm of the density, which is nearly a parabola,
+/// is between nodes the cubic through the four nearest ones.
+std::vector<double> shares_of_parts(const std::vector<double> &shares) {
+    constexpr std::size_t kNodes = 4;
+    constexpr double kLeastShare = 1e-30; // a logarithm must be finite
+    if (shares.size() < kNodes) {
+        return shares;
     }
-    return first + static_cast<double>(shares.size()) * width;
+    std::vector<double> parts;
+    double sum = 0.0;
+    for (std::size_t part = 0; part < shares.size() * kParts; ++part) {
+        const double x = (static_cast<double>(part) + 0.5) / kParts - 0.5; // nodes at 0, 1, 2 …
+        const auto nearest = static_cast<std::ptrdiff_t>(std::floor(x)) - 1;
+        const auto first = static_cast<std::size_t>(
+            std::clamp<std::ptrdiff_t>(nearest, 0, std::ssize(shares) - std::ptrdiff_t{kNodes}));
+        double log_density = 0.0;
+        for (std::size_t i = first; i < first + kNodes; ++i) {
+            double weight = 1.0; // Lagrange's
+            for (std::size_t j = first; j < first + kNodes; ++j) {
+                weight *= i == j ? 1.0
+                                 : (x - static_cast<double>(j)) /
+                                       (static_cast<double>(i) - static_cast<double>(j));
+            }
+            log_density += weight * std::log(std::max(shares[i], kLeastShare));
+        }
+        parts.push_back(std::exp(log_density));
+        sum += parts.back();
+    }
+    for (double &share : parts) {
+        share /= sum;
+    }
+    return parts;
+}
+
+/// The share below x, in cells from the first one's start; even within each.
+double share_below_cells(const std::vector<double> &shares, double x) {
+    double below = 0.0;
+    for (std::size_t i = 0; i < shares.size() && x > static_cast<double>(i); ++i) {
+        below += shares[i] * std::min(1.0, x - static_cast<double>(i));
+    }
+    return below;
+}
+
+/// Where a share that grows from `first` to `last` reaches a value.
+template <typename Share>
+double where_reached(double first, double last, double value, const Share &share) {
+    constexpr int kHalvings = 50;
+    return bisect({first, last}, kHalvings, [&](double x) { return share(x) < value; }).middle();
 }
 
 PosteriorSummary summary_on_scale(Scale scale, double mean, double variance, double median,
@@ -64,28 +108,38 @@ Posterior::Axis Posterior::axis_of(const Prior &prior, const Range &range, int p
 
 std::vector<double> Posterior::log_weights(std::span<const LevelCount> counts) const {
     const auto &[thresholds, slopes, guesses, lapses] = axes_;
-    std::vector<double> log_weights;
+    // All lapse rates at once, in arrays: the logarithms take most of the time.
+    const auto count = static_cast<Eigen::Index>(lapses.density.size());
+    Eigen::ArrayXd lapse_rates(count);
+    Eigen::ArrayXd lapse_weights(count);
+    for (Eigen::Index l = 0; l < count; ++l) {
+        const auto node = static_cast<std::size_t>(l);
+        lapse_rates[l] = level_from(lapses.scale, lapses.node(node));
+        lapse_weights[l] = std::log(lapses.density[node]);
+    }
+    Eigen::ArrayXd psi(count);
+    Eigen::ArrayXd sum(count);
     std::vector<double> cores(counts.size());
+    std::vector<double> log_weights;
     for (std::size_t t = 0; t < thresholds.density.size(); ++t) {
         const double threshold = level_from(thresholds.scale, thresholds.node(t));
         for (std::size_t s = 0; s < slopes.density.size(); ++s) {
             const PsychometricFunction core{family_, threshold,
                                             level_from(slopes.scale, slopes.node(s)), 0.0, 0.0};
-            std::ranges::transform(counts, cores.begin(), [&](const LevelCount &count) {
-                return proportion_at(core, count.level);
+            std::ranges::transform(counts, cores.begin(), [&](const LevelCount &one) {
+                return proportion_at(core, one.level);
             });
             for (std::size_t g = 0; g < guesses.density.size(); ++g) {
                 const double guess = level_from(guesses.scale, guesses.node(g));
-                for (std::size_t l = 0; l < lapses.density.size(); ++l) {
-                    const double free_share =
-                        1.0 - guess - level_from(lapses.scale, lapses.node(l));
-                    double sum = std::log(thresholds.density[t] * slopes.density[s] *
-                                          guesses.density[g] * lapses.density[l]);
-                    for (std::size_t i = 0; i < counts.size(); ++i) {
-                        sum += likelihood_term(counts[i], guess + free_share * cores[i]);
-                    }
-                    log_weights.push_back(sum);
+                sum = lapse_weights +
+                      std::log(thresholds.density[t] * slopes.density[s] * guesses.density[g]);
+                for (std::size_t i = 0; i < counts.size(); ++i) {
+                    psi = guess + (1.0 - guess - lapse_rates) * cores[i];
+                    psi = psi.max(kLeastProportion).min(1.0 - kLeastProportion);
+                    sum += counts[i].positive * psi.log() +
+                           (counts[i].trials - counts[i].positive) * (1.0 - psi).log();
                 }
+                log_weights.insert(log_weights.end(), sum.begin(), sum.end());
             }
         }
     }
@@ -112,7 +166,7 @@ Posterior::Posterior(std::span<const LevelCount> counts, const FunctionPriors &p
         }
         ranges = zoomed;
     }
-    constexpr std::array<int, 4> kFine{64, 40, 12, 16};
+    constexpr std::array<int, 4> kFine{60, 36, 24, 24};
     lay_axes(prior, ranges, kFine);
     take_shares(log_weights(counts));
 }
@@ -131,7 +185,7 @@ std::array<std::size_t, 4> Posterior::sizes() const {
 }
 
 Posterior::Ranges Posterior::ranges_that_matter(const std::vector<double> &log_weights) const {
-    constexpr double kNegligible = 18.0;
+    constexpr double kNegligible = 14.0;
     const double most = *std::ranges::max_element(log_weights);
     Ranges ranges{};
     for (std::size_t i = 0; i < axes_.size(); ++i) {
@@ -169,6 +223,9 @@ void Posterior::take_shares(std::vector<double> weights) {
         }
         share_of_threshold_and_slope_[i / (size[2] * size[3])] += share;
     }
+    for (Axis &axis : axes_) {
+        axis.share_of_parts = shares_of_parts(axis.share);
+    }
 }
 
 const Posterior::Axis &Posterior::axis(FunctionParameter parameter) const {
@@ -186,8 +243,11 @@ PosteriorSummary Posterior::of(FunctionParameter parameter, double confidence) c
     for (std::size_t i = 0; i < of.share.size(); ++i) {
         variance += of.share[i] * (of.node(i) - mean) * (of.node(i) - mean);
     }
+    const auto parts = static_cast<double>(of.share_of_parts.size());
     const auto quantile = [&](double share) {
-        return quantile_of(of.first, of.width, of.share, share);
+        const double x = where_reached(
+            0.0, parts, share, [&](double at) { return share_below_cells(of.share_of_parts, at); });
+        return of.first + x / parts * (of.end() - of.first);
     };
     return summary_on_scale(of.scale, mean, variance, quantile(0.5),
                             quantile(0.5 - 0.5 * confidence), quantile(0.5 + 0.5 * confidence));
@@ -196,56 +256,61 @@ PosteriorSummary Posterior::of(FunctionParameter parameter, double confidence) c
 PosteriorSummary Posterior::of_level_at(double core, double confidence) const {
     SPRINGDRIVE_ASSERT(confidence > 0.0 && confidence < 1.0);
     const double z = core_argument(family_.shape, core);
-    const auto &[thresholds, slopes, guesses, lapses] = axes_;
-    struct Node {
-        double u = 0.0;
-        double share = 0.0;
+    const Axis &thresholds = axis(FunctionParameter::threshold);
+    const Axis &slopes = axis(FunctionParameter::slope);
+    const auto share_of = [&](std::size_t t, std::size_t s) {
+        return share_of_threshold_and_slope_[t * slopes.share.size() + s];
     };
-    std::vector<Node> nodes;
+    const auto from_threshold = [&](std::size_t s) {
+        return z / level_from(slopes.scale, slopes.node(s));
+    };
+    const auto on_family = [&](double u) {
+        return on_scale(family_.scale, level_from(thresholds.scale, u));
+    };
     double mean = 0.0;
+    double mean_square = 0.0;
     for (std::size_t t = 0; t < thresholds.share.size(); ++t) {
-        const double u_threshold =
-            on_scale(family_.scale, level_from(thresholds.scale, thresholds.node(t)));
         for (std::size_t s = 0; s < slopes.share.size(); ++s) {
-            const double u = u_threshold + z / level_from(slopes.scale, slopes.node(s));
-            nodes.push_back({u, share_of_threshold_and_slope_[t * slopes.share.size() + s]});
-            mean += nodes.back().u * nodes.back().share;
+            const double u = on_family(thresholds.node(t)) + from_threshold(s);
+            mean += share_of(t, s) * u;
+            mean_square += share_of(t, s) * u * u;
         }
     }
-    double variance = 0.0;
-    for (const Node &node : nodes) {
-        variance += node.share * (node.u - mean) * (node.u - mean);
-    }
-    std::ranges::sort(nodes, {}, &Node::u);
-    // Half the share of a node lies before it; between two nodes the share grows evenly.
-    std::vector<double> below;
-    double sum = 0.0;
-    for (const Node &node : nodes) {
-        below.push_back(sum + 0.5 * node.share);
-        sum += node.share;
-    }
-    const auto quantile = [&](double share) {
-        const auto next = std::ranges::lower_bound(below, share) - below.begin();
-        const auto i =
-            static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(next, 1, std::ssize(below) - 1));
-        const double step = below[i] - below[i - 1];
-        const double part = step > 0.0 ? std::clamp((share - below[i - 1]) / step, 0.0, 1.0) : 0.0;
-        return std::lerp(nodes[i - 1].u, nodes[i].u, part);
+    // Below u lies, of each slope, what has its threshold below u − z/β: whole cells and a part.
+    const auto share_below_u = [&](double u) {
+        double below = 0.0;
+        for (std::size_t s = 0; s < slopes.share.size(); ++s) {
+            const double level = level_from(family_.scale, u - from_threshold(s));
+            for (std::size_t t = 0; t < thresholds.share.size(); ++t) {
+                below +=
+                    share_of(t, s) * thresholds.part_below(t, on_scale(thresholds.scale, level));
+            }
+        }
+        return below;
     };
-    return summary_on_scale(family_.scale, mean, variance, quantile(0.5),
+    const auto [least, most] =
+        std::minmax({from_threshold(0), from_threshold(slopes.share.size() - 1)});
+    const double first = on_family(thresholds.first) + least;
+    const double last = on_family(thresholds.end()) + most;
+    const auto quantile = [&](double share) {
+        return where_reached(first, last, share, share_below_u);
+    };
+    return summary_on_scale(family_.scale, mean, mean_square - mean * mean, quantile(0.5),
                             quantile(0.5 - 0.5 * confidence), quantile(0.5 + 0.5 * confidence));
 }
 
 double Posterior::share_below(FunctionParameter parameter, double value) const {
     const Axis &of = axis(parameter);
     const double u = on_scale(of.scale, value);
-    double below = 0.0;
-    for (std::size_t i = 0; i < of.share.size(); ++i) {
-        const double start = of.first + static_cast<double>(i) * of.width;
-        const double part = of.width > 0.0 ? (u - start) / of.width : (u > start ? 1.0 : 0.0);
-        below += of.share[i] * std::clamp(part, 0.0, 1.0);
-    }
-    return below;
+    const auto parts = static_cast<double>(of.share_of_parts.size());
+    return of.width > 0.0 ? share_below_cells(of.share_of_parts,
+                                              (u - of.first) * parts / (of.end() - of.first))
+                          : of.part_below(0, u);
+}
+
+double Posterior::Axis::part_below(std::size_t cell, double u) const {
+    const double start = first + static_cast<double>(cell) * width;
+    return width > 0.0 ? std::clamp((u - start) / width, 0.0, 1.0) : (u > start ? 1.0 : 0.0);
 }
 
 PsychometricFunction Posterior::mean() const {

@@ -2,7 +2,7 @@
 // says of each. Intervals are equal-tailed, so that they do not depend on the scale.
 //
 // The grid is the midpoint rule over the part of the priors' ranges in which the posterior density,
-// along each parameter at its best, is above e^(−18) of its maximum; that part is found by zooming
+// along each parameter at its best, is above e^(−14) of its maximum; that part is found by zooming
 // in from the whole ranges.
 #pragma once
 
@@ -49,13 +49,19 @@ private:
     struct Axis {
         Scale scale = Scale::linear;
         double first = 0.0;
-        double width = 0.0;          ///< of a cell; 0 of a known value
-        std::vector<double> density; ///< the prior's at each node
-        std::vector<double> share;   ///< the posterior's in each cell, sum 1
+        double width = 0.0;                 ///< of a cell; 0 of a known value
+        std::vector<double> density;        ///< the prior's at each node
+        std::vector<double> share;          ///< the posterior's in each cell, sum 1
+        std::vector<double> share_of_parts; ///< the same, interpolated, in parts of each cell
 
         [[nodiscard]] double node(std::size_t i) const {
             return first + (static_cast<double>(i) + 0.5) * width;
         }
+        [[nodiscard]] double end() const {
+            return first + static_cast<double>(density.size()) * width;
+        }
+        /// The part of a cell that lies below u; a known value lies below all that is above it.
+        [[nodiscard]] double part_below(std::size_t cell, double u) const;
     };
 
     struct Range {

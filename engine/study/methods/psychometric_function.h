@@ -67,11 +67,11 @@ struct PsychometricFunction {
 /// ψ at a level. On a logarithmic scale, level 0 (no stimulus) gives γ.
 [[nodiscard]] double proportion_at(const PsychometricFunction &function, double level);
 
-/// Keeps ψ 1e-12 off 0 and 1 where its logarithm is taken: an answer that a function does not allow
-/// is then only very unlikely.
+/// Keeps ψ off 0 and 1 where its logarithm is taken: an answer that a function does not allow is
+/// then only very unlikely.
+inline constexpr double kLeastProportion = 1e-12;
 [[nodiscard]] inline double possible_proportion(double proportion) {
-    constexpr double kLeast = 1e-12;
-    return std::clamp(proportion, kLeast, 1.0 - kLeast);
+    return std::clamp(proportion, kLeastProportion, 1.0 - kLeastProportion);
 }
 
 /// The level at which F, without guesses and lapses, has that value. @pre 0 < core < 1
