@@ -78,6 +78,26 @@ void check_alike(ProtocolFindings &findings, const Protocol &protocol,
     }
 }
 
+/// A blow is over within some hundredths of a second.
+void check_blows(ProtocolFindings &findings, const Protocol &protocol) {
+    for (std::size_t i = 0; i < protocol.conditions.size(); ++i) {
+        const Condition &condition = protocol.conditions[i];
+        const std::optional<control::Tuning> free = free_space_tuning(protocol, condition);
+        if (!is_used(protocol, i) || !free ||
+            (free->dR_Ohm == condition.tuning.dR_Ohm &&
+             free->lambda_rad_per_s == condition.tuning.lambda_rad_per_s)) {
+            continue;
+        }
+        findings.push_back(
+            {Severity::warning, fmt::format("condition \"{}\"", condition.name),
+             fmt::format("has dR {:g} Ω and lambda {:g} rad/s, but a blow is felt with those of "
+                         "free space, {:g} Ω and {:g} rad/s, before it could glide",
+                         condition.tuning.dR_Ohm, condition.tuning.lambda_rad_per_s, free->dR_Ohm,
+                         free->lambda_rad_per_s),
+             "give it the tuning of [free_space], or declare free_space_is_stimulus = true"});
+    }
+}
+
 } // namespace
 
 ProtocolFindings check_free_space(const Protocol &protocol,
@@ -91,6 +111,9 @@ ProtocolFindings check_free_space(const Protocol &protocol,
         check_shared(findings, protocol);
     } else {
         check_alike(findings, protocol, device);
+    }
+    if (protocol.stimulus == StimulusForm::blow) {
+        check_blows(findings, protocol);
     }
     return findings;
 }

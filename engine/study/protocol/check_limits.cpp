@@ -38,9 +38,10 @@ void check_force(Findings &findings, const std::string &where, const StudySettin
 
 void check_motors(Findings &findings, const std::string &where, const StudySetting &setting,
                   const PredictedPress &press, double hot_C) {
+    const Vector3 currents = currents_A(setting.device, press.q_rad, press.force_N);
     for (std::size_t i = 0; i < setting.device.motor.size(); ++i) {
         const device::MotorParameters &motor = setting.device.motor[i];
-        const double current_A = std::abs(press.current_A[static_cast<Eigen::Index>(i)]);
+        const double current_A = std::abs(currents[static_cast<Eigen::Index>(i)]);
         const double limit_A = servo::kLimiterShare * motor.peak_current_A;
         if (current_A > limit_A) {
             findings.push_back({Severity::error, where,
@@ -127,8 +128,7 @@ Findings findings_of_stimulus(const Protocol &protocol, const StudySetting &sett
                               const Presented &one) {
     const PlacedCondition &place = setting.conditions[one.condition];
     const std::string where = name_of(protocol, one);
-    const std::optional<PredictedPress> press =
-        predicted_press(setting.device, place, one.parameters, protocol.stimulus);
+    const std::optional<PredictedPress> press = predicted_press(setting, one, protocol.stimulus);
     if (!press) {
         return {{Severity::error, where,
                  "gives the hand nothing to press on: it has no static stiffness",

@@ -50,6 +50,10 @@ loops::StabilityCase case_of(const StudySetting &setting, const Presented &one) 
     loops::StabilityCase which;
     which.device = setting.device;
     which.tuning = one.parameters.tuning;
+    if (which.tuning.alpha_mode == control::AlphaMode::global) {
+        which.tuning.alpha_mode = control::AlphaMode::by_hand; // the loops would search for it anew
+        which.tuning.alpha_rad2_per_m2 = setting.global_alpha_rad2_per_m2;
+    }
     which.period_s = 1.0 / one.parameters.servo_hz;
     which.delay_periods = one.parameters.delay_periods;
     const Vector3 &point_m = setting.conditions[one.condition].spot.point_m;
@@ -73,8 +77,10 @@ std::optional<Unstable> unstable_loop(const StudySetting &setting, const Present
     which.tuning.dR_Ohm = one.free_space.dR_Ohm;
     which.tuning.lambda_rad_per_s = one.free_space.lambda_rad_per_s;
     which.tuning.eta = 1.0;
-    if (std::optional<Unstable> bad = first_unstable(which, "in free space"); bad) {
-        return bad;
+    if (gain == 1.0) { // no gain acts in free space
+        if (std::optional<Unstable> bad = first_unstable(which, "in free space"); bad) {
+            return bad;
+        }
     }
     which.tuning.eta = eta;
     if (place.surface == nullptr) {

@@ -15,7 +15,8 @@ namespace {
 /// Squares of the motors' currents while a stimulus is presented.
 using CurrentSquares = std::array<double, 3>;
 
-/// Of one stimulus; zero for one that presses on nothing.
+/// Of one stimulus; zero for one that presses on nothing. A pulse counts for its time at its
+/// height.
 CurrentSquares squares_of(const Protocol &protocol, const StudySetting &setting,
                           const Presented &one) {
     const PlacedCondition &place = setting.conditions[one.condition];
@@ -23,10 +24,18 @@ CurrentSquares squares_of(const Protocol &protocol, const StudySetting &setting,
     if (place.surface == nullptr || !place.problem.empty()) {
         return squares;
     }
-    const std::optional<PredictedPress> press =
-        predicted_press(setting.device, place, one.parameters, protocol.stimulus);
-    for (std::size_t i = 0; press && i < squares.size(); ++i) {
-        squares[i] = std::pow(press->current_A[static_cast<Eigen::Index>(i)], 2);
+    const std::optional<PredictedPress> press = predicted_press(setting, one, protocol.stimulus);
+    if (!press) {
+        return squares;
+    }
+    const double pulse_share =
+        std::min(1.0, 1.0 / (one.parameters.pulse_hz * protocol.timing.presentation_s));
+    const Vector3 full_A = currents_A(setting.device, press->q_rad, press->force_N);
+    const Vector3 held_A = currents_A(setting.device, press->q_rad, press->held_N);
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+        const auto motor = static_cast<Eigen::Index>(i);
+        squares[i] = pulse_share * full_A[motor] * full_A[motor] +
+                     (1.0 - pulse_share) * held_A[motor] * held_A[motor];
     }
     return squares;
 }

@@ -46,6 +46,10 @@ inline constexpr double kGainMargin = 1.1;
 /// Trials and minutes, breaks and the balance of orders.
 [[nodiscard]] ProtocolFindings check_session(const Protocol &protocol, const SessionLength &length);
 
+/// What precision is to be expected of a participant's thresholds, by simulated observers who are
+/// as [expected] says. Only told, not judged.
+[[nodiscard]] ProtocolFindings check_precision(const Protocol &protocol);
+
 /// The windings' temperatures over a session of the stimulus that heats most, and of the mean one.
 struct SessionWarmth {
     ProtocolFindings findings;

@@ -2,13 +2,10 @@
 
 #include "base/parallel.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/control/motion_control.h"
 #include "engine/lab/rig/servo_rig.h"
 #include "engine/study/protocol/predicted_press.h"
 
 #include <fmt/core.h>
-
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -24,6 +21,7 @@ constexpr double kStart_s = 1.2;    ///< the servo waits for rest, then raises i
 constexpr double kApproach_s = 0.5; ///< to the spot
 constexpr double kLongest_s = 1.0;  ///< of a presentation: what happens later happens by then
 constexpr double kBack_s = 0.3;
+constexpr double kLast_s = 0.1;           ///< of a press, in which the hand should be still
 constexpr double kFollowThrough_m = 0.01; ///< of a blow
 
 /// The hand's path, and when the stimulus is presented.
@@ -31,6 +29,7 @@ struct HandCourse {
     std::vector<simulated::HandPath::Point> points;
     double from_s = 0.0;
     double until_s = 0.0;
+    bool is_held = false; ///< at its end the hand presses and is still
 };
 
 /// Down to where the hand's spring presses as hard as the condition asks.
@@ -44,6 +43,7 @@ HandCourse press_course(const Condition &condition, const scene::TouchSpot &spot
     HandCourse course;
     course.from_s = kStart_s + kApproach_s + kSettle_s;
     course.until_s = course.from_s + presentation_s;
+    course.is_held = true;
     course.points = {{0.0, above_m},
                      {kStart_s, above_m},
                      {kStart_s + kApproach_s, spot.point_m},
@@ -103,21 +103,13 @@ HandCourse course_of(const Protocol &protocol, const Condition &condition,
     return press_course(condition, spot, press.value_or(PredictedPress{}), presentation_s);
 }
 
-/// e_W that lets the motors push with a force at rest: dR i, with i = Jᵀ F/k_T.
-Vector3 volts_of(const device::DeviceDescription &device, const Condition &condition,
-                 const PredictedPress &press, const Vector3 &force_N) {
-    const Matrix3 J = device::motor_jacobian(device.geometry, press.q_rad);
-    const Vector3 current_A =
-        (J.transpose() * force_N).cwiseQuotient(control::torque_constants(device));
-    return condition.tuning.dR_Ohm * current_A;
-}
-
 class TrialRun {
 public:
     TrialRun(const Protocol &protocol, const StudySetting &setting, const Presented &presented)
         : protocol_(protocol), device_(setting.device), presented_(presented),
           condition_(presented.parameters), place_(setting.conditions[presented.condition]),
-          press_(predicted_press(device_, place_, condition_, protocol.stimulus)),
+          global_alpha_rad2_per_m2_(setting.global_alpha_rad2_per_m2),
+          press_(predicted_press(setting, presented, protocol.stimulus)),
           course_(course_of(protocol, condition_, place_.spot, press_)) {
         seen_.name = name_of(protocol, presented);
         seen_.is_turned = condition_.turn_deg == 0.0 || protocol.stimulus == StimulusForm::pulse;
@@ -131,7 +123,7 @@ public:
         rig::ServoRig rig(device_, options, course_.points.front().position_m,
                           place_.surface.get());
         rig.inputs.tuning = presented_.free_space;
-        rig.inputs.global_alpha_rad2_per_m2 = control::global_alpha_bound(device_);
+        rig.inputs.global_alpha_rad2_per_m2 = global_alpha_rad2_per_m2_;
         const auto ticks = std::lround(course_.points.back().time_s * condition_.servo_hz);
         for (long tick = 0; tick < ticks && seen_.trip.empty(); ++tick) {
             rig.inputs.excitation_V = pulse_V(rig.last.time_s);
@@ -150,7 +142,8 @@ private:
         const double share =
             0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * condition_.pulse_hz * since_s));
         const Vector3 force_N = condition_.pulse_N * share * turned(condition_, place_.spot.normal);
-        return volts_of(device_, condition_, *press_, force_N);
+        // e_W that lets the motors push with that force at rest.
+        return condition_.tuning.dR_Ohm * currents_A(device_, press_->q_rad, force_N);
     }
 
     void note(const servo::ServoSample &sample, rig::ServoRig &rig) {
@@ -177,6 +170,10 @@ private:
             const Vector3 moved_m = sample.tip_m - *touched_m_;
             const Vector3 &n = place_.spot.normal;
             seen_.slid_m = std::max(seen_.slid_m, (moved_m - moved_m.dot(n) * n).norm());
+            if (sample.time_s > course_.until_s - kLast_s && course_.is_held) {
+                seen_.shaking_m_per_s =
+                    std::max(seen_.shaking_m_per_s, rig.truth().tip_velocity_m_per_s.norm());
+            }
             seen_.deepest_m = std::max(seen_.deepest_m, n.dot(place_.spot.point_m - sample.tip_m));
         }
     }
@@ -186,6 +183,7 @@ private:
     const Presented &presented_;
     const Condition &condition_;
     const PlacedCondition &place_;
+    double global_alpha_rad2_per_m2_;
     std::optional<PredictedPress> press_;
     HandCourse course_;
     std::optional<Vector3> touched_m_;
@@ -230,6 +228,14 @@ ProtocolFindings findings_of(const Protocol &protocol, const std::vector<Conditi
                                             "most {:g} mm",
                                             1e3 * trial.slid_m, 1e3 * kMostSlide_m),
                                 "choose a flatter spot, press less, or set hold = \"cup\""});
+        }
+        if (trial.shaking_m_per_s > kMostShaking_m_per_s) {
+            findings.push_back(
+                {Severity::error, trial.name,
+                 fmt::format("the tip shakes with {:.0f} mm/s while a simulated "
+                             "hand holds still; at most {:g} mm/s",
+                             1e3 * trial.shaking_m_per_s, 1e3 * kMostShaking_m_per_s),
+                 "lower K_P_V_per_rad or K_D_Vs_per_rad"});
         }
         if (trial.is_held_back) {
             findings.push_back({Severity::warning, trial.name,

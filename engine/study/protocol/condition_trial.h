@@ -22,6 +22,7 @@ struct ConditionTrial {
     double largest_force_N = 0.0; ///< of the device at the tip, as the servo reckons it
     double slid_m = 0.0;          ///< along the surface, from where the tip first touched
     double deepest_m = 0.0;       ///< below the spot, along its normal
+    double shaking_m_per_s = 0.0; ///< of the tip at the end of a press, the hand being still
     double generated_J = 0.0;     ///< largest reading of the energy observer
     bool has_touched = false;
     bool is_held_back = false; ///< the servo reduced the force
@@ -40,6 +41,9 @@ struct ConditionTrial {
 
 /// The tip may slide so far from where it touched [m].
 inline constexpr double kMostSlide_m = 0.003;
+
+/// And shake so fast [m/s]: as an oscillation by an encoder count, 0.03 mm at the tip, at 100 Hz.
+inline constexpr double kMostShaking_m_per_s = 0.02;
 
 /// What is wrong with what was seen.
 [[nodiscard]] ProtocolFindings findings_of(const Protocol &protocol,

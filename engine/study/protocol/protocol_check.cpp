@@ -53,9 +53,7 @@ CheckedProtocol check_protocol(const Protocol &protocol, const ProtocolFolders &
         findings.push_back({Severity::note, "simulation",
                             "was left out: it comes when the errors are mended", ""});
     }
-    add(findings, options.precision ? options.precision(protocol)
-                                    : ProtocolFindings{{Severity::note, "precision",
-                                                        "to be expected was not reckoned", ""}});
+    add(findings, check_precision(protocol));
     std::ranges::stable_sort(findings, {}, &ProtocolFinding::severity);
     return checked;
 }

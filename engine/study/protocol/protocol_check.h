@@ -7,15 +7,12 @@
 #include "engine/study/protocol/session_length.h"
 #include "engine/study/protocol/study_setting.h"
 
-#include <functional>
 #include <vector>
 
 namespace springdrive::study {
 
 struct CheckOptions {
     bool simulates = true; ///< each condition at its extremes, some tenths of a second each
-    /// What precision is to be expected of the design. Empty: a note says that it was not reckoned.
-    std::function<ProtocolFindings(const Protocol &)> precision;
 };
 
 struct CheckedProtocol {

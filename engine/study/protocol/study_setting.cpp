@@ -3,6 +3,7 @@
 #include "base/complaint.h"
 #include "base/degrees.h"
 #include "engine/contact/proxy/proxy.h"
+#include "engine/control/motion_control.h"
 #include "engine/lab/rig/scenario/touch_scene.h"
 
 #include <fmt/core.h>
@@ -121,6 +122,7 @@ std::filesystem::path scene_file_of(const Condition &condition, const ProtocolFo
 StudySetting study_setting(const Protocol &protocol, const ProtocolFolders &folders) {
     StudySetting setting;
     setting.device = device::read_device_file(device_file_of(protocol, folders));
+    setting.global_alpha_rad2_per_m2 = control::global_alpha_bound(setting.device);
     std::map<std::filesystem::path, LoadedStudyScene> scenes;
     for (const Condition &condition : protocol.conditions) {
         if (condition.scene == kNoScene) {

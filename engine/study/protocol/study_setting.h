@@ -38,6 +38,7 @@ struct PlacedCondition {
 struct StudySetting {
     device::DeviceDescription device;
     std::vector<PlacedCondition> conditions; ///< in the protocol's order
+    double global_alpha_rad2_per_m2 = 0.0;   ///< of control::AlphaMode::global
 };
 
 /// Loads the device and all scenes; each scene once.

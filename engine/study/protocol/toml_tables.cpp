@@ -31,18 +31,17 @@ void read_text(StrictTomlTable &table, std::string_view key, std::string &into) 
 }
 
 void refuse_as(StrictTomlTable &table, const std::string &complaint) {
-    const std::size_t end = complaint.find_first_of(" .");
-    if (complaint.empty() || end == std::string::npos) {
+    if (complaint.empty()) {
         return;
     }
+    const std::size_t end = std::min(complaint.find(' '), complaint.size());
     const std::string key = complaint.substr(0, end);
-    const std::string rest = complaint.substr(end + 1);
-    if (complaint[end] == '.' && table.has(key)) {
-        StrictTomlTable inner = table.table(key);
-        refuse_as(inner, rest);
+    const std::size_t dot = key.find('.');
+    if (dot != std::string::npos && table.has(key.substr(0, dot))) {
+        StrictTomlTable inner = table.table(key.substr(0, dot));
+        refuse_as(inner, complaint.substr(dot + 1));
     }
-    table.refuse(complaint[end] == '.' ? complaint.substr(0, complaint.find(' ')) : key,
-                 complaint[end] == '.' ? complaint.substr(complaint.find(' ') + 1) : rest);
+    table.refuse(key, complaint.substr(std::min(end + 1, complaint.size())));
 }
 
 } // namespace springdrive::study

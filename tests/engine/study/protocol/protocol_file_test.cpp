@@ -184,7 +184,7 @@ const std::vector<Malformed> &malformed() {
         {"seed = 7", "free_space_is_stimulus = true", {"free_space is given", "left out"}},
         {"stimulus = \"press\"", "stimulus = \"stroke\"", {"free_space_is_stimulus is false"}},
         {"parameter = \"eta\"",
-         "parameter = \"pulse_hz\"\nlevel = \"value\"#",
+         "parameter = \"pulse_hz\"",
          {"variable.standard is 0.4", "1 to 250"}},
         {"keys = [\"1\", \"2\"]",
          "keys = [\"1\", \"space\"]",
