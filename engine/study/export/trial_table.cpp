@@ -102,6 +102,8 @@ void add_stimulus_and_response(Columns &to) {
            [](Row row) { return row.trial.track; });
     to.add("is_practice", "1 for a practice trial", [](Row row) { return row.trial.is_practice; });
     to.add("is_catch", "1 for a catch trial", [](Row row) { return row.trial.is_catch; });
+    to.add("is_presented_again", "1 if the method did not count it and presents its level again",
+           [](Row row) { return row.trial.is_presented_again; });
     to.add("counts", "1 for the analysis: no practice, no catch trial, no mark",
            [](Row row) { return counts(row.trial); });
     to.add("seed", "key of everything random in the trial", [](Row row) { return row.trial.seed; });

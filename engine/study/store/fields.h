@@ -88,6 +88,7 @@ template <RowOf<TrialRow> Row, typename Field> void for_each_field(Row &row, Fie
     field("track", trial.track);
     field("is_practice", trial.is_practice);
     field("is_catch", trial.is_catch);
+    field("is_presented_again", trial.is_presented_again);
     field("seed", trial.seed);
     field("level_name", trial.level_name);
     field("level", trial.level);

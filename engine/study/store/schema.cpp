@@ -69,6 +69,7 @@ CREATE TABLE trial (
     track TEXT NOT NULL,
     is_practice INTEGER NOT NULL CHECK (is_practice IN (0, 1)),
     is_catch INTEGER NOT NULL CHECK (is_catch IN (0, 1)),
+    is_presented_again INTEGER NOT NULL CHECK (is_presented_again IN (0, 1)),
     seed INTEGER NOT NULL,
     level_name TEXT NOT NULL,
     level ANY CHECK (typeof(level) IN ('real', 'null')),

@@ -163,6 +163,9 @@ struct Trial {
     std::string track;     ///< of the method, such as a staircase; empty if it has one only
     bool is_practice = false;
     bool is_catch = false;
+    /// It did not happen for the method, which presents its level again; decided when it is stored.
+    /// A mark that is added later leaves the sequence as it is.
+    bool is_presented_again = false;
     std::uint64_t seed = 0; ///< key of everything random in it
 
     std::string level_name; ///< the variable under test, with its unit; empty: none

@@ -100,7 +100,10 @@ std::string what_is_wrong_with(const Trial &trial, std::string_view records_fold
                   trial.record ? what_is_wrong_with_record(trial, records_folder) : std::string(),
                   std::ranges::find(trial.marks, std::string()) == trial.marks.end()
                       ? ""
-                      : "a mark has no reason"});
+                      : "a mark has no reason",
+                  trial.is_presented_again && trial.marks.empty()
+                      ? "it is presented again, and nothing says why"
+                      : ""});
     for (const Presentation &presentation : trial.presentations) {
         problem = first_of({problem, what_is_wrong_with_names(presentation.values)});
     }

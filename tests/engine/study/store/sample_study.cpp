@@ -160,6 +160,7 @@ Trial sample_trial(std::uint64_t seed, int participant, int number) {
     }
     if (draws.below(4) == 0) {
         trial.marks = {"direction 2.1 degrees off", "late"};
+        trial.is_presented_again = draws.coin();
     }
     if (is_repetition(number)) {
         trial.repetition_of = place_of(number - 1);

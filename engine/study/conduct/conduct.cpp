@@ -1,0 +1,111 @@
+#include "engine/study/conduct/conduct.h"
+
+#include "base/input_error.h"
+#include "engine/study/conduct/marking.h"
+#include "engine/study/conduct/stored_trial.h"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <utility>
+#include <variant>
+
+namespace springdrive::study {
+
+namespace {
+
+/// The trials of one participant, in their order.
+std::vector<Trial> trials_of(const StudyContents &contents, const std::string &participant) {
+    std::vector<Trial> trials;
+    for (const Trial &trial : contents.trials) {
+        if (trial.participant == participant) {
+            trials.push_back(trial);
+        }
+    }
+    return trials;
+}
+
+Trial stored_form(const Protocol &protocol, const Session &session, const PlannedTrial &planned,
+                  TrialResult result, UtcTime at) {
+    Trial trial = before_it_is_run(protocol, planned);
+    trial.participant = session.participant;
+    trial.session = session.id;
+    trial.software = session.software;
+    trial.at = at;
+    trial.presentations = std::move(result.presentations);
+    trial.response = result.response;
+    trial.response_time_s = result.response_time_s;
+    trial.is_correct = is_correct(protocol.task, trial);
+    trial.tuning = std::move(result.tuning);
+    trial.windings_degC = std::move(result.windings_degC);
+    trial.safety_events = std::move(result.safety_events);
+    trial.missed_deadlines = result.missed_deadlines;
+    trial.record = std::move(result.record);
+    trial.marks = std::move(result.marks);
+    for (std::string &mark : marks_of(protocol.marking, trial.presentations)) {
+        trial.marks.push_back(std::move(mark));
+    }
+    for (const SafetyEvent &event : trial.safety_events) {
+        trial.marks.push_back("the safety monitor tripped: " + event.text);
+    }
+    if (std::holds_alternative<NoResponse>(trial.response)) {
+        trial.marks.push_back(fmt::format("no response in {:g} s", protocol.timing.response_s));
+    }
+    // Without an answer a method has nothing to learn from, whatever the protocol says of
+    // repeating.
+    trial.is_presented_again =
+        !trial.marks.empty() &&
+        (protocol.marking.repeats || std::holds_alternative<NoResponse>(trial.response));
+    return trial;
+}
+
+SessionEnding run_trials(StudyStore &store, const Protocol &protocol, const Session &session,
+                         const Conduct &how) {
+    const StudyContents contents = store.contents();
+    Sequence sequence =
+        sequence_after(protocol, participant_of(contents, session.participant).number,
+                       trials_of(contents, session.participant));
+    const std::chrono::duration<double, std::ratio<60>> longest(
+        protocol.stopping.longest_session_min);
+    int trips = 0;
+    while (const std::optional<PlannedTrial> planned = sequence.next()) {
+        if (const std::optional<SessionEnding> ending = how.ends()) {
+            return *ending;
+        }
+        std::optional<TrialResult> result = how.present(*planned);
+        if (!result) {
+            return how.ends().value_or(SessionEnding::device_lost);
+        }
+        trips += result->safety_events.empty() ? 0 : 1;
+        const UtcTime at = how.now();
+        const Trial trial = stored_form(protocol, session, *planned, std::move(*result), at);
+        store.append(trial);
+        sequence.add(trial);
+        if (trips > protocol.stopping.most_trips) {
+            return SessionEnding::safety_trip;
+        }
+        if (at - session.started > longest && sequence.next()) {
+            return SessionEnding::stopped;
+        }
+    }
+    return SessionEnding::completed;
+}
+
+} // namespace
+
+SessionEnding conduct(StudyStore &store, const Protocol &protocol, const Session &session,
+                      const Conduct &how) {
+    try {
+        const SessionEnding ending = run_trials(store, protocol, session, how);
+        store.end(session.id, ending, how.now());
+        return ending;
+    } catch (const InputError &) {
+        try {
+            store.end(session.id, SessionEnding::failed, how.now());
+        } catch (const InputError &) { // the store says at the next opening that it was interrupted
+        }
+        throw;
+    }
+}
+
+} // namespace springdrive::study

@@ -1,0 +1,76 @@
+// The whole sequence of a participant's trials: blocks in the order that counterbalancing gives
+// them, trials as each block asks for them.
+//
+// What comes next is a function of the protocol, the participant's number and the trials in the
+// store. A session that was killed, or stopped, is therefore resumed with the sequence of an
+// undisturbed one.
+#pragma once
+
+#include "engine/study/methods/block.h"
+#include "engine/study/protocol/protocol.h"
+#include "engine/study/store/study_contents.h"
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace springdrive::study {
+
+/// A trial that is to be run.
+struct PlannedTrial {
+    TrialPlace place;
+    std::size_t block = 0;     ///< index into `Protocol::blocks`
+    std::size_t condition = 0; ///< index into `Protocol::conditions`
+    BlockTrial presented;
+    RandomKey key; ///< of whatever else is drawn in it
+    /// The marked trial whose level is presented again.
+    std::optional<TrialPlace> repetition_of;
+
+    friend bool operator==(const PlannedTrial &, const PlannedTrial &) = default;
+};
+
+/// A block that was begun and ended.
+struct EndedBlock {
+    std::size_t block = 0; ///< index into `Protocol::blocks`
+    BlockState state = BlockState::complete;
+
+    friend bool operator==(const EndedBlock &, const EndedBlock &) = default;
+};
+
+class Sequence {
+public:
+    /// @param participant  the number, from 1
+    /// @pre what_is_wrong_with(protocol) is empty
+    Sequence(const Protocol &protocol, int participant);
+
+    /// The same however often it is asked; nothing after the last trial of the last block.
+    [[nodiscard]] std::optional<PlannedTrial> next() const;
+
+    /// The trial that came next, as it is stored.
+    /// @throw InputError if it is not `next()`: the study was run with another protocol.
+    void add(const Trial &trial);
+
+    /// Blocks in this participant's order, as indices into `Protocol::blocks`.
+    [[nodiscard]] std::span<const int> order() const { return order_; }
+    /// In that order. A block with too many marked trials has ended unfinished.
+    [[nodiscard]] std::span<const EndedBlock> ended() const { return ended_; }
+
+private:
+    void begin_block();
+
+    Protocol protocol_;
+    RandomKey key_; ///< of the participant
+    std::vector<int> order_;
+    std::vector<EndedBlock> ended_;
+    std::optional<BlockRun> run_;      ///< of the present block; nothing after the last
+    int position_ = 1;                 ///< in the present block
+    std::vector<PlannedTrial> marked_; ///< of the present block, and not presented again yet
+};
+
+/// The sequence after these trials of the participant, in their order.
+/// @throw InputError as `Sequence::add` does.
+[[nodiscard]] Sequence sequence_after(const Protocol &protocol, int participant,
+                                      std::span<const Trial> trials);
+
+} // namespace springdrive::study
