@@ -113,13 +113,15 @@ void Kiosk::note_visitor(const KioskParts &parts, const KioskAnswer &answer) {
     const bool presses = std::ranges::any_of(io.MouseDown, [](bool is_down) { return is_down; }) ||
                          std::ranges::any_of(io.MouseClicked, [](bool is_new) { return is_new; });
     bool switches = answer.other_map;
+    bool types = false;
     for (const KeyPress &key : keys_) {
+        types = types || !(key.with_ctrl && key.with_alt); // which are the staff's
         switches = switches || (key.name == "m" && !key.with_ctrl && !key.is_repeated);
         if (key.with_ctrl && key.with_alt && key.name == "z") {
             zero(parts.stage.session);
         }
     }
-    now_.is_touched = presses || io.MouseWheel != 0.0F || !keys_.empty() || answer.stop ||
+    now_.is_touched = presses || io.MouseWheel != 0.0F || types || answer.stop ||
                       tip_was_moved(parts.stage.session);
     keys_.clear();
     // A press that began the visit does not yet take the hand.
@@ -243,7 +245,9 @@ void Kiosk::show_scene(const KioskParts &parts, std::size_t scene) {
 void Kiosk::renew_read_out(const KioskParts &parts) {
     const servo::ServoSample &now = parts.stage.session.latest();
     const record::ChannelStore &store = parts.stage.session.servo().history().store();
-    if (!now.contact.touching || store.is_empty()) {
+    constexpr double kFelt_N = 0.15; // a smaller force has no direction to speak of
+    if (!now.contact.touching || now.safety.state != servo::SafetyState::running ||
+        !(now.tip_force_N.norm() > kFelt_N) || store.is_empty()) {
         read_out_.reset();
         return;
     }

@@ -105,6 +105,9 @@ private:
     }
 
     void draw_lesson() const {
+        if (shown_.title.empty()) { // while the scene is loaded
+            return;
+        }
         constexpr float kWide = 760.0F;
         const Plate plate("lesson", {left(), top()}, {0.0F, 0.0F}, kWide * u_, kBackdrop,
                           ImGuiWindowFlags_NoInputs);

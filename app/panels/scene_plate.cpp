@@ -1,5 +1,6 @@
 #include "app/panels/scene_plate.h"
 
+#include "app/view/view_state.h"
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"
 #include "engine/session/telemetry_channels.h"
@@ -138,6 +139,22 @@ public:
     Captions(const Captions &) = delete;
     Captions &operator=(const Captions &) = delete;
 
+    /// Captions stand beside what lies between these points, such as the tip and its force.
+    void keep_clear(const Vector3 &from_m, const Vector3 &to_m) {
+        const auto from = camera_.pixel_of(from_m, PixelSize{view_.size.x, view_.size.y});
+        const auto to = camera_.pixel_of(to_m, PixelSize{view_.size.x, view_.size.y});
+        if (!from || !to) {
+            return;
+        }
+        const float around = 16.0F * scale_;
+        const auto [left, right] = std::minmax(from->x_px, to->x_px);
+        const auto [top, bottom] = std::minmax(from->y_px, to->y_px);
+        clear_ = CaptionBox{{view_.corner.x + static_cast<float>(left) - around,
+                             view_.corner.y + static_cast<float>(top) - around},
+                            {static_cast<float>(right - left) + 2.0F * around,
+                             static_cast<float>(bottom - top) + 2.0F * around}};
+    }
+
     void draw(const scene::Caption &caption, const ImVec4 &colour) {
         const auto pixel = camera_.pixel_of(caption.at_m, PixelSize{view_.size.x, view_.size.y});
         if (!pixel) {
@@ -149,13 +166,16 @@ public:
         const ImVec2 text = ImGui::CalcTextSize(caption.text.c_str());
         CaptionBox box{{at.x - 0.5F * text.x - margin, at.y - text.y - 12.0F * scale_},
                        {text.x + 2.0F * margin, text.y + 0.5F * margin}};
+        if (clear_ && clear_->overlaps(box)) {
+            box.corner.x = clear_->corner.x + clear_->size.x;
+        }
         while (std::ranges::any_of(boxes_, [&](const CaptionBox &b) { return b.overlaps(box); })) {
             box.corner.y -= 0.5F * box.size.y;
         }
         boxes_.push_back(box);
         const ImVec2 end{box.corner.x + box.size.x, box.corner.y + box.size.y};
         const ImU32 ink = ImGui::ColorConvertFloat4ToU32(colour);
-        list_.AddLine({at.x, end.y}, at, ink, scale_);
+        list_.AddLine({std::clamp(at.x, box.corner.x, end.x), end.y}, at, ink, scale_);
         list_.AddRectFilled(box.corner, end, ImGui::ColorConvertFloat4ToU32(kPlate), 3.0F * scale_);
         list_.AddText({box.corner.x + margin, box.corner.y + 0.25F * margin}, ink,
                       caption.text.c_str());
@@ -168,6 +188,7 @@ private:
     float scale_;
     ImDrawList &list_;
     std::vector<CaptionBox> boxes_;
+    std::optional<CaptionBox> clear_;
 };
 
 } // namespace
@@ -216,6 +237,8 @@ void draw_captions(const session::Session &session, const Camera &camera, const 
                    float scale) {
     const scene::Scene &scene = session.scenes().now().scene;
     Captions captions(camera, view, scale);
+    const servo::ServoSample &now = session.latest();
+    captions.keep_clear(now.tip_m, now.tip_m + kArrowMetresPerNewton * now.tip_force_N);
     for (const scene::Caption &caption : scene.captions) {
         captions.draw(caption, kInk);
     }

@@ -20,8 +20,9 @@ constexpr double kLineRadius_px = 0.9;
 constexpr double kTargetRadius_px = 10.0;
 constexpr double kLightTarget = 0.55; // of the hand colour while the hand is not held
 
-constexpr double kShaftRadius_m = 1.1e-3;
-constexpr double kHeadPerShaft = 2.6; // radius of the arrow's head
+constexpr double kShaftRadius_m =
+    2.6e-3;                           // more than the forearm's near the tip, which it may hide in
+constexpr double kHeadPerShaft = 2.2; // radius of the arrow's head
 constexpr double kHeadSlenderness = 2.8;
 
 void append_line(std::vector<Solid> &solids, const Vector3 &from_m, const Vector3 &to_m,

@@ -58,8 +58,8 @@ SceneDescription slope() {
         sheared(box(Vector3(-0.055, -0.034, -0.050), Vector3(0.055, -0.022, 0.020)), -kFall, 0.0);
     return {"slope",
             {"A slope without friction",
-             "Press straight down and let it slide: without friction, the slope "
-             "pushes only square to itself.",
+             "Press on it and drag along: without friction, the slope pushes only "
+             "square to itself.",
              {}},
             true,
             {named(std::move(slab), "slope", {0.25, 0.40, 0.46})},
