@@ -1,4 +1,4 @@
-// Written by references.R; R 4.2.2 psyphy 0.2.3 metafor 3.8.1 
+// Written by references.R; R 4.2.2 psyphy 0.2.3 metafor 3.8.1
 #pragma once
 
 #include "engine/study/analysis/group_summary.h"

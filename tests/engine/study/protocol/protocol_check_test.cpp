@@ -442,9 +442,13 @@ TEST(ProtocolCheck, FindsPausesTooShortForAnotherServoRate) {
 }
 
 TEST(ProtocolCheck, TellsThePrecisionToBeExpected) {
+    // With as many levels as unknown parameters or fewer, no number of trials tells lapses from a
+    // flat slope, and the priors are felt for ever.
     Protocol protocol = protocol_of(kPlainProtocol);
+    auto &method = std::get<ConstantStimuli>(protocol.method);
+    method.levels = {0.05, 0.1, 0.14, 0.2, 0.28, 0.4, 0.6};
     const auto width = [&](int blocks) {
-        std::get<ConstantStimuli>(protocol.method).blocks = blocks;
+        method.blocks = blocks;
         const ProtocolFindings findings = check_precision(protocol);
         EXPECT_EQ(findings.size(), 1U);
         const std::string &what = findings[0].what;
@@ -452,11 +456,11 @@ TEST(ProtocolCheck, TellsThePrecisionToBeExpected) {
         EXPECT_NE(at, std::string::npos) << what;
         return at == std::string::npos ? 0.0 : std::stod(what.substr(at + 12));
     };
-    const double few = width(40);
-    const double many = width(160);
+    const double few = width(50);
+    const double many = width(200);
     EXPECT_GT(many, 1.0);
     // Four times as many trials: on the logarithmic scale half of the width, in the limit of many.
-    // The median of sixty studies scatters by some 5 %, and 120 trials still feel the priors.
+    // The median of sixty studies scatters by some 5 %, and the factor is printed to three digits.
     const double ratio = std::log(few) / std::log(many);
     EXPECT_GT(ratio, 1.7);
     EXPECT_LT(ratio, 2.5);
