@@ -64,7 +64,7 @@ TEST(StudyCommand, ChecksWhatItHasWritten) {
     EXPECT_NE(bad.out.find("is unstable"), std::string::npos) << bad.out;
     EXPECT_NE(bad.error.find("2 errors"), std::string::npos) << bad.error;
 
-    text.replace(text.find("K_P_V_per_rad = 90.0"), 20, "K_P_V_per_rad = 900.");
+    text.replace(text.find("K_P_V_per_rad = 90.0"), 20, "K_P_V_per_rad = 900.0");
     std::ofstream(file) << text;
     testing::expect_refused(study({"check", file}),
                             "K_P_V_per_rad is 900; it must be a number from 0");
