@@ -56,6 +56,15 @@ bool fails_now() {
     return now;
 }
 
+/// The same for a call that is not begun if the process is killed.
+bool fails_as_a_whole() {
+    const bool now = fails_now();
+    if (now && disk().failure == DiskFailure::kill) {
+        std::raise(SIGKILL);
+    }
+    return now;
+}
+
 bool is_without_power() { return disk().has_failed && disk().failure == DiskFailure::power_loss; }
 bool is_full() { return disk().has_failed && disk().failure == DiskFailure::full; }
 
@@ -116,10 +125,7 @@ int write_file(sqlite3_file *file, const void *bytes, int count, sqlite3_int64 a
 }
 
 int truncate_file(sqlite3_file *file, sqlite3_int64 size) {
-    const bool now = fails_now();
-    if (now && disk().failure == DiskFailure::kill) {
-        std::raise(SIGKILL);
-    }
+    fails_as_a_whole();
     if (is_without_power()) {
         return SQLITE_IOERR_TRUNCATE;
     }
@@ -143,10 +149,7 @@ void sync_names() {
 }
 
 int sync_file(sqlite3_file *file, int) {
-    const bool now = fails_now();
-    if (now && disk().failure == DiskFailure::kill) {
-        std::raise(SIGKILL);
-    }
+    fails_as_a_whole();
     if (is_without_power()) {
         return SQLITE_IOERR_FSYNC;
     }
@@ -207,10 +210,7 @@ int open_file(sqlite3_vfs *, const char *path, sqlite3_file *file, int flags, in
 }
 
 int delete_file(sqlite3_vfs *, const char *path, int sync_folder) {
-    const bool now = fails_now();
-    if (now && disk().failure == DiskFailure::kill) {
-        std::raise(SIGKILL);
-    }
+    const bool now = fails_as_a_whole();
     // Power that is lost in the course of it: the name may be gone.
     if (is_without_power() && !now) {
         return SQLITE_IOERR_DELETE;
@@ -225,10 +225,7 @@ int delete_file(sqlite3_vfs *, const char *path, int sync_folder) {
         return SQLITE_IOERR_DELETE;
     }
     if (sync_folder != 0) {
-        const bool power_fails = fails_now();
-        if (power_fails && disk().failure == DiskFailure::kill) {
-            std::raise(SIGKILL);
-        }
+        fails_as_a_whole();
         if (is_without_power()) {
             return SQLITE_IOERR_DIR_FSYNC;
         }

@@ -154,6 +154,7 @@ TEST(DamagedStudies, AreReadWholeOrRefused) {
     const int cases = testing::cases(300, 20'000);
     for (int i = 0; i < cases; ++i) {
         const auto file = folder / "damaged.study";
+        std::filesystem::remove(file); // to write over a file would wait for the disk
         put(file, mutated(bytes, static_cast<std::uint64_t>(i)));
         const auto expect_one_line = [&](const std::string &said) {
             EXPECT_TRUE(said.starts_with(file.string() + ": ")) << i << said;
