@@ -48,7 +48,7 @@ public:
     static constexpr double kFarewell_s = 10.0; ///< for which that is asked
     static constexpr double kPatience_s = 20.0; ///< with a scene that does not get ready
     static constexpr double kBetween_s = 2.0;   ///< scenes, in `attract`
-    static constexpr double kGap_s = 5.0;       ///< between frames: the computer slept
+    static constexpr double kGap_s = 15.0;      ///< between frames: the computer slept
 
     /// @param scenes  their number, at least 1; the first is shown
     explicit Course(std::size_t scenes) : scenes_(scenes) {}

@@ -25,18 +25,24 @@ std::string local_time(std::chrono::system_clock::time_point when, const char *f
     return {text.data(), size};
 }
 
+/// "1 stop", "2 stops"
+std::string counted(std::size_t count, std::string_view what) {
+    return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 } // namespace
 
 std::string summary_of(const DayFigures &figures) {
-    std::string text = fmt::format("{} visitors, {} scenes; {} stops, healed {} times",
-                                   figures.visitors, figures.scenes, figures.trips, figures.healed);
+    std::string text = fmt::format("{}, {}; {}, {} healed", counted(figures.visitors, "visitor"),
+                                   counted(figures.scenes, "scene"), counted(figures.trips, "stop"),
+                                   figures.healed);
     if (figures.healed > 0) {
         text += fmt::format(", the longest after {:.0f} s", figures.longest_healing_s);
     }
-    return text + fmt::format("; the device was lost {} times; peak force {:.2f} N, peak voltage "
+    return text + fmt::format("; the device was lost {}; peak force {:.2f} N, peak voltage "
                               "{:.2f} V; longest frame {:.0f} ms",
-                              figures.losses, figures.peak_force_N, figures.peak_voltage_V,
-                              1e3 * figures.longest_frame_s);
+                              counted(figures.losses, "time"), figures.peak_force_N,
+                              figures.peak_voltage_V, 1e3 * figures.longest_frame_s);
 }
 
 std::filesystem::path usual_day_log() {

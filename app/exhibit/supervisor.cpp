@@ -29,6 +29,7 @@ using Seconds = std::chrono::duration<double>;
 
 constexpr Seconds kLook{0.05};
 constexpr Seconds kPatience{20.0}; ///< with a child that was asked to end
+constexpr int kBySignal = 128;     ///< of an exit status: plus the signal's number
 
 /// As this program was started.
 std::vector<std::string> own_arguments() {
@@ -79,7 +80,6 @@ ChildEnd wait_for(pid_t child) {
         }
         std::this_thread::sleep_for(kLook);
     }
-    constexpr int kBySignal = 128;
     return {WIFSIGNALED(status) ? kBySignal + WTERMSIG(status) : WEXITSTATUS(status),
             Seconds(Clock::now() - start).count()};
 }
@@ -107,6 +107,10 @@ int supervise(const std::filesystem::path &log) {
     DayLog day_log(log);
     for (;;) {
         const ChildEnd end = wait_for(start_child(words));
+        if (asked_to_end() && end.status == kBySignal + SIGTERM) { // it had just begun to start
+            day_log.note("end, by a signal, before the window was there");
+            return 0;
+        }
         const std::optional<double> pause_s = policy.pause_s(end);
         if (!pause_s || asked_to_end()) {
             return end.status;

@@ -112,7 +112,7 @@ TEST(ExhibitDayLog, SumsUp) {
     figures.scenes = 112;
     figures.peak_force_N = 3.456;
     EXPECT_EQ(summary_of(figures),
-              "40 visitors, 112 scenes; 0 stops, healed 0 times; the device was lost 0 times; "
+              "40 visitors, 112 scenes; 0 stops, 0 healed; the device was lost 0 times; "
               "peak force 3.46 N, peak voltage 0.00 V; longest frame 0 ms");
 }
 

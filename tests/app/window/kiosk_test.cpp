@@ -143,7 +143,7 @@ TEST_F(KioskInTheWindow, NoKeyNoFileAndNoTitleBarLeadsOut) {
     // The way out that is documented.
     window().person().key("ctrl+alt+q");
     EXPECT_EQ(window().program().end(0).exit_status, 0);
-    EXPECT_NE(testing::contents_of(log()).find("end, by Ctrl+Alt+Q: 1 visitors"),
+    EXPECT_NE(testing::contents_of(log()).find("end, by Ctrl+Alt+Q: 1 visitor,"),
               std::string::npos);
 }
 
@@ -166,7 +166,7 @@ TEST_F(KioskInTheWindow, StopsByTheButtonAndGoesOnByItself) {
     EXPECT_EQ(window().program().end(SIGTERM).exit_status, 0);
     const std::string log_text = testing::contents_of(log());
     EXPECT_NE(log_text.find("stopped: emergency stop"), std::string::npos) << log_text;
-    EXPECT_NE(log_text.find("2 stops, healed 1 times"), std::string::npos) << log_text;
+    EXPECT_NE(log_text.find("2 stops, 1 healed"), std::string::npos) << log_text;
 }
 
 TEST_F(KioskInTheWindow, TheNextVisitorFindsAllAsItWas) {
@@ -213,7 +213,7 @@ TEST_F(KioskInTheWindow, ComesBackWhenItsDeviceIsPluggedInAgain) {
     EXPECT_EQ(window().program().end(SIGTERM).exit_status, 0);
     const std::string log_text = testing::contents_of(log());
     EXPECT_NE(log_text.find("the device is there again"), std::string::npos) << log_text;
-    EXPECT_NE(log_text.find("the device was lost 1 times"), std::string::npos) << log_text;
+    EXPECT_NE(log_text.find("the device was lost 1 time;"), std::string::npos) << log_text;
 }
 
 TEST(KioskOptions, RefusesWhatIsNotForVisitorsInOneLine) {
