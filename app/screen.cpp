@@ -47,10 +47,17 @@ std::vector<std::filesystem::path> scenes_in(const std::filesystem::path &folder
     return files;
 }
 
-/// The included scenes, and those in the folder of the requested scene.
+/// Of an included scene, its place in the tour; all others come behind.
+std::size_t place_in_tour(const std::filesystem::path &file) {
+    const auto found = std::ranges::find(exhibit::kTour, file.stem(), &exhibit::TourStop::scene);
+    return static_cast<std::size_t>(found - exhibit::kTour.begin());
+}
+
+/// The included scenes in the order of the tour, and those in the folder of the requested scene.
 std::vector<std::filesystem::path> offered_scenes(const std::filesystem::path &scene) {
     const std::filesystem::path own = asset_folder() / "scenes";
     std::vector<std::filesystem::path> files = scenes_in(own);
+    std::ranges::stable_sort(files, {}, place_in_tour);
     std::error_code ignored;
     if (!std::filesystem::equivalent(scene.parent_path().empty() ? "." : scene.parent_path(), own,
                                      ignored)) {

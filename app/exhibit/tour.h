@@ -37,13 +37,13 @@ inline constexpr std::array<TourStop, 11> kTour{{
      "Press on the orange square, then switch the map: one pushes square to the surface, the other "
      "far to the side."},
     {"slope", Gesture::stroke},
-    {"compliance", Gesture::press_each, "Press pad after pad: each is softer than the one before."},
+    {"compliance", Gesture::press_each},
     {"organic", Gesture::stroke},
     {"stepped_block", Gesture::stroke},
     {"thin_plate", Gesture::stroke},
     {"spheres", Gesture::press_each},
     {"profile", Gesture::stroke},
-    {"sphere", Gesture::stroke, "Go round it: the push turns with the surface."},
+    {"sphere", Gesture::stroke},
     {"blow", Gesture::strike},
 }};
 

@@ -24,16 +24,17 @@ float plate_width(const Rectangle &view, float scale) {
     return std::min(320.0F * scale, 0.42F * view.size.x);
 }
 
-/// The file at this distance in the list from the one that is shown; null if there is none.
+/// The file at this distance in the list from the one that is shown, the first behind the last;
+/// null if the shown one is not in the list.
 const std::filesystem::path *neighbour(std::span<const std::filesystem::path> files,
                                        const std::filesystem::path &shown, std::ptrdiff_t by) {
     std::error_code ignored;
     const auto found = std::ranges::find(files, absolute(shown, ignored).lexically_normal());
-    const std::ptrdiff_t there = found - files.begin() + by;
+    if (found == files.end()) {
+        return nullptr;
+    }
     const auto count = static_cast<std::ptrdiff_t>(files.size());
-    return found == files.end() || there < 0 || there >= count
-               ? nullptr
-               : &files[static_cast<std::size_t>(there)];
+    return &files[static_cast<std::size_t>((found - files.begin() + by + count) % count)];
 }
 
 void draw_neighbour_button(session::Session &session, std::span<const std::filesystem::path> files,
@@ -44,8 +45,7 @@ void draw_neighbour_button(session::Session &session, std::span<const std::files
     if (ui::small_button(label) && file != nullptr) {
         session.request_scene(*file);
     }
-    ui::explain(file == nullptr ? "There is no further scene in the list."
-                                : file->filename().string());
+    ui::explain(file == nullptr ? "This scene is not in the list." : file->filename().string());
 }
 
 /// Title, and the buttons in its row.

@@ -104,10 +104,7 @@ SceneDescription sphere() {
     Part ball =
         moved(geodesic_sphere(kSphereFrequency), kSphereRadius_m, Vector3(0.0, 0.050, -0.015));
     return {"sphere",
-            {"Round",
-             "Go round it: the push turns with the surface, and fills the polar plots of "
-             "figures 5 and 6.",
-             {}},
+            {"Round", "Go round it: the push turns with the surface.", {}},
             true,
             {named(std::move(ball), "sphere", {0.72, 0.28, 0.10})},
             kToFeelRoundness};
@@ -170,14 +167,12 @@ SceneDescription organic() {
 
 /// Pads of 22 × 35 × 60 mm side by side, from rigid to almost free.
 SceneDescription compliance() {
-    SceneDescription scene{"compliance",
-                           {"From hard to soft",
-                            "Press pad after pad: the set-point gives way by "
-                            "the share η of what your hand moves.",
-                            {}},
-                           true,
-                           {},
-                           kToCompareStiffness};
+    SceneDescription scene{
+        "compliance",
+        {"From hard to soft", "Press pad after pad: each is softer than the one before.", {}},
+        true,
+        {},
+        kToCompareStiffness};
     constexpr std::array<std::array<double, 3>, kPadEta.size()> kColours{{{0.08, 0.22, 0.45},
                                                                           {0.10, 0.34, 0.36},
                                                                           {0.20, 0.42, 0.18},

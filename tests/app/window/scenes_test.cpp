@@ -65,14 +65,20 @@ TEST(SceneInTheWindow, TheSentenceCanBePutAwayAndBroughtBack) {
 }
 
 TEST(SceneInTheWindow, GoesFromSceneToScene) {
-    ShownWindow window({"--scene", scene_of("blow")});
-    EXPECT_FALSE(window.look().item("lesson/previous").value("enabled", true));
-    window.click("lesson/next");
+    ShownWindow window({"--scene", scene_of("slope")});
+    window.click("lesson/next"); // in the order of the tour
     const Report next = window.wait_until(
         [](const Report &report) { return report.shows("From hard to soft"); }, "the next scene");
     EXPECT_TRUE(next.shows("η 0.75")); // on its pad
-    window.click("lesson/previous");
-    window.wait_until([](const Report &report) { return report.shows("A blow"); }, "the first");
+    const auto goes_to = [&](const char *button, const char *title) {
+        window.click(button);
+        window.wait_until([&](const Report &report) { return report.shows(title); }, title);
+    };
+    goes_to("lesson/previous", "A slope without friction");
+    goes_to("lesson/previous", "The wrong direction");
+    goes_to("lesson/previous", "A stiff wall");
+    goes_to("lesson/previous", "A blow"); // the last is before the first
+    goes_to("lesson/next", "A stiff wall");
 }
 
 TEST(SceneInTheWindow, AModelOfOnesOwnHasNoPlate) {
