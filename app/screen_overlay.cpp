@@ -2,6 +2,7 @@
 // minute.
 #include "app/screen.h"
 
+#include "app/asset_folder.h"
 #include "app/panels/legend.h"
 #include "base/complaint.h"
 
@@ -93,7 +94,8 @@ void Screen::draw_over_scene(const Rectangle &view) {
     if (!has_panels()) {
         const servo::ServoSample now =
             opened_.is_shown() ? opened_.playback().sample() : session_.latest();
-        draw_read_outs(opened_.subject(session_), now.tuning.map, view, window_.scale());
+        draw_read_outs(opened_.subject(session_), now.tuning.map, view, window_.large_text(),
+                       window_.scale());
     }
     if (const auto viewpoint = draw_view_buttons(view, window_.scale())) {
         view_control_.look_from(*viewpoint);
@@ -117,6 +119,8 @@ void Screen::draw_start(const Rectangle &place) {
         habits_.dismiss_start();
     } else if (answer == StartAnswer::keys) {
         shows_keys_ = true;
+    } else if (answer == StartAnswer::wrong_direction) {
+        open(asset_folder() / "scenes/wrong_direction.gltf");
     }
 }
 

@@ -204,16 +204,14 @@ void Window::choose_font() {
     if (std::filesystem::exists(SPRINGDRIVE_FONT, ignored)) {
         io.Fonts->AddFontFromFileTTF(SPRINGDRIVE_FONT, std::round(kFontPixels * scale_), nullptr,
                                      kLetters.data());
-        if (is_kiosk_) {
-            static constexpr std::array<ImWchar, 7> kWords{0x0020, 0x00FF, 0x0370, 0x03FF,
-                                                           0x2010, 0x2027, 0};
-            const auto add = [&](float lines) {
-                return io.Fonts->AddFontFromFileTTF(SPRINGDRIVE_FONT,
-                                                    std::round(lines / kKioskScale * scale_),
-                                                    nullptr, kWords.data());
-            };
-            large_text_ = {add(40.0F), add(78.0F)};
-        }
+        static constexpr std::array<ImWchar, 7> kWords{0x0020, 0x00FF, 0x0370, 0x03FF,
+                                                       0x2010, 0x2027, 0};
+        const auto add = [&](float lines) {
+            return io.Fonts->AddFontFromFileTTF(SPRINGDRIVE_FONT,
+                                                std::round(lines / kKioskScale * scale_), nullptr,
+                                                kWords.data());
+        };
+        large_text_ = {add(40.0F), add(78.0F)};
         return;
     }
     font_remark_ = "no font with Greek letters at " SPRINGDRIVE_FONT

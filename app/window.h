@@ -41,7 +41,7 @@ public:
         bool is_kiosk = false;
     };
 
-    /// Fonts of a kiosk beside the usual one; null in any other window.
+    /// Fonts beside the usual one.
     struct LargeText {
         ImFont *medium = nullptr; ///< 40 of the 720 lines of the picture
         ImFont *large = nullptr;  ///< 78 of them

@@ -24,28 +24,13 @@ constexpr float kHeading = 40.0F;
 constexpr float kBody = 24.0F;
 constexpr float kMargin = 16.0F;
 constexpr float kTop = 128.0F;
-constexpr float kBottom = 104.0F;
+constexpr float kBottom = 124.0F;
 constexpr float kButton = 72.0F;
+constexpr float kWide = 760.0F; // of the lesson, and of a condition, which takes its place
 
 float unit_of(const Rectangle &view) {
     return std::min(view.size.x / 1280.0F, view.size.y / 720.0F);
 }
-
-/// Text of that height until the end of the scope, in the font that is nearest to it.
-class Sized {
-public:
-    Sized(ImFont *font, float height) {
-        ImGui::PushFont(font);
-        const float plain = font->FontSize * font->Scale * ImGui::GetIO().FontGlobalScale;
-        ImGui::SetWindowFontScale(height / plain);
-    }
-    ~Sized() {
-        ImGui::SetWindowFontScale(1.0F);
-        ImGui::PopFont();
-    }
-    Sized(const Sized &) = delete;
-    Sized &operator=(const Sized &) = delete;
-};
 
 /// A plate for the scope's widgets; with `wide` 0 as wide as they are.
 class Plate {
@@ -100,22 +85,21 @@ private:
     [[nodiscard]] float middle() const { return view_.corner.x + 0.5F * view_.size.x; }
 
     bool button(const char *label, float width, float height = kButton) const {
-        const Sized sized(text_.medium, 1.1F * kBody * u_);
+        const ui::Sized sized(text_.medium, 1.1F * kBody * u_);
         return ui::button(label, {width * u_, height * u_});
     }
 
     void draw_lesson() const {
-        if (shown_.title.empty()) { // while the scene is loaded
+        if (shown_.title.empty() || words()) { // while the scene is loaded, or has to wait
             return;
         }
-        constexpr float kWide = 760.0F;
         const Plate plate("lesson", {left(), top()}, {0.0F, 0.0F}, kWide * u_, kBackdrop,
                           ImGuiWindowFlags_NoInputs);
         {
-            const Sized sized(text_.medium, kHeading * u_);
+            const ui::Sized sized(text_.medium, kHeading * u_);
             ui::text(kForce, "{}", shown_.title);
         }
-        const Sized sized(text_.medium, kBody * u_);
+        const ui::Sized sized(text_.medium, kBody * u_);
         ui::wrapped(kInk, "{}", shown_.sentence);
     }
 
@@ -157,12 +141,12 @@ private:
         const Plate plate("stage", corner, {is_attract ? 0.5F : 0.0F, 1.0F}, 0.0F, kBackdrop,
                           ImGuiWindowFlags_NoInputs);
         {
-            const Sized sized(is_attract ? text_.large : text_.medium,
-                              (is_attract ? kDigits : kHeading) * u_);
+            const ui::Sized sized(is_attract ? text_.large : text_.medium,
+                                  (is_attract ? kDigits : kHeading) * u_);
             ui::text(kForce, "{}", banner());
         }
         if (!is_attract) {
-            const Sized sized(text_.medium, kBody * u_);
+            const ui::Sized sized(text_.medium, kBody * u_);
             ui::text(kInk, "{}", below_banner());
         }
     }
@@ -197,7 +181,7 @@ private:
             return;
         }
         const KioskReadOut &values = *shown_.read_out;
-        const ImVec2 size{460.0F * u_, 138.0F * u_};
+        const ImVec2 size{430.0F * u_, 138.0F * u_};
         const Rectangle free = free_in_kiosk(view_);
         ImVec2 corner = free.corner;
         if (const auto end = camera_.pixel_of(values.arrow_m, {view_.size.x, view_.size.y})) {
@@ -214,6 +198,7 @@ private:
         if (!ImGui::BeginTable("values", 2)) {
             return;
         }
+        ImGui::TableSetupColumn("force", ImGuiTableColumnFlags_WidthFixed, 215.0F * u_);
         ImGui::TableNextColumn();
         draw_value("force", "force", kForce, ui::formatted("{:.1f} N", values.force_N));
         ImGui::TableNextColumn();
@@ -228,10 +213,10 @@ private:
                     const std::string &value) const {
         {
             const ui::Scope scope(name);
-            const Sized sized(text_.large, kDigits * u_);
+            const ui::Sized sized(text_.large, kDigits * u_);
             ui::text(colour, "{}", value);
         }
-        const Sized sized(text_.medium, 0.8F * kBody * u_);
+        const ui::Sized sized(text_.medium, 0.8F * kBody * u_);
         ui::text(kInk, "{}", label);
     }
 
@@ -281,15 +266,13 @@ private:
         if (!said) {
             return;
         }
-        constexpr float kWide = 800.0F;
-        const float y = view_.corner.y + (kTop + 2.0F * kMargin) * u_;
-        const Plate plate("condition", {middle(), y}, {0.5F, 0.0F}, kWide * u_, said->colour);
+        const Plate plate("condition", {left(), top()}, {0.0F, 0.0F}, kWide * u_, said->colour);
         {
-            const Sized sized(text_.medium, kHeading * u_);
+            const ui::Sized sized(text_.medium, kHeading * u_);
             ui::wrapped(kInk, "{}", said->first);
         }
         {
-            const Sized sized(text_.medium, kBody * u_);
+            const ui::Sized sized(text_.medium, kBody * u_);
             ui::wrapped(kInk, "{}", said->second);
         }
         answer_.go_on = shown_.condition == Condition::asks_go_on && button("go on", 200.0F);

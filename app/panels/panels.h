@@ -12,6 +12,7 @@
 #include "app/session_keeper.h"
 #include "app/tuning_desk.h"
 #include "app/view/camera.h"
+#include "app/window.h"
 #include "app/window_habits.h"
 #include "base/background.h"
 #include "device/factory/device_factory.h"
@@ -193,7 +194,7 @@ struct SceneAnswer {
                                              const SceneOverlay &shown, const Rectangle &view,
                                              float scale);
 
-enum class StartAnswer : std::uint8_t { none, got_it, keys };
+enum class StartAnswer : std::uint8_t { none, got_it, keys, wrong_direction };
 
 /// The first minute: what is simulated, how to move the hand, what to try.
 /// @param height  that it needs at this width
@@ -202,7 +203,7 @@ enum class StartAnswer : std::uint8_t { none, got_it, keys };
 /// Without panels: force, its direction and the depth, large, over a corner of the scene.
 /// @param map  in use
 void draw_read_outs(const PlotSubject &subject, control::MotionMap map, const Rectangle &view,
-                    float scale);
+                    const Window::LargeText &text, float scale);
 
 /// What was chosen in the window's menu.
 struct WindowMenuChoice {
@@ -222,7 +223,7 @@ struct WindowMenuChoice {
 [[nodiscard]] float width_of_view_buttons();
 [[nodiscard]] float bottom_of_view_buttons(const Rectangle &view, float scale);
 
-/// The part of the scene over which none of these is drawn, a banner of one line included: for
+/// The part of the scene over which none of these is drawn, a message of two lines included: for
 /// what must be seen whole. All of the scene where it is too small for both.
 /// @param plate  width of what stands at its left edge
 [[nodiscard]] Rectangle free_of_overlays(const Rectangle &view, float plate, bool is_record,

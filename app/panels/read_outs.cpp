@@ -4,6 +4,7 @@
 #include "engine/session/telemetry_history.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -23,20 +24,33 @@ double shown_value(const PlotSubject &subject, const char *channel) {
     return store.value(session::channel_named(channel).value(), row);
 }
 
-void show_read_out(const char *label, double value, int decimals, const char *unit) {
-    const ui::Scope scope(label);
-    ImGui::TableNextRow();
+struct ReadOut {
+    const char *name;
+    std::string label;
+    double value = 0.0;
+    int decimals = 0;
+    const char *unit;
+    ImVec4 colour;
+};
+
+/// The value large, below it what it is.
+void show_read_out(const ReadOut &shown, ImFont *font, float digits_height) {
+    const ui::Scope scope(shown.name);
     ImGui::TableNextColumn();
-    ui::text(kFaintInk, "{}", label);
-    ImGui::TableNextColumn();
-    ui::text(kInk, "{}",
-             std::isnan(value) ? "–" : ui::formatted("{:.{}f}{}", value, decimals, unit));
+    {
+        const ui::Sized sized(font, digits_height);
+        ui::text(shown.colour, "{}",
+                 std::isnan(shown.value)
+                     ? "–"
+                     : ui::formatted("{:.{}f}{}", shown.value, shown.decimals, shown.unit));
+    }
+    ui::text(kInk, "{}", shown.label);
 }
 
 } // namespace
 
 void draw_read_outs(const PlotSubject &subject, control::MotionMap map, const Rectangle &view,
-                    float scale) {
+                    const Window::LargeText &text, float scale) {
     const float margin = 10.0F * scale;
     const ui::Scope scope("read-outs");
     ImGui::SetNextWindowPos({view.corner.x + margin, view.corner.y + view.size.y - 3.0F * margin},
@@ -46,19 +60,29 @@ void draw_read_outs(const PlotSubject &subject, control::MotionMap map, const Re
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
                      ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_AlwaysAutoResize);
-    // As large as a third of the width allows.
-    ImGui::SetWindowFontScale(std::clamp(view.size.x / (500.0F * scale), 1.1F, 1.6F));
     const bool transposes = map == control::MotionMap::transpose;
-    if (ImGui::BeginTable("values", 2, ImGuiTableFlags_SizingFixedFit)) {
-        show_read_out("force", shown_value(subject, "force_N"), 2, " N");
-        show_read_out("off the normal",
-                      kDegreesPerRadian * shown_value(subject, transposes ? "transpose_measured_rad"
-                                                                          : "inverse_measured_rad"),
-                      0, "°");
-        show_read_out("depth", 1e3 * shown_value(subject, "penetration_m"), 1, " mm");
+    const std::array<ReadOut, 3> shown{{
+        {"force", "force", shown_value(subject, "force_N"), 2, " N", kForce},
+        {"angle", ui::formatted("off the normal, {}", control::label_of(map)),
+         kDegreesPerRadian *
+             shown_value(subject, transposes ? "transpose_measured_rad" : "inverse_measured_rad"),
+         0, "°", transposes ? kTransposeMap : kInverseMap},
+        {"depth", "depth", 1e3 * shown_value(subject, "penetration_m"), 1, " mm", kInk},
+    }};
+    // Digits, 0.626 of that, are 5 % of the height where the width allows.
+    const float height = std::min(0.08F * view.size.y, 0.06F * view.size.x);
+    if (ImGui::BeginTable("values", static_cast<int>(shown.size()),
+                          ImGuiTableFlags_SizingFixedFit)) {
+        for (const ReadOut &each : shown) { // as wide as the widest value, so that none moves
+            ImGui::TableSetupColumn(
+                each.name, ImGuiTableColumnFlags_WidthFixed,
+                std::max(3.7F * height, ImGui::CalcTextSize(each.label.c_str()).x));
+        }
+        for (const ReadOut &each : shown) {
+            show_read_out(each, text.large, height);
+        }
         ImGui::EndTable();
     }
-    ui::text(transposes ? kTransposeMap : kInverseMap, "{}", control::label_of(map));
     ImGui::End();
     ImGui::PopStyleColor();
 }

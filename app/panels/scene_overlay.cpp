@@ -47,24 +47,40 @@ ImVec4 colour_of(SceneUrgency urgency) {
     return {0.10F, 0.20F, 0.36F, 0.97F};
 }
 
-/// A plate over the top of the scene.
+constexpr float kMessageFont = 1.2F; ///< times the plain text's
+
+/// A plate over the top of the scene, the button beside the text: as low as can be, since below it
+/// stands the device's head.
 /// @param bottom  of it
 SceneAction draw_message(const SceneMessage &message, const Rectangle &view, float scale,
                          float &bottom) {
     const ui::Scope scope(message.name);
-    const float width = std::min(0.95F * view.size.x - 2.0F * room_of_stop(scale), 480.0F * scale);
+    const float width = std::min(0.95F * view.size.x - 2.0F * room_of_stop(scale), 620.0F * scale);
     ImGui::SetNextWindowPos(
         {view.corner.x + 0.5F * (view.size.x - width), view.corner.y + margin(scale)});
     ImGui::SetNextWindowSize({width, 0.0F});
     ImGui::PushStyleColor(ImGuiCol_WindowBg, colour_of(message.urgency));
     ImGui::Begin("message", nullptr, kOverlay);
-    ImGui::SetWindowFontScale(1.2F);
-    ui::wrapped(kInk, "{}", message.text);
-    ImGui::SetWindowFontScale(1.0F);
-    if (!message.more.empty()) {
-        ui::wrapped(kInk, "{}", message.more);
+    const bool has_button = *message.button != '\0';
+    bool is_pressed = false;
+    if (ImGui::BeginTable("row", has_button ? 2 : 1)) {
+        ImGui::TableSetupColumn("text", ImGuiTableColumnFlags_WidthStretch);
+        if (has_button) {
+            ImGui::TableSetupColumn("button", ImGuiTableColumnFlags_WidthFixed);
+        }
+        ImGui::TableNextColumn();
+        ImGui::SetWindowFontScale(kMessageFont);
+        ui::wrapped(kInk, "{}", message.text);
+        ImGui::SetWindowFontScale(1.0F);
+        if (!message.more.empty()) {
+            ui::wrapped(kInk, "{}", message.more);
+        }
+        if (has_button) {
+            ImGui::TableNextColumn();
+            is_pressed = ui::button(message.button);
+        }
+        ImGui::EndTable();
     }
-    const bool is_pressed = *message.button != '\0' && ui::button(message.button);
     bottom = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
     ImGui::End();
     ImGui::PopStyleColor();
@@ -118,8 +134,13 @@ float draw_help(const session::Session &session, const Rectangle &view, float sc
                         view.corner.y + view.size.y - size.y - margin(scale)};
     ImDrawList &list = *ImGui::GetBackgroundDrawList();
     list.PushClipRect(view.corner, {view.corner.x + view.size.x, view.corner.y + view.size.y});
+    const ImVec2 text = ImGui::CalcTextSize(help, nullptr, false, size.x);
+    const ImVec2 around{0.6F * margin(scale), 0.3F * margin(scale)};
+    list.AddRectFilled({corner.x - around.x, corner.y - around.y},
+                       {corner.x + text.x + around.x, corner.y + text.y + around.y},
+                       ImGui::ColorConvertFloat4ToU32({0.07F, 0.08F, 0.10F, 0.80F}), 3.0F * scale);
     list.AddText(ImGui::GetFont(), ImGui::GetFontSize(), corner,
-                 ImGui::ColorConvertFloat4ToU32({0.75F, 0.78F, 0.82F, 0.9F}), help, nullptr,
+                 ImGui::ColorConvertFloat4ToU32({0.82F, 0.85F, 0.89F, 1.0F}), help, nullptr,
                  size.x);
     list.PopClipRect();
     ui::enter_at({corner, size}, "help", "text", help);
@@ -214,8 +235,8 @@ Rectangle free_of_overlays(const Rectangle &view, float plate, bool is_record, f
     constexpr float kLeast = 0.4F; // of the view's width and height
     const float left = plate + 2.0F * margin(scale);
     const float right = width_of_view_buttons() + 2.0F * margin(scale);
-    const float top = margin(scale) + ImGui::GetTextLineHeight() +
-                      2.0F * ImGui::GetStyle().WindowPadding.y + margin(scale);
+    const float top = margin(scale) + (1.0F + kMessageFont) * ImGui::GetTextLineHeight() +
+                      ImGui::GetStyle().ItemSpacing.y + 2.0F * ImGui::GetStyle().WindowPadding.y;
     const float bottom =
         2.0F * margin(scale) +
         (is_record ? ImGui::GetFrameHeight() + 1.4F * ImGui::GetStyle().WindowPadding.y

@@ -35,7 +35,7 @@ void draw_scene_tab(session::Session &session, ScenePanelState &state) {
         state.plate.is_put_away = false;
     }
     const Vector3 size_mm = 1000.0 * (shown.scene.upper_m - shown.scene.lower_m);
-    ui::text(kInk, "{} triangles, {:.0f} × {:.0f} × {:.0f} mm",
+    ui::text(kInk, "{} triangles to touch, {:.0f} × {:.0f} × {:.0f} mm",
              shown.scene.surface.triangles.size(), size_mm.x(), size_mm.y(), size_mm.z());
     if (shown.scene.in_metres) {
         ui::text(kFaintInk, "scale: 1 unit = 1 m, by the file");

@@ -68,6 +68,11 @@ void show_state(const session::Session &session) {
         break;
     case servo::SafetyState::tripped:
         ui::wrapped(kDanger, "stopped: {}", servo::description(now.safety));
+        if (ImGui::GetItemRectSize().x + ImGui::GetStyle().ItemSpacing.x +
+                ImGui::CalcTextSize(device_text(session).c_str()).x <
+            ImGui::GetContentRegionAvail().x) {
+            ImGui::SameLine();
+        }
         ui::text(kFaintInk, "{}", device_text(session));
         return;
     }

@@ -16,7 +16,7 @@ struct StartLine {
 constexpr std::array<StartLine, 3> kStartLines{{
     {"Simulated", "a PHANTOM with its motors, and a hand. No device is attached."},
     {"Move the hand", "press where it is to touch, drag to slide. Beside the scene: a free drag."},
-    {"Try first", "press on the surface: the arrow is the force. M: the other map tilts it."},
+    {"Try first", "press on the surface: the arrow is the force. M: the other map may tilt it."},
 }};
 
 } // namespace
@@ -42,6 +42,11 @@ StartAnswer draw_start_plate(const Rectangle &place, float &height) {
         if (ui::button("keys  F1")) {
             answer = StartAnswer::keys;
         }
+        ImGui::SameLine();
+        if (ui::button("the wrong direction")) {
+            answer = StartAnswer::wrong_direction;
+        }
+        ui::explain("Shows the scene in which M tilts it most: press on the orange square there.");
         height = ImGui::GetCursorPosY() - ImGui::GetStyle().ItemSpacing.y +
                  ImGui::GetStyle().WindowPadding.y;
     }

@@ -46,7 +46,8 @@ struct Range {
 };
 
 /// The range of values that a plot chooses by itself. It holds 0 where that is near, so that a
-/// small ripple is not taken for a large one.
+/// small ripple is not taken for a large one. No value but 0 lies on its ends, where a curve would
+/// be taken for cut off.
 /// @param least  length
 Axis chosen_axis(Range range, double least) {
     if (range.minimum <= range.maximum && range.maximum - range.minimum < least) {
@@ -61,7 +62,9 @@ Axis chosen_axis(Range range, double least) {
     if (range.maximum < 0.0 && range.maximum > 0.7 * range.minimum) {
         range.maximum = 0.0;
     }
-    return round_axis(range.minimum, range.maximum);
+    const double room = 0.03 * (range.maximum - range.minimum);
+    return round_axis(range.minimum == 0.0 ? 0.0 : range.minimum - room,
+                      range.maximum == 0.0 ? 0.0 : range.maximum + room);
 }
 
 /// In shown units: the longest of the channels' least ranges.

@@ -88,6 +88,29 @@ void note_number() {
     }
 }
 
+/// Into lines of that width. ImGui itself also breaks behind the point of a number.
+std::string broken_at_spaces(std::string_view text, float width) {
+    std::string lines;
+    std::size_t begin = 0; // of the line in `lines`
+    while (!text.empty()) {
+        const std::size_t word = std::min(text.find_first_of(" \n", 1), text.size());
+        const std::string line = lines.substr(begin) + std::string(text.substr(0, word));
+        if (text.front() == '\n') {
+            begin = lines.size() + 1;
+        } else if (text.front() == ' ' && ImGui::CalcTextSize(line.c_str()).x > width) {
+            lines += '\n';
+            begin = lines.size();
+            text.remove_prefix(1);
+            lines += text.substr(0, word - 1);
+            text.remove_prefix(word - 1);
+            continue;
+        }
+        lines += text.substr(0, word);
+        text.remove_prefix(word);
+    }
+    return lines;
+}
+
 /// At the mouse; long lines are broken.
 void show_tooltip(std::string_view text) {
     ImGui::BeginTooltip();
@@ -133,6 +156,17 @@ Scope::~Scope() {
     state().scopes.pop_back();
 }
 
+Sized::Sized(ImFont *font, float height) {
+    ImGui::PushFont(font);
+    const float plain = font->FontSize * font->Scale * ImGui::GetIO().FontGlobalScale;
+    ImGui::SetWindowFontScale(height / plain);
+}
+
+Sized::~Sized() {
+    ImGui::SetWindowFontScale(1.0F);
+    ImGui::PopFont();
+}
+
 Panel::Panel(const char *title, const Rectangle &place, ImGuiWindowFlags flags) : scope_(title) {
     ImGui::SetNextWindowPos(place.corner);
     ImGui::SetNextWindowSize(place.size);
@@ -171,11 +205,12 @@ Disabled::~Disabled() {
 void show_text(const ImVec4 &colour, const std::string &text, bool wraps) {
     ImGui::PushStyleColor(ImGuiCol_Text, colour);
     if (wraps) {
-        ImGui::PushTextWrapPos(0.0F);
-    }
-    ImGui::TextUnformatted(text.data(), text.data() + text.size());
-    if (wraps) {
+        const std::string lines = broken_at_spaces(text, ImGui::GetContentRegionAvail().x);
+        ImGui::PushTextWrapPos(0.0F); // for a word that is too long
+        ImGui::TextUnformatted(lines.data(), lines.data() + lines.size());
         ImGui::PopTextWrapPos();
+    } else {
+        ImGui::TextUnformatted(text.data(), text.data() + text.size());
     }
     ImGui::PopStyleColor();
     enter("", "text", text);

@@ -45,6 +45,15 @@ public:
     Scope &operator=(const Scope &) = delete;
 };
 
+/// Text of that height [px] until the end of the scope; `font` is the one nearest to it.
+class Sized {
+public:
+    Sized(ImFont *font, float height);
+    ~Sized();
+    Sized(const Sized &) = delete;
+    Sized &operator=(const Sized &) = delete;
+};
+
 /// A panel, at its fixed place.
 class Panel {
 public:
