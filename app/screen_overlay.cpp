@@ -42,6 +42,11 @@ void Screen::obey(SceneAction action) {
     }
 }
 
+/// Beside the plots made large there is only a strip of the scene, for messages and the stop.
+bool Screen::has_room_for_plates(const Rectangle &view) const {
+    return view.size.y > 160.0F * window_.scale();
+}
+
 bool Screen::shows_lesson() const {
     return !kiosk_ && !opened_.is_shown() && !assistant_.is_open();
 }
@@ -51,9 +56,14 @@ Rectangle Screen::free_part(const Rectangle &view) const {
         return exhibit::free_in_kiosk(view);
     }
     const float plate =
-        shows_lesson() ? width_of_scene_plate(session_, scene_panel_.plate, view, window_.scale())
-                       : 0.0F;
-    return free_of_overlays(view, plate, opened_.is_shown(), window_.scale());
+        shows_lesson() && has_room_for_plates(view)
+            ? width_of_scene_plate(session_, scene_panel_.plate, view, window_.scale())
+            : 0.0F;
+    Rectangle free = free_of_overlays(view, plate, opened_.is_shown(), window_.scale());
+    if (!has_panels()) {
+        free.size.y -= height_of_read_outs(view);
+    }
+    return free;
 }
 
 /// Nothing else stands over it: no menu, no views, no files.
@@ -77,11 +87,12 @@ void Screen::draw_over_scene(const Rectangle &view) {
         draw_over_kiosk(view, is_inside);
         return;
     }
-    SceneOverlay shown{situation_of(session_, opened_), habits_.notice(), !shows_start()};
+    SceneOverlay shown{situation_of(session_, opened_), habits_.notice(),
+                       !shows_start() && has_room_for_plates(view)};
     shown.now.is_inside = is_inside && !assistant_.is_open();
     const SceneAnswer answer = draw_scene_overlay(session_, opened_, shown, view, window_.scale());
     obey(answer.action);
-    if (shows_lesson()) {
+    if (shows_lesson() && has_room_for_plates(view)) {
         draw_captions(session_, view_control_.camera(), view, window_.scale());
         draw_scene_plate(session_, desk_, scene_panel_.files, scene_panel_.plate, answer.free,
                          window_.scale());
@@ -97,12 +108,14 @@ void Screen::draw_over_scene(const Rectangle &view) {
         draw_read_outs(opened_.subject(session_), now.tuning.map, view, window_.large_text(),
                        window_.scale());
     }
-    if (const auto viewpoint = draw_view_buttons(view, window_.scale())) {
-        view_control_.look_from(*viewpoint);
+    if (has_room_for_plates(view)) {
+        if (const auto viewpoint = draw_view_buttons(view, window_.scale())) {
+            view_control_.look_from(*viewpoint);
+        }
+        draw_legend(habits_.shown(), habits_.opens_legend(), shown_values_.last(), view,
+                    bottom_of_view_buttons(view, window_.scale()), width_of_view_buttons(),
+                    window_.scale());
     }
-    draw_legend(habits_.shown(), habits_.opens_legend(), shown_values_.last(), view,
-                bottom_of_view_buttons(view, window_.scale()), width_of_view_buttons(),
-                window_.scale());
     const WindowMenuChoice choice = draw_window_menu(habits_, view, window_.scale());
     obey(choice.order);
     if (!choice.opened.empty()) {

@@ -205,6 +205,8 @@ enum class StartAnswer : std::uint8_t { none, got_it, keys, wrong_direction };
 void draw_read_outs(const PlotSubject &subject, control::MotionMap map, const Rectangle &view,
                     const Window::LargeText &text, float scale);
 
+[[nodiscard]] float height_of_read_outs(const Rectangle &view);
+
 /// What was chosen in the window's menu.
 struct WindowMenuChoice {
     WindowOrder order = WindowOrder::none;

@@ -33,6 +33,11 @@ struct ReadOut {
     ImVec4 colour;
 };
 
+/// Digits, 0.626 of that, are 5 % of the view's height where its width allows.
+float height_of_values(const Rectangle &view) {
+    return std::min(0.08F * view.size.y, 0.06F * view.size.x);
+}
+
 /// The value large, below it what it is.
 void show_read_out(const ReadOut &shown, ImFont *font, float digits_height) {
     const ui::Scope scope(shown.name);
@@ -48,6 +53,12 @@ void show_read_out(const ReadOut &shown, ImFont *font, float digits_height) {
 }
 
 } // namespace
+
+float height_of_read_outs(const Rectangle &view) {
+    const ImGuiStyle &style = ImGui::GetStyle();
+    return height_of_values(view) + ImGui::GetTextLineHeight() + style.ItemSpacing.y +
+           2.0F * (style.WindowPadding.y + style.CellPadding.y);
+}
 
 void draw_read_outs(const PlotSubject &subject, control::MotionMap map, const Rectangle &view,
                     const Window::LargeText &text, float scale) {
@@ -69,8 +80,7 @@ void draw_read_outs(const PlotSubject &subject, control::MotionMap map, const Re
          0, "°", transposes ? kTransposeMap : kInverseMap},
         {"depth", "depth", 1e3 * shown_value(subject, "penetration_m"), 1, " mm", kInk},
     }};
-    // Digits, 0.626 of that, are 5 % of the height where the width allows.
-    const float height = std::min(0.08F * view.size.y, 0.06F * view.size.x);
+    const float height = height_of_values(view);
     if (ImGui::BeginTable("values", static_cast<int>(shown.size()),
                           ImGuiTableFlags_SizingFixedFit)) {
         for (const ReadOut &each : shown) { // as wide as the widest value, so that none moves
