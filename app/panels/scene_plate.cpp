@@ -166,8 +166,10 @@ public:
         const ImVec2 text = ImGui::CalcTextSize(caption.text.c_str());
         CaptionBox box{{at.x - 0.5F * text.x - margin, at.y - text.y - 12.0F * scale_},
                        {text.x + 2.0F * margin, text.y + 0.5F * margin}};
-        if (clear_ && clear_->overlaps(box)) {
-            box.corner.x = clear_->corner.x + clear_->size.x;
+        if (clear_ && clear_->overlaps(box)) { // to the side that it is on
+            box.corner.x = at.x < clear_->corner.x + 0.5F * clear_->size.x
+                               ? clear_->corner.x - box.size.x
+                               : clear_->corner.x + clear_->size.x;
         }
         while (std::ranges::any_of(boxes_, [&](const CaptionBox &b) { return b.overlaps(box); })) {
             box.corner.y -= 0.5F * box.size.y;
