@@ -26,7 +26,7 @@ set offsets 0,0,graph 0.05,graph 0.05
 if (is_logarithmic) {
     set logscale y
     set format y "%g"
-    set for [e=-4:4] for [m in "2 5"] ytics add (gprintf("%g", m*10.0**e) m*10.0**e)
+    set for [e=-4:4] for [m in "2 3 5 7"] ytics add (gprintf("%g", m*10.0**e) m*10.0**e)
 }
 set key at screen 0.5,25/height center center maxrows 1 samplen 2 width 2 noenhanced
 # Participants side by side, the mean to their right.

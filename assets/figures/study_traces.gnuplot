@@ -12,7 +12,7 @@ set label 2 note at screen 0.5,(height - 50)/height center noenhanced font ",11"
 if (is_logarithmic) {
     set logscale y
     set format y "%g"
-    set for [e=-4:4] for [m in "2 5"] ytics add (gprintf("%g", m*10.0**e) m*10.0**e)
+    set for [e=-4:4] for [m in "2 3 5 7"] ytics add (gprintf("%g", m*10.0**e) m*10.0**e)
 }
 set xlabel "trial" offset 0,0.3
 set ylabel level_label noenhanced offset 0.5,0
@@ -41,7 +41,7 @@ do for [i=1:panels] {
                  csv using 4:($10 == 1 ? $6 : NaN) skip 1 every ::f::l with points pointtype 6 pointsize 1.3 linecolor rgb green title "reversal", \
                  csv using 4:($9 == 1 ? $6 : NaN) skip 1 every ::f::l with points pointtype 2 pointsize 0.8 linecolor rgb grey title "marked"
         } else {
-            plot csv using 4:12:13 skip 1 every ::f::l with filledcurves fillcolor rgb blue fillstyle transparent solid 0.18 noborder title "± 1 standard deviation", \
+            plot csv using 4:12:13 skip 1 every ::f::l with filledcurves fillcolor rgb blue fillstyle transparent solid 0.18 noborder title "± SD", \
                  csv using 4:11 skip 1 every ::f::l with lines linewidth 2 linecolor rgb blue title "threshold so far", \
                  csv using 4:(right($6)) skip 1 every ::f::l with points pointtype 7 pointsize 0.55 linecolor rgb "black" title "right", \
                  csv using 4:(wrong($6)) skip 1 every ::f::l with points pointtype 6 pointsize 0.6 linewidth 1.2 linecolor rgb "black" title "wrong", \

@@ -15,12 +15,12 @@ namespace {
 constexpr int kLeastWidth = 9; ///< of the column of conditions
 
 std::string interval_text(double value, double low, double high) {
-    return fmt::format("{:.3g} ({:.3g}-{:.3g})", value, low, high);
+    return fmt::format("{:.3g} ({:.3g} to {:.3g})", value, low, high);
 }
 
 std::string interval_text(double value, const study::ProfileInterval &interval) {
-    return fmt::format("{:.3g} ({}{:.3g}-{:.3g}{})", value, interval.is_low_open ? "<" : "",
-                       interval.low, interval.high, interval.is_high_open ? ">" : "");
+    return fmt::format("{:.3g} ({}{:.3g} to {:.3g}{})", value, interval.is_low_open ? "below " : "",
+                       interval.low, interval.high, interval.is_high_open ? " or more" : "");
 }
 
 /// Characters, not bytes.
@@ -53,7 +53,7 @@ void write_fits(std::ostream &out, const study::Protocol &protocol,
                 const study::StudyResults &results) {
     const int width = width_of_names(protocol);
     print(out, "{}\n\n", definition_of(protocol, results));
-    print(out, "{:<4}  {:<{}} {:>6} {:>22} {:>22} {:>22} {:>6} {:>6} {:>6}\n", "who", "condition",
+    print(out, "{:<4}  {:<{}} {:>6} {:>26} {:>24} {:>26} {:>6} {:>6} {:>6}\n", "who", "condition",
           width, "trials", "threshold (95 %)", "slope (95 %)", "max. likelihood", "Weber", "fit p",
           "catch");
     for (const study::SeriesResult &result : results.series) {
@@ -62,7 +62,7 @@ void write_fits(std::ostream &out, const study::Protocol &protocol,
         }
         const study::FittedFunction &fit = *result.fitted;
         const study::Series &series = result.series;
-        print(out, "{:<4}  {:<{}} {:>6} {:>22} {:>22} {:>22} {:>6} {:>6.2f} {:>6}\n",
+        print(out, "{:<4}  {:<{}} {:>6} {:>26} {:>24} {:>26} {:>6} {:>6.2f} {:>6}\n",
               series.participant, protocol.conditions[series.condition].name, width, result.trials,
               interval_text(fit.threshold.median, fit.threshold.low, fit.threshold.high),
               interval_text(fit.slope.median, fit.slope.low, fit.slope.high),

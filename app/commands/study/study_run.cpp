@@ -87,6 +87,7 @@ fs::path study_file_of(const TypedRun &typed) {
         return file;
     }
     const study::Protocol protocol = checked_protocol(typed.file);
+    static_cast<void>(observer_of(typed.truth, protocol)); // or refused before there is a file
     study::create_study(file, {protocol.title, text_in(typed.file), SPRINGDRIVE_VERSION},
                         study::utc_now());
     std::cerr << "created: " << file.string() << '\n';
