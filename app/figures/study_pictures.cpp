@@ -111,8 +111,9 @@ Chart functions_picture(const study::Protocol &protocol, const study::StudyResul
         marks.add(fmt::format("title_{}", panel),
                   protocol.conditions[rows.result->series.condition].name);
         marks.add(fmt::format("threshold_text_{}", panel),
-                  fmt::format("threshold {:.3g} ({:.3g} to {:.3g}), {} trials", fit.threshold.median,
-                              fit.threshold.low, fit.threshold.high, rows.result->trials));
+                  fmt::format("threshold {:.3g} ({:.3g} to {:.3g}), {} trials",
+                              fit.threshold.median, fit.threshold.low, fit.threshold.high,
+                              rows.result->trials));
         marks.add(fmt::format("threshold_low_{}", panel), fit.threshold.low);
         marks.add(fmt::format("threshold_{}", panel), fit.threshold.median);
         marks.add(fmt::format("threshold_high_{}", panel), fit.threshold.high);
