@@ -32,10 +32,25 @@ std::vector<std::string> arguments(int argc, char **argv) {
     return typed;
 }
 
+/// The command that was typed: of "study run --x" that is run.
+const CLI::App &chosen_command(const CLI::App &app) {
+    const auto chosen = app.get_subcommands();
+    return chosen.empty() ? app : chosen_command(*chosen.front());
+}
+
+/// Its words after the program's: "study run".
+std::string words_of(const CLI::App &app) {
+    const auto chosen = app.get_subcommands();
+    if (chosen.empty()) {
+        return {};
+    }
+    const std::string below = words_of(*chosen.front());
+    return chosen.front()->get_name() + (below.empty() ? "" : " " + below);
+}
+
 /// The names that could have been typed in place of `typed`: options, or commands.
 std::vector<std::string> possible_names(const CLI::App &app, const std::string &typed) {
-    const auto chosen = app.get_subcommands();
-    const CLI::App &command = chosen.empty() ? app : *chosen.front();
+    const CLI::App &command = chosen_command(app);
     std::vector<std::string> names;
     if (!typed.starts_with("-")) {
         for (const CLI::App *other : command.get_subcommands({})) {
@@ -59,9 +74,8 @@ std::string unknown_argument_text(const CLI::App &app) {
         unknown, [](const std::string &word) { return word.starts_with("-"); });
     const std::string &word = option != unknown.end() ? *option : unknown.front();
     const std::string typed = word.substr(0, word.find('='));
-    const auto chosen = app.get_subcommands();
     const bool is_option = typed.starts_with("-");
-    const std::string command = chosen.empty() ? "" : chosen.front()->get_name();
+    const std::string command = words_of(app);
     std::string text = typed + (is_option         ? " is no option of " + command
                                 : command.empty() ? " is no command"
                                                   : " was not expected by " + command);
@@ -139,9 +153,9 @@ int run_command_line(int argc, char **argv) {
         std::cerr << "springdrive: " << unknown_argument_text(app) << '\n';
         return kUsageMistake;
     } catch (const CLI::ParseError &error) {
-        const auto asked_for = app.get_subcommands();
+        const std::string command = words_of(app);
         std::cerr << "springdrive: " << error.what() << "; see springdrive "
-                  << (asked_for.empty() ? "" : asked_for.front()->get_name() + " ") << "--help\n";
+                  << (command.empty() ? "" : command + " ") << "--help\n";
         return kUsageMistake;
     }
     return 0;

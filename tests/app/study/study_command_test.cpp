@@ -1,7 +1,5 @@
-// Covers app/commands/study_command.cpp and study_report.cpp, from outside.
-#include "tests/support/devices.h"
-#include "tests/support/files.h"
-#include "tests/support/program.h"
+// Covers app/commands/study/study_new.cpp, study_check.cpp and check_report.cpp, from outside.
+#include "tests/app/study/study_program.h"
 
 #include <gtest/gtest.h>
 
@@ -13,10 +11,7 @@
 namespace springdrive::app {
 namespace {
 
-testing::Ending study(std::vector<std::string> options) {
-    options.insert(options.begin(), "study");
-    return testing::run_program(options);
-}
+using testing::study;
 
 TEST(StudyCommand, ListsTheIncludedProtocols) {
     const testing::Ending told = study({"new", "--list"});

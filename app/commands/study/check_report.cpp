@@ -1,4 +1,4 @@
-#include "app/commands/study_report.h"
+#include "app/commands/study/check_report.h"
 
 #include "base/print.h"
 

@@ -1,10 +1,8 @@
-#include "app/commands/commands.h"
+#include "app/commands/study/study_commands.h"
 
 #include "app/asset_folder.h"
 #include "app/commands/output_files.h"
-#include "app/commands/study_report.h"
 #include "base/input_error.h"
-#include "engine/study/protocol/protocol_check.h"
 #include "engine/study/protocol/protocol_file.h"
 
 #include <CLI/CLI.hpp>
@@ -12,7 +10,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -41,7 +38,7 @@ std::vector<std::string> included_protocols() {
     return names;
 }
 
-struct TypedNew {
+struct TypedNewProtocol {
     std::string name;
     std::string out; ///< empty: NAME.toml
     bool lists = false;
@@ -55,7 +52,7 @@ void list_protocols() {
     }
 }
 
-void write_new(const TypedNew &typed) {
+void write_new(const TypedNewProtocol &typed) {
     if (typed.lists) {
         list_protocols();
         return;
@@ -82,10 +79,12 @@ void write_new(const TypedNew &typed) {
     }
 }
 
-void add_study_new(CLI::App &study) {
+} // namespace
+
+void add_study_new_command(CLI::App &study) {
     CLI::App &command =
         *study.add_subcommand("new", "writes an included protocol, to be edited and run");
-    const auto typed = std::make_shared<TypedNew>();
+    const auto typed = std::make_shared<TypedNewProtocol>();
     CLI::Option *name = command.add_option("name", typed->name, "which protocol, see --list");
     name->type_name("NAME");
     command
@@ -100,51 +99,6 @@ void add_study_new(CLI::App &study) {
         }
         write_new(*typed);
     });
-}
-
-struct TypedCheck {
-    fs::path protocol;
-    bool simulates = true;
-};
-
-void check(const TypedCheck &typed) {
-    const study::Protocol protocol = study::read_protocol_file(typed.protocol);
-    study::CheckOptions options;
-    options.simulates = typed.simulates;
-    const study::CheckedProtocol checked =
-        study::check_protocol(protocol, {typed.protocol.parent_path(), asset_folder()}, options);
-    write_study_check(std::cout, protocol, checked);
-    const auto errors = std::ranges::count(checked.findings, study::Severity::error,
-                                           &study::ProtocolFinding::severity);
-    if (errors > 0) {
-        std::cerr << fmt::format("springdrive: {}: {} error{}, see above; nobody should sit down "
-                                 "before {} mended\n",
-                                 typed.protocol.string(), errors, errors == 1 ? "" : "s",
-                                 errors == 1 ? "it is" : "they are");
-        throw CLI::RuntimeError(EXIT_FAILURE);
-    }
-}
-
-void add_study_check(CLI::App &study) {
-    CLI::App &command = *study.add_subcommand(
-        "check", "everything that can be said of a protocol before anybody sits down");
-    const auto typed = std::make_shared<TypedCheck>();
-    command.add_option("protocol", typed->protocol, "a protocol file")
-        ->type_name("FILE")
-        ->required();
-    command.add_flag("!--no-simulation", typed->simulates,
-                     "leave out the simulation of each condition");
-    command.footer("Exit status: 0 no errors, 1 errors, or a file that is no protocol.");
-    command.callback([typed] { check(*typed); });
-}
-
-} // namespace
-
-void add_study_command(CLI::App &app) {
-    CLI::App &study = *app.add_subcommand("study", "pilot studies: protocols and their checks");
-    study.require_subcommand(1);
-    add_study_new(study);
-    add_study_check(study);
 }
 
 } // namespace springdrive::app

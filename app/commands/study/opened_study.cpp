@@ -1,0 +1,94 @@
+#include "app/commands/study/opened_study.h"
+
+#include "app/asset_folder.h"
+#include "base/input_error.h"
+#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/store/study_store.h"
+
+#include <CLI/CLI.hpp>
+
+#include <fmt/core.h>
+
+#include <cstddef>
+#include <map>
+
+namespace springdrive::app {
+
+namespace {
+
+std::size_t trials_on_kind(const study::StudyContents &contents, study::DeviceKind kind) {
+    return study::trials_on(contents, kind).size();
+}
+
+/// "1 trial", "96 trials"
+std::string trials_text(std::size_t trials) {
+    return fmt::format("{} trial{}", trials, trials == 1 ? "" : "s");
+}
+
+} // namespace
+
+OpenedStudy read_opened_study(const std::filesystem::path &file) {
+    OpenedStudy opened;
+    opened.contents = study::read_study(file);
+    opened.protocol = protocol_in(opened.contents, file);
+    return opened;
+}
+
+study::Protocol protocol_in(const study::StudyContents &contents,
+                            const std::filesystem::path &file) {
+    return study::read_protocol_text(contents.facts.protocol, file.string() + " (its protocol)");
+}
+
+study::ProtocolFolders folders_beside(const std::filesystem::path &file) {
+    return {file.parent_path(), asset_folder()};
+}
+
+void add_study_file_argument(CLI::App &command, std::filesystem::path &file) {
+    command.add_option("study", file, "a study file, as study run makes it")
+        ->type_name("FILE")
+        ->required();
+}
+
+void add_device_kind_option(CLI::App &command, study::DeviceKind &device) {
+    std::map<std::string, study::DeviceKind> kinds;
+    std::string names;
+    for (std::size_t i = 0; i < study::kDeviceKindNames.size(); ++i) {
+        const std::string name(study::kDeviceKindNames[i]);
+        kinds[name] = static_cast<study::DeviceKind>(i);
+        names += (names.empty() ? "{" : ",") + name;
+    }
+    command
+        .add_option("--device", device,
+                    "only trials on this kind of device; those of a simulated or emulated one are "
+                    "no person's, and taken only if asked for [usb]")
+        ->type_name("KIND:" + names + "}")
+        ->transform(CLI::CheckedTransformer(kinds).description(""));
+}
+
+std::string left_out_text(const study::StudyContents &contents, study::DeviceKind taken,
+                          const std::filesystem::path &file) {
+    std::string text;
+    for (std::size_t i = 0; i < study::kDeviceKindNames.size(); ++i) {
+        const auto kind = static_cast<study::DeviceKind>(i);
+        const std::size_t trials = trials_on_kind(contents, kind);
+        if (kind != taken && trials > 0) {
+            text += fmt::format("{}{} on {} devices (--device {})", text.empty() ? "" : ", ",
+                                trials_text(trials), study::name_of(kind), study::name_of(kind));
+        }
+    }
+    return text.empty() ? text : file.string() + ": left out are " + text;
+}
+
+void refuse_without_trials(const study::StudyContents &contents, study::DeviceKind device,
+                           const std::filesystem::path &file) {
+    if (trials_on_kind(contents, device) > 0) {
+        return;
+    }
+    const std::string left_out = left_out_text(contents, device, file);
+    throw InputError(
+        left_out.empty()
+            ? file.string() + ": has no trials yet; springdrive study run adds some"
+            : fmt::format("{}; there are none on {} devices", left_out, study::name_of(device)));
+}
+
+} // namespace springdrive::app

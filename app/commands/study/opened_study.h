@@ -1,0 +1,48 @@
+// What the commands of a study begin with: its file, and the protocol in it.
+#pragma once
+
+#include "engine/study/protocol/protocol.h"
+#include "engine/study/protocol/study_setting.h"
+#include "engine/study/store/study_contents.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace springdrive::app {
+
+struct OpenedStudy {
+    study::StudyContents contents;
+    study::Protocol protocol;
+};
+
+/// Read and closed again. @throw InputError as `read_study` and `read_protocol_text` do
+[[nodiscard]] OpenedStudy read_opened_study(const std::filesystem::path &file);
+
+/// The protocol that a study was begun with.
+[[nodiscard]] study::Protocol protocol_in(const study::StudyContents &contents,
+                                          const std::filesystem::path &file);
+
+/// Where the names in a protocol lead, which is in this file or in the study of this file.
+[[nodiscard]] study::ProtocolFolders folders_beside(const std::filesystem::path &file);
+
+/// The positional STUDY of a command.
+void add_study_file_argument(CLI::App &command, std::filesystem::path &file);
+
+/// `--device`: which trials a command takes; those on USB unless it is typed.
+void add_device_kind_option(CLI::App &command, study::DeviceKind &device);
+
+/// A line on what is left out, if it is anything: "direction.study: 96 trials on the simulated
+/// device are left out; --device simulated takes them"; else empty.
+[[nodiscard]] std::string left_out_text(const study::StudyContents &contents,
+                                        study::DeviceKind taken, const std::filesystem::path &file);
+
+/// @throw InputError if there are no trials on that kind of device, saying what there is
+void refuse_without_trials(const study::StudyContents &contents, study::DeviceKind device,
+                           const std::filesystem::path &file);
+
+} // namespace springdrive::app

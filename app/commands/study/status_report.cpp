@@ -1,0 +1,97 @@
+#include "app/commands/study/status_report.h"
+
+#include "base/print.h"
+#include "engine/study/protocol/session_length.h"
+
+#include <algorithm>
+
+namespace springdrive::app {
+
+namespace {
+
+std::string devices_text(const std::vector<study::DeviceKind> &devices) {
+    std::string text;
+    for (const study::DeviceKind device : devices) {
+        text += (text.empty() ? "" : ", ") + std::string(study::name_of(device));
+    }
+    return text.empty() ? "-" : text;
+}
+
+/// "block 1 of 2 (\"right and left\"), trial 61; stopped"
+std::string stand_of(const study::Protocol &protocol, const study::Progress &progress) {
+    std::string text;
+    if (!progress.next) {
+        text = "through";
+    } else {
+        const study::PlannedTrial &next = *progress.next;
+        text = fmt::format("block {} of {} (\"{}\"), trial {}", next.place.block,
+                           protocol.blocks.size(), protocol.blocks[next.block].name,
+                           next.place.position);
+        if (progress.sessions == 0) {
+            text = "not begun";
+        } else if (!progress.last_ending) {
+            text += "; running, or interrupted";
+        } else if (*progress.last_ending != study::SessionEnding::completed) {
+            text += "; " + std::string(study::name_of(*progress.last_ending));
+        }
+    }
+    if (progress.blocks_unfinished > 0) {
+        text += fmt::format("; {} block{} ended by too many marked trials",
+                            progress.blocks_unfinished, progress.blocks_unfinished == 1 ? "" : "s");
+    }
+    return text;
+}
+
+void write_records(std::ostream &out, const study::StudyContents &contents,
+                   const std::vector<std::string> &wrong) {
+    const auto linked = std::ranges::count_if(
+        contents.trials, [](const study::Trial &trial) { return trial.record.has_value(); });
+    if (linked == 0) {
+        out << "servo records: none\n";
+        return;
+    }
+    print(out, "servo records: {}, {}\n", linked,
+          wrong.empty() ? std::string("all as they were linked")
+                        : fmt::format("{} with a problem:", wrong.size()));
+    for (const std::string &line : wrong) {
+        out << "  " << line << '\n';
+    }
+}
+
+} // namespace
+
+void write_study_status(std::ostream &out, const std::filesystem::path &file,
+                        const OpenedStudy &study, const std::vector<study::Progress> &participants,
+                        const std::vector<std::string> &wrong_records) {
+    const study::StudyFacts &facts = study.contents.facts;
+    print(out, "{}: {}\n", file.string(), facts.title);
+    print(out, "begun {} with springdrive {}\n\n", study::utc_text(facts.created), facts.software);
+    print(out, "{:<12} {:<10} {:>8} {:>7} {:>9} {:>7}  {}\n", "participant", "device", "sessions",
+          "trials", "practice", "marked", "at");
+    int trials = 0;
+    int marked = 0;
+    for (const study::Progress &one : participants) {
+        print(out, "{:<12} {:<10} {:>8} {:>7} {:>9} {:>7}  {}\n", one.participant,
+              devices_text(one.devices), one.sessions, one.trials, one.practice, one.marked,
+              stand_of(study.protocol, one));
+        trials += one.trials;
+        marked += one.marked;
+    }
+    const auto through = std::ranges::count_if(
+        participants, [](const study::Progress &one) { return !one.next.has_value(); });
+    const study::SessionLength length = study::session_length(study.protocol);
+    print(out, "\nthrough: {} of {} participants of the protocol{}\n", through,
+          study.protocol.participants,
+          facts.removed_participants > 0
+              ? fmt::format("; {} removed on request", facts.removed_participants)
+              : std::string());
+    print(out, "trials: {}, {} marked; each participant has {} to {} without the marked ones\n",
+          trials, marked, length.fewest_trials, length.most_trials);
+    write_records(out, study.contents, wrong_records);
+    for (const study::Note &note : study.contents.notes) {
+        print(out, "{}: {}{}: {}\n", note.kind, study::utc_text(note.at),
+              note.participant ? " " + *note.participant : std::string(), note.text);
+    }
+}
+
+} // namespace springdrive::app

@@ -1,0 +1,60 @@
+#include "app/commands/study/study_commands.h"
+
+#include "app/asset_folder.h"
+#include "app/commands/study/check_report.h"
+#include "engine/study/protocol/protocol_check.h"
+#include "engine/study/protocol/protocol_file.h"
+
+#include <CLI/CLI.hpp>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+namespace springdrive::app {
+
+namespace {
+
+struct TypedProtocolCheck {
+    std::filesystem::path protocol;
+    bool simulates = true;
+};
+
+void check_typed(const TypedProtocolCheck &typed) {
+    const study::Protocol protocol = study::read_protocol_file(typed.protocol);
+    study::CheckOptions options;
+    options.simulates = typed.simulates;
+    const study::CheckedProtocol checked =
+        study::check_protocol(protocol, {typed.protocol.parent_path(), asset_folder()}, options);
+    write_study_check(std::cout, protocol, checked);
+    const auto errors = std::ranges::count(checked.findings, study::Severity::error,
+                                           &study::ProtocolFinding::severity);
+    if (errors > 0) {
+        std::cerr << fmt::format("springdrive: {}: {} error{}, see above; nobody should sit down "
+                                 "before {} mended\n",
+                                 typed.protocol.string(), errors, errors == 1 ? "" : "s",
+                                 errors == 1 ? "it is" : "they are");
+        throw CLI::RuntimeError(EXIT_FAILURE);
+    }
+}
+
+} // namespace
+
+void add_study_check_command(CLI::App &study) {
+    CLI::App &command = *study.add_subcommand(
+        "check", "everything that can be said of a protocol before anybody sits down");
+    const auto typed = std::make_shared<TypedProtocolCheck>();
+    command.add_option("protocol", typed->protocol, "a protocol file")
+        ->type_name("FILE")
+        ->required();
+    command.add_flag("!--no-simulation", typed->simulates,
+                     "leave out the simulation of each condition");
+    command.footer("Exit status: 0 no errors, 1 errors, or a file that is no protocol.");
+    command.callback([typed] { check_typed(*typed); });
+}
+
+} // namespace springdrive::app

@@ -1,0 +1,22 @@
+#include "app/commands/commands.h"
+
+#include "app/commands/study/study_commands.h"
+
+#include <CLI/CLI.hpp>
+
+namespace springdrive::app {
+
+void add_study_command(CLI::App &app) {
+    CLI::App &study = *app.add_subcommand("study", "pilot studies: from a protocol to its results");
+    study.require_subcommand(1);
+    add_study_new_command(study);
+    add_study_check_command(study);
+    add_study_plan_command(study);
+    add_study_run_commands(study);
+    add_study_status_command(study);
+    add_study_export_command(study);
+    add_study_analyse_command(study);
+    add_study_edit_commands(study);
+}
+
+} // namespace springdrive::app

@@ -1,0 +1,333 @@
+#include "app/commands/study/study_commands.h"
+
+#include "app/commands/common_options.h"
+#include "app/commands/progress_line.h"
+#include "app/commands/study/opened_study.h"
+#include "app/commands/study/simulated_session.h"
+#include "app/ending_signal.h"
+#include "base/input_error.h"
+#include "engine/study/protocol/protocol_check.h"
+#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/results/progress.h"
+
+#include <CLI/CLI.hpp>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <memory>
+
+namespace springdrive::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kStudyEnding = ".study";
+constexpr int kMostParticipants = 9999; ///< codes have four digits at most
+
+struct TypedRun {
+    fs::path file;  ///< a protocol or a study
+    fs::path study; ///< with a protocol; empty: its name, with another ending
+    std::string participant;
+    int participants = 0; ///< 0: the one above
+    std::string observer;
+    TypedObserver truth;
+    double spread = 0.0;
+    std::optional<std::uint64_t> seed; ///< nothing: the protocol's
+    study::FeltStimuli felt = study::FeltStimuli::each_simulated;
+};
+
+std::string text_in(const fs::path &file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The protocol as it was typed, which can be run.
+study::Protocol checked_protocol(const fs::path &file) {
+    const study::Protocol protocol = study::read_protocol_file(file);
+    study::CheckOptions options;
+    options.simulates = false;
+    const auto errors =
+        std::ranges::count(study::check_protocol(protocol, folders_beside(file), options).findings,
+                           study::Severity::error, &study::ProtocolFinding::severity);
+    if (errors > 0) {
+        throw InputError(fmt::format("{}: has {} error{}, which springdrive study check shows; "
+                                     "nobody should sit down before",
+                                     file.string(), errors, errors == 1 ? "" : "s"));
+    }
+    return protocol;
+}
+
+/// The study's file. A protocol's is created if there is none.
+fs::path study_file_of(const TypedRun &typed) {
+    if (typed.file.extension() == kStudyEnding) {
+        if (!typed.study.empty()) {
+            throw InputError("--study goes with a protocol; " + typed.file.string() +
+                             " is a study already");
+        }
+        return typed.file;
+    }
+    const fs::path file =
+        typed.study.empty() ? fs::path(typed.file).replace_extension(kStudyEnding) : typed.study;
+    if (fs::exists(file)) {
+        const std::string text = text_in(typed.file);
+        static_cast<void>(study::read_protocol_text(text, typed.file));
+        if (study::read_study(file).facts.protocol != text) {
+            throw InputError(fmt::format("{}: was begun with another protocol than {}; go on with "
+                                         "its own by springdrive study run {}, or begin a new "
+                                         "study with --study FILE",
+                                         file.string(), typed.file.string(), file.string()));
+        }
+        return file;
+    }
+    const study::Protocol protocol = checked_protocol(typed.file);
+    static_cast<void>(observer_of(typed.truth, protocol)); // or refused before there is a file
+    study::create_study(file, {protocol.title, text_in(typed.file), SPRINGDRIVE_VERSION},
+                        study::utc_now());
+    std::cerr << "created: " << file.string() << '\n';
+    return file;
+}
+
+const study::Progress *progress_named(const std::vector<study::Progress> &all,
+                                      const std::string &code) {
+    const auto found = std::ranges::find(all, code, &study::Progress::participant);
+    return found == all.end() ? nullptr : &*found;
+}
+
+/// A study that is open, while its participants take their turns.
+class Runs {
+public:
+    Runs(const fs::path &file, const TypedRun &typed)
+        : typed_(typed), store_(file), protocol_(protocol_in(store_.contents(), file)),
+          setting_(study::study_setting(protocol_, folders_beside(file))) {
+        for (std::size_t i = 0; i < protocol_.conditions.size(); ++i) {
+            if (const std::string &problem = setting_.conditions[i].problem; !problem.empty()) {
+                throw InputError(fmt::format("{}: condition \"{}\": {}", file.string(),
+                                             protocol_.conditions[i].name, problem));
+            }
+        }
+    }
+
+    [[nodiscard]] std::vector<study::Progress> progress() const {
+        return study::progress_of(protocol_, store_.contents());
+    }
+
+    /// The participant's session; added to the study if they are new.
+    void run(const std::string &code) {
+        if (progress_named(progress(), code) == nullptr) {
+            store_.add({code, study::next_participant_number(store_.contents()), study::utc_now()});
+        }
+        const study::Progress before = *progress_named(progress(), code);
+        if (!before.next) {
+            throw InputError(fmt::format("{}: participant {} has done all {} trials",
+                                         store_.file().string(), code, before.trials));
+        }
+        const SimulatedObserver observer = observer_of_participant(before);
+        EndedSession ended;
+        {
+            ProgressLine line;
+            const int most = study::session_length(protocol_).most_trials;
+            int trials = before.trials;
+            ended = run_simulated_session(
+                store_, {protocol_, setting_, code, observer, [&line, &code, &trials, most] {
+                             line.show(code, std::min(1.0, 1.0 * trials++ / most));
+                         }});
+        }
+        std::cout << fmt::format("{}: session {}, {} trials, {} marked: {}\n", code, ended.id,
+                                 ended.trials, ended.marked, study::name_of(ended.ending))
+                  << std::flush;
+        judge(code, ended.ending);
+    }
+
+private:
+    /// The one who answered before; else the one that was typed.
+    SimulatedObserver observer_of_participant(const study::Progress &progress) const {
+        const study::StudyContents contents = store_.contents();
+        const auto last = std::ranges::find(contents.sessions.rbegin(), contents.sessions.rend(),
+                                            progress.participant, &study::Session::participant);
+        if (last == contents.sessions.rend()) {
+            SimulatedObserver drawn = participant_of_group(
+                observer_of(typed_.truth, protocol_), typed_.spread,
+                typed_.seed.value_or(static_cast<std::uint64_t>(protocol_.seed)), progress.number);
+            drawn.felt = typed_.felt;
+            return drawn;
+        }
+        const std::optional<SimulatedObserver> before = observer_in(*last);
+        if (last->device != study::DeviceKind::simulated || !before) {
+            throw InputError(fmt::format("{}: participant {} is a person, whose sessions cannot "
+                                         "go on with a simulated observer",
+                                         store_.file().string(), progress.participant));
+        }
+        return *before;
+    }
+
+    /// What is no success is told, and ends the command.
+    void judge(const std::string &code, study::SessionEnding ending) const {
+        if (ending == study::SessionEnding::completed) {
+            return;
+        }
+        std::cerr << fmt::format("springdrive: {} is not through; to go on: springdrive study "
+                                 "resume {}\n",
+                                 code, store_.file().string());
+        if (ending != study::SessionEnding::stopped) {
+            throw CLI::RuntimeError(EXIT_FAILURE);
+        }
+    }
+
+    const TypedRun &typed_;
+    study::StudyStore store_;
+    study::Protocol protocol_;
+    study::StudySetting setting_;
+};
+
+void refuse_persons(const std::string &observer) {
+    if (observer.empty()) {
+        throw InputError("study run: the screens for a person are not there yet; type --observer "
+                         "simulated for a simulated participant");
+    }
+}
+
+void refuse_code(const std::string &code) {
+    if (const std::string wrong = study::what_is_wrong_with_code(code); !wrong.empty()) {
+        throw InputError(wrong);
+    }
+}
+
+void run_typed(const TypedRun &typed) {
+    refuse_persons(typed.observer);
+    if (typed.participant.empty() && typed.participants == 0) {
+        throw InputError("study run: who? --participant P01, or --participants 12 for a whole "
+                         "study of simulated ones");
+    }
+    check_range("--spread", typed.spread, 0.0, 10.0);
+    if (!typed.participant.empty()) {
+        refuse_code(typed.participant);
+    }
+    note_ending_signals();
+    const fs::path file = study_file_of(typed);
+    Runs runs(file, typed);
+    if (!typed.participant.empty()) {
+        runs.run(typed.participant);
+        return;
+    }
+    for (int i = 1; i <= typed.participants && !asked_to_end(); ++i) {
+        const std::string code = fmt::format("P{:02}", i);
+        const std::vector<study::Progress> progress = runs.progress();
+        const study::Progress *before = progress_named(progress, code);
+        if (before == nullptr || before->next) {
+            runs.run(code);
+        }
+    }
+}
+
+struct TypedResume {
+    fs::path study;
+    std::string participant; ///< empty: all who are not through
+};
+
+void resume_typed(const TypedResume &typed) {
+    note_ending_signals();
+    const TypedRun nothing_new;
+    Runs runs(typed.study, nothing_new);
+    const std::vector<study::Progress> all = runs.progress();
+    if (!typed.participant.empty()) {
+        if (progress_named(all, typed.participant) == nullptr) {
+            throw InputError(fmt::format("{}: there is no participant {}", typed.study.string(),
+                                         typed.participant));
+        }
+        runs.run(typed.participant);
+        return;
+    }
+    bool has_run = false;
+    for (const study::Progress &one : all) {
+        if (one.next && one.sessions > 0 && !asked_to_end()) {
+            runs.run(one.participant);
+            has_run = true;
+        }
+    }
+    if (!has_run) {
+        std::cout << typed.study.string()
+                  << ": nobody is in the midst of it; springdrive study run begins with the next\n";
+    }
+}
+
+void add_run(CLI::App &study) {
+    CLI::App &command = *study.add_subcommand(
+        "run", "a participant's session, trial by trial; begun and ended at any time");
+    const auto typed = std::make_shared<TypedRun>();
+    command
+        .add_option("file", typed->file,
+                    "a protocol, whose study is created if there is none; or a study")
+        ->type_name("FILE")
+        ->required();
+    command
+        .add_option("--study", typed->study,
+                    "the study file of a protocol [that of the same name, ending in .study]")
+        ->type_name("FILE");
+    CLI::Option *one =
+        command.add_option("--participant", typed->participant,
+                           "code of the participant, such as P01: no name. A new one is added");
+    one->type_name("CODE");
+    command
+        .add_option("--participants", typed->participants,
+                    "a whole study of simulated participants, P01 and so on")
+        ->type_name("N")
+        ->check(CLI::Range(1, kMostParticipants).description(""))
+        ->excludes(one);
+    command
+        .add_option("--observer", typed->observer,
+                    "who sits there: a simulated observer. The screens for a person are not there "
+                    "yet")
+        ->type_name("WHO:{simulated}")
+        ->check(CLI::IsMember({"simulated"}).description(""));
+    add_observer_options(command, typed->truth);
+    command
+        .add_option("--spread", typed->spread,
+                    "standard deviation of simulated thresholds between participants: of the "
+                    "logarithm where the protocol's function is on a logarithmic scale [0]")
+        ->type_name("NUMBER");
+    command
+        .add_option("--seed", typed->seed,
+                    "of what simulated observers are and answer [the protocol's]")
+        ->type_name("N");
+    command
+        .add_option("--felt", typed->felt,
+                    "what a simulated observer feels: each presentation simulated, or each "
+                    "condition and level simulated once, which is much faster [each]")
+        ->type_name("HOW:{each,once}")
+        ->transform(CLI::CheckedTransformer(std::map<std::string, study::FeltStimuli>{
+                                                {"each", study::FeltStimuli::each_simulated},
+                                                {"once", study::FeltStimuli::measured_once}})
+                        .description(""));
+    command.footer(
+        "Each trial is on the disk before the next begins. Ctrl+C ends the session after "
+        "the present one;\nstudy resume goes on with the same sequence, also after a "
+        "crash.");
+    command.callback([typed] { run_typed(*typed); });
+}
+
+void add_resume(CLI::App &study) {
+    CLI::App &command = *study.add_subcommand(
+        "resume", "goes on with sessions that were left, with the sequence of undisturbed ones");
+    const auto typed = std::make_shared<TypedResume>();
+    add_study_file_argument(command, typed->study);
+    command
+        .add_option("--participant", typed->participant, "only this one [all who are not through]")
+        ->type_name("CODE");
+    command.callback([typed] { resume_typed(*typed); });
+}
+
+} // namespace
+
+void add_study_run_commands(CLI::App &study) {
+    add_run(study);
+    add_resume(study);
+}
+
+} // namespace springdrive::app

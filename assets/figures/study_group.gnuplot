@@ -1,0 +1,35 @@
+# Thresholds of all participants and their mean, by condition; see app/figures/study_pictures.h.
+# Columns of thresholds.csv: 1 participant, 2 number, 3 condition, 8 to 10 threshold with its
+# interval, 31 to 33 mean setting likewise; of group.csv: 1 condition, 5 to 7 mean likewise.
+columns = is_adjustment ? 31 : 8
+width = 160.0 + 150*(panels < 3 ? 3 : panels)
+height = 560.0
+set terminal svg size width,height font "DejaVu Sans,13" enhanced background rgb "white"
+set label 1 heading at screen 0.5,(height - 25)/height center noenhanced font ",16"
+set label 2 note at screen 0.5,(height - 50)/height center noenhanced font ",11" textcolor rgb grey
+set tmargin at screen (height - 75)/height
+set bmargin at screen 100/height
+set lmargin at screen 90/width
+set rmargin at screen (width - 25)/width
+set xrange [0.5:panels + 0.5]
+set xtics () noenhanced
+do for [i=1:panels] {
+    name = value(sprintf("title_%d", i))
+    # A long name takes two lines.
+    blank = strlen(name) > 14 ? strstrt(name[8:*], " ") : 0
+    if (blank > 0) { name = name[1:7 + blank - 1]."\n".name[7 + blank + 1:*] }
+    set xtics add (name i)
+}
+set ylabel estimate_label.level_label noenhanced
+set autoscale yfix
+set offsets 0,0,graph 0.05,graph 0.05
+if (is_logarithmic) {
+    set logscale y
+    set format y "%g"
+    set for [e=-4:4] for [m in "2 3 5 7"] ytics add (gprintf("%g", m*10.0**e) m*10.0**e)
+}
+set key at screen 0.5,25/height center center maxrows 1 samplen 2 width 2 noenhanced
+# Participants side by side, the mean to their right.
+x_of(i, number) = i - 0.3 + (highest_number > 1 ? 0.45*(number - 1)/(highest_number - 1) : 0.2)
+plot for [i=1:panels] csv using (x_of(i, $2)):(strcol(3) eq value(sprintf("title_%d", i)) ? column(columns) : NaN):(column(columns + 1)):(column(columns + 2)) skip 1 with yerrorbars pointtype 7 pointsize 0.6 linewidth 1 linecolor rgb grey title (i == 1 ? "participants" : ""), \
+     for [i=1:panels] group_csv using (i + 0.32):(strcol(1) eq value(sprintf("title_%d", i)) ? column(5) : NaN):(valid(6) ? column(6) : column(5)):(valid(7) ? column(7) : column(5)) skip 1 with yerrorbars pointtype 5 pointsize 1 linewidth 2.5 linecolor rgb blue title (i == 1 ? "mean of the group" : "")

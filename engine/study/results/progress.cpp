@@ -1,0 +1,48 @@
+#include "engine/study/results/progress.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace springdrive::study {
+
+std::vector<Trial> trials_of(const StudyContents &contents, std::string_view participant) {
+    std::vector<Trial> trials;
+    std::ranges::copy_if(
+        contents.trials, std::back_inserter(trials),
+        [participant](const Trial &trial) { return trial.participant == participant; });
+    return trials;
+}
+
+std::vector<Progress> progress_of(const Protocol &protocol, const StudyContents &contents) {
+    std::vector<Progress> all;
+    for (const Participant &participant : contents.participants) {
+        Progress progress;
+        progress.participant = participant.code;
+        progress.number = participant.number;
+        for (const Session &session : contents.sessions) {
+            if (session.participant != participant.code) {
+                continue;
+            }
+            ++progress.sessions;
+            progress.last_ending = session.ending;
+            if (std::ranges::count(progress.devices, session.device) == 0) {
+                progress.devices.push_back(session.device);
+            }
+        }
+        const std::vector<Trial> trials = trials_of(contents, participant.code);
+        progress.trials = static_cast<int>(trials.size());
+        for (const Trial &trial : trials) {
+            progress.practice += trial.is_practice ? 1 : 0;
+            progress.marked += trial.marks.empty() ? 0 : 1;
+        }
+        const Sequence sequence = sequence_after(protocol, participant.number, trials);
+        progress.next = sequence.next();
+        progress.blocks_unfinished = static_cast<int>(
+            std::ranges::count(sequence.ended(), BlockState::too_many_marked, &EndedBlock::state));
+        all.push_back(std::move(progress));
+    }
+    return all;
+}
+
+} // namespace springdrive::study

@@ -1,0 +1,36 @@
+// Where each participant of a study stands.
+#pragma once
+
+#include "engine/study/conduct/sequence.h"
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace springdrive::study {
+
+struct Progress {
+    std::string participant;
+    int number = 1;
+    int sessions = 0;
+    std::optional<SessionEnding> last_ending; ///< nothing without a session, and while one runs
+    std::vector<DeviceKind> devices;          ///< of the sessions, each once
+    int trials = 0;                           ///< all of them
+    int practice = 0;
+    int marked = 0;
+    int blocks_unfinished = 0;        ///< ended because too many of their trials were marked
+    std::optional<PlannedTrial> next; ///< nothing after the last trial
+};
+
+/// Of all participants, in the order in which they were added.
+/// @pre what_is_wrong_with(protocol) is empty
+/// @throw InputError as `sequence_after` does
+[[nodiscard]] std::vector<Progress> progress_of(const Protocol &protocol,
+                                                const StudyContents &contents);
+
+/// The trials of one participant, in their order.
+[[nodiscard]] std::vector<Trial> trials_of(const StudyContents &contents,
+                                           std::string_view participant);
+
+} // namespace springdrive::study

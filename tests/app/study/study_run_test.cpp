@@ -1,0 +1,263 @@
+// Covers app/commands/study/study_run.cpp, simulated_session.cpp, study_status.cpp,
+// study_export.cpp and study_edit.cpp, from outside.
+#include "engine/study/store/study_store.h"
+#include "tests/app/study/study_program.h"
+#include "tests/support/full_disk.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace springdrive::app {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::study;
+
+class StudyRun : public ::testing::Test {
+protected:
+    StudyRun() : folder_(testing::fresh_folder("study_run")) {}
+
+    fs::path protocol(const std::string &name = "stiffness") {
+        const fs::path file = folder_ / (name + ".toml");
+        if (!fs::exists(file)) {
+            std::ofstream(file) << testing::shortened(name);
+        }
+        return file;
+    }
+    [[nodiscard]] fs::path file(const std::string &name) const { return folder_ / name; }
+
+    testing::Ending run(std::vector<std::string> options, int signal = 0,
+                        const fs::path &started = {}) {
+        options.insert(options.begin(), {"run", protocol().string()});
+        options.insert(options.end(), {"--observer", "simulated", "--felt", "once"});
+        return study(options, signal, started);
+    }
+
+    /// Block, position, level, target and answer of each trial: what a resumed study must repeat.
+    static std::string course_of(const fs::path &file) {
+        const testing::Ending told = study({"export", file, "--csv", "-", "--device", "simulated"});
+        EXPECT_EQ(told.exit_status, 0) << told.error;
+        std::string course;
+        std::vector<std::vector<std::string>> columns;
+        for (const char *name : {"participant", "block", "position", "attempt", "condition",
+                                 "level", "target", "response"}) {
+            columns.push_back(testing::column_of(told.out, name));
+            if (columns.back().empty()) {
+                ADD_FAILURE() << name;
+                return name;
+            }
+        }
+        for (std::size_t i = 0; i < columns.front().size(); ++i) {
+            for (const std::vector<std::string> &column : columns) {
+                course += column[i] + " ";
+            }
+            course += '\n';
+        }
+        return course;
+    }
+
+private:
+    fs::path folder_;
+};
+
+TEST_F(StudyRun, BeginsAStudyAndGoesOnInIt) {
+    const testing::Ending first = run({"--participant", "P01"});
+    ASSERT_EQ(first.exit_status, 0) << first.error;
+    EXPECT_NE(first.error.find("created: " + file("stiffness.study").string()), std::string::npos);
+    EXPECT_NE(first.out.find("P01: session 1"), std::string::npos) << first.out;
+    EXPECT_NE(first.out.find("completed"), std::string::npos) << first.out;
+    const testing::Ending second = study({"run", file("stiffness.study"), "--participant", "AB7",
+                                          "--observer", "simulated", "--felt", "once"});
+    ASSERT_EQ(second.exit_status, 0) << second.error;
+    EXPECT_EQ(second.error, "");
+
+    const study::StudyContents contents = study::read_study(file("stiffness.study"));
+    ASSERT_EQ(contents.participants.size(), 2U);
+    EXPECT_EQ(contents.participants[1].code, "AB7");
+    EXPECT_EQ(contents.participants[1].number, 2) << "given by itself";
+    ASSERT_EQ(contents.sessions.size(), 2U);
+    for (const study::Session &session : contents.sessions) {
+        EXPECT_EQ(session.device, study::DeviceKind::simulated);
+        EXPECT_EQ(session.ending, study::SessionEnding::completed);
+    }
+    EXPECT_EQ(contents.facts.protocol, testing::contents_of(protocol()));
+
+    testing::expect_refused(run({"--participant", "P01"}), "P01 has done all");
+}
+
+TEST_F(StudyRun, TellsWhereItStands) {
+    ASSERT_EQ(run({"--participants", "2"}).exit_status, 0);
+    const std::size_t trials = study::read_study(file("stiffness.study")).trials.size();
+    ASSERT_EQ(study({"note", file("stiffness.study"), "too warm here", "--participant", "P02"})
+                  .exit_status,
+              0);
+    const testing::Ending told = study({"status", file("stiffness.study")});
+    ASSERT_EQ(told.exit_status, 0) << told.error;
+    for (const std::string &part :
+         {std::string("P01"), std::string("P02"), std::string("through: 2 of 12"),
+          "trials: " + std::to_string(trials), std::string("servo records: none"),
+          std::string("P02: too warm here")}) {
+        EXPECT_NE(told.out.find(part), std::string::npos) << part << " in\n" << told.out;
+    }
+}
+
+TEST_F(StudyRun, ExportsNobodysDataOnlyIfAskedTo) {
+    ASSERT_EQ(run({"--participant", "P01"}).exit_status, 0);
+    const fs::path study_file = file("stiffness.study");
+    const std::size_t trials = study::read_study(study_file).trials.size();
+    testing::expect_refused(study({"export", study_file, "--csv", file("t.csv")}),
+                            "trials on simulated devices (--device simulated)");
+    EXPECT_FALSE(fs::exists(file("t.csv")));
+    testing::expect_refused(study({"export", study_file}), "--csv FILE, --bids FOLDER");
+
+    ASSERT_EQ(study({"export", study_file, "--csv", file("t.csv"), "--bids", file("bids"),
+                     "--device", "simulated"})
+                  .exit_status,
+              0);
+    const std::string csv = testing::contents_of(file("t.csv"));
+    EXPECT_EQ(testing::rows_of(csv).size(), trials);
+    EXPECT_TRUE(fs::exists(file("bids/dataset_description.json")));
+    testing::expect_refused(
+        study({"export", study_file, "--csv", file("t.csv"), "--device", "simulated"}), "exists");
+}
+
+TEST_F(StudyRun, ResumedAfterStopAndKillGivesTheUndisturbedTrials) {
+    // Of usual length, so that it is still running when the signal comes.
+    std::ofstream(file("stiffness.toml"))
+        << testing::contents_of(testing::assets() / "protocols/stiffness.toml");
+    const fs::path whole = file("whole.study");
+    ASSERT_EQ(run({"--participant", "P01", "--study", whole}).exit_status, 0);
+    for (const int signal : {SIGTERM, SIGKILL}) {
+        const fs::path broken = file(std::to_string(signal) + ".study");
+        const testing::Ending ended =
+            run({"--participant", "P01", "--study", broken}, signal, broken);
+        ASSERT_LT(study::read_study(broken).trials.size(), study::read_study(whole).trials.size())
+            << "it was to be interrupted";
+        if (study::read_study(broken).participants.empty()) {
+            ASSERT_EQ(run({"--participant", "P01", "--study", broken}).exit_status, 0);
+        } else {
+            const testing::Ending resumed = study({"resume", broken});
+            ASSERT_EQ(resumed.exit_status, 0) << resumed.error;
+        }
+        EXPECT_EQ(course_of(broken), course_of(whole));
+        const study::StudyContents contents = study::read_study(broken);
+        if (signal == SIGTERM) {
+            EXPECT_EQ(ended.exit_status, 0);
+            EXPECT_NE(ended.error.find("study resume"), std::string::npos) << ended.error;
+            EXPECT_EQ(contents.sessions.front().ending, study::SessionEnding::stopped);
+        } else if (contents.sessions.size() > 1) {
+            EXPECT_EQ(contents.sessions.front().ending, study::SessionEnding::interrupted);
+        }
+    }
+}
+
+TEST_F(StudyRun, RefusesInOneLineAndLosesNothing) {
+    const std::string study_file = file("stiffness.study");
+    testing::expect_refused(study({"run", protocol(), "--participant", "P01"}),
+                            "screens for a person are not there yet");
+    testing::expect_refused(run({}), "--participant P01");
+    testing::expect_refused(run({"--participant", "Anna"}), "is no participant's code");
+    EXPECT_FALSE(fs::exists(study_file)) << "nothing is created before that";
+    ASSERT_EQ(run({"--participant", "P01"}).exit_status, 0);
+    const std::string before = testing::contents_of(study_file);
+
+    testing::expect_refused(study({"resume", study_file, "--participant", "P02"}),
+                            "no participant P02");
+    testing::expect_refused(study({"note", study_file, "x", "--participant", "P02"}), "P02");
+    testing::expect_refused(study({"remove", study_file, "P02"}), "P02");
+    testing::expect_refused(study({"remove", study_file, "P01"}), "add --yes");
+    testing::expect_refused(study({"status", protocol()}), "stiffness.toml");
+    testing::expect_refused(study({"status", file("none.study")}), "none.study");
+
+    std::ofstream(protocol(), std::ios::app) << "# a comment\n";
+    testing::expect_refused(run({"--participant", "P02"}), "begun with another protocol");
+    EXPECT_EQ(testing::contents_of(study_file), before);
+}
+
+TEST_F(StudyRun, WaitsForNobodyWhoHasTheStudyOpen) {
+    ASSERT_EQ(run({"--participant", "P01"}).exit_status, 0);
+    const study::StudyStore open(file("stiffness.study"));
+    testing::expect_refused(run({"--participant", "P02"}), "stiffness.study");
+    EXPECT_EQ(study({"status", file("stiffness.study")}).exit_status, 0) << "readers never wait";
+}
+
+TEST_F(StudyRun, LeavesAStudyOfANewerVersionAsItIs) {
+    ASSERT_EQ(run({"--participant", "P01"}).exit_status, 0);
+    constexpr std::streamoff kUserVersion = 60; // of SQLite's header, big-endian
+    std::fstream bytes(file("stiffness.study"), std::ios::in | std::ios::out | std::ios::binary);
+    bytes.seekp(kUserVersion + 3);
+    bytes.put(99);
+    bytes.close();
+    const std::string newer = testing::contents_of(file("stiffness.study"));
+    for (const char *command : {"status", "resume", "analyse"}) {
+        testing::expect_refused(study({command, file("stiffness.study")}), "version");
+    }
+    EXPECT_EQ(testing::contents_of(file("stiffness.study")), newer);
+}
+
+TEST_F(StudyRun, GoesOnWhenAFullDiskHasSpaceAgain) {
+    const fs::path whole = file("whole.study");
+    ASSERT_EQ(run({"--participants", "2", "--study", whole}).exit_status, 0);
+    const fs::path study_file = file("full.study");
+    ASSERT_EQ(run({"--participant", "P01", "--study", study_file}).exit_status, 0);
+    const std::size_t before = study::read_study(study_file).trials.size();
+    {
+        const testing::FullDisk disk(fs::file_size(study_file) + 4096); // a few trials more
+        const testing::Ending ending = run({"--participant", "P02", "--study", study_file});
+        EXPECT_EQ(ending.exit_status, 1) << ending.out;
+        EXPECT_NE(ending.error.find("full.study"), std::string::npos) << ending.error;
+        EXPECT_EQ(std::ranges::count(ending.error, '\n'), 1) << ending.error;
+    }
+    EXPECT_GE(study::read_study(study_file).trials.size(), before);
+    EXPECT_LT(study::read_study(study_file).trials.size(), study::read_study(whole).trials.size());
+    ASSERT_EQ(run({"--participant", "P02", "--study", study_file}).exit_status, 0);
+    EXPECT_EQ(course_of(study_file), course_of(whole));
+}
+
+TEST_F(StudyRun, RemovesAParticipantOnRequest) {
+    ASSERT_EQ(run({"--participants", "2"}).exit_status, 0);
+    ASSERT_EQ(study({"remove", file("stiffness.study"), "P01", "--yes"}).exit_status, 0);
+    const study::StudyContents contents = study::read_study(file("stiffness.study"));
+    ASSERT_EQ(contents.participants.size(), 1U);
+    EXPECT_EQ(contents.participants.front().code, "P02");
+    EXPECT_EQ(contents.facts.removed_participants, 1);
+    EXPECT_NE(study({"status", file("stiffness.study")}).out.find("1 removed on request"),
+              std::string::npos);
+}
+
+TEST_F(StudyRun, DrawsObserversAsTypedAndRemembersThem) {
+    ASSERT_EQ(run({"--participants", "3", "--threshold", "0.05", "--spread", "0.3"}).exit_status,
+              0);
+    const study::StudyContents contents = study::read_study(file("stiffness.study"));
+    std::vector<double> thresholds;
+    for (const study::Session &session : contents.sessions) {
+        for (const study::Setting &fact : session.facts) {
+            if (fact.name == "observer_threshold") {
+                thresholds.push_back(std::get<double>(fact.value));
+            }
+        }
+    }
+    ASSERT_EQ(thresholds.size(), 3U);
+    EXPECT_NE(thresholds[0], thresholds[1]);
+    EXPECT_NE(thresholds[1], thresholds[2]);
+    for (const double threshold : thresholds) {
+        EXPECT_GT(threshold, 0.05 * std::exp(-4.0 * 0.3)); // 4 standard deviations
+        EXPECT_LT(threshold, 0.05 * std::exp(4.0 * 0.3));
+    }
+    testing::expect_refused(
+        study({"run", protocol("hardness"), "--participant", "P01", "--observer", "simulated"}),
+        "--threshold and --slope");
+    testing::expect_refused(
+        run({"--participants", "4", "--lapse", "2", "--study", file("other.study")}), "lapse");
+    EXPECT_FALSE(fs::exists(file("other.study")));
+}
+
+} // namespace
+} // namespace springdrive::app
