@@ -28,9 +28,9 @@ void write_trials(std::ostream &out, const std::vector<study::ConditionTrial> &t
     print(out, "\n{:<64} {:>7} {:>8} {:>8} {:>8}\n", "simulated", "force N", "slid mm", "deep mm",
           "given mJ");
     for (const study::ConditionTrial &trial : trials) {
-        print(out, "{:<64} {:>7.2f} {:>8.2f} {:>8.2f} {:>8.2f}{}\n", trial.name,
+        print(out, "{:<64} {:>7.2f} {:>8.2f} {:>8.2f} {:>8.2f}\n", trial.name,
               trial.largest_force_N, 1e3 * trial.slid_m, 1e3 * trial.deepest_m,
-              1e3 * trial.generated_J, trial.is_turned ? "" : "  not turned");
+              1e3 * trial.generated_J);
     }
 }
 

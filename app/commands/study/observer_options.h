@@ -1,8 +1,8 @@
 // Simulated observers, as they are typed and as a study's sessions remember them.
 #pragma once
 
-#include "app/commands/study/stand_in_sitting.h"
 #include "engine/study/methods/psychometric_function.h"
+#include "engine/study/observers/simulated_sitting.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/store/study_contents.h"
 

@@ -24,8 +24,9 @@ struct MeasuredValue {
     Band band;
 };
 
-inline constexpr std::array<MeasuredValue, 6> kMeasuredValues{{
+inline constexpr std::array<MeasuredValue, 7> kMeasuredValues{{
     {"direction_deg", Band::direction},
+    {"direction_across_deg", Band::direction}, ///< out of the plane of the turn
     {"stiffness_N_per_m", Band::stiffness},
     {"press_N", Band::force},
     {"speed_m_per_s", Band::force},

@@ -5,6 +5,7 @@
 #include "base/vector.h"
 #include "engine/control/tuning.h"
 #include "engine/scene/lesson.h"
+#include "engine/study/stimuli/stimulus.h"
 
 #include <array>
 #include <cstdint>
@@ -14,15 +15,6 @@
 #include <string_view>
 
 namespace springdrive::study {
-
-/// What holds the tip where it is presented a stimulus.
-enum class Hold : std::uint8_t {
-    surface, ///< the scene: without friction, so that the tip slides where it is not pressed square
-    cup,     ///< a friction cup at the spot: x₀ stays where the tip first touches the scene
-};
-
-/// By their number, as in protocol files.
-inline constexpr std::array<std::string_view, 2> kHoldNames{"surface", "cup"};
 
 /// The scene of a condition in free space.
 inline constexpr std::string_view kNoScene = "none";

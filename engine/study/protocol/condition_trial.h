@@ -1,16 +1,10 @@
-// A stimulus as a simulated hand meets it: the whole servo in closed loop with the simulated
-// device, its limiter and its safety monitor included.
-//
-// The hand rests above the spot until the servo runs, moves down onto it, does what the form of the
-// stimulus asks for, and goes back. It is the relaxed grip of `device::HandParameters`. In a cup,
-// x₀ stays where the tip first touched.
-//
-// The control law cannot turn a force yet: presses and blows are simulated with the force along the
-// normal, whatever `turn_deg` is. A pulse is: its voltages are added to those of the law.
+// What is found when each stimulus of a protocol is presented to a simulated hand, before anybody
+// sits down. The hand is the relaxed grip of `device::HandParameters`.
 #pragma once
 
 #include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/protocol_finding.h"
+#include "engine/study/protocol/stimulus_trial.h"
 
 #include <string>
 #include <vector>
@@ -26,8 +20,9 @@ struct ConditionTrial {
     double generated_J = 0.0;     ///< largest reading of the energy observer
     bool has_touched = false;
     bool is_held_back = false; ///< the servo reduced the force
-    bool is_turned = true;     ///< false: the force was to be turned, and was not
-    std::string trip;          ///< of the safety monitor, with its numbers; empty: none
+    bool is_in_cup = false;
+    StimulusFailure failure = StimulusFailure::none;
+    std::string trip; ///< of the safety monitor, with its numbers; empty: none
 };
 
 /// Deterministic; some tenths of a second for a second of stimulus at 1 kHz.
@@ -39,7 +34,7 @@ struct ConditionTrial {
                                                          const StudySetting &setting,
                                                          const std::vector<Presented> &presented);
 
-/// The tip may slide so far from where it touched [m].
+/// The tip may slide so far from where it touched [m]. In a cup it yields, but does not slide.
 inline constexpr double kMostSlide_m = 0.003;
 
 /// And shake so fast [m/s]: as an oscillation by an encoder count, 0.03 mm at the tip, at 100 Hz.

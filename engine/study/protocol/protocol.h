@@ -14,6 +14,7 @@
 #include "engine/study/methods/counterbalancing.h"
 #include "engine/study/protocol/condition.h"
 #include "engine/study/protocol/texts.h"
+#include "engine/study/stimuli/stimulus.h"
 
 #include <array>
 #include <cstddef>
@@ -24,18 +25,6 @@
 #include <vector>
 
 namespace springdrive::study {
-
-/// How a stimulus comes to the hand.
-enum class StimulusForm : std::uint8_t {
-    press,  ///< the hand presses on the spot with `press_N`
-    blow,   ///< the hand strikes the spot with `speed_m_per_s`
-    pulse,  ///< the hand rests on the spot with `press_N`; the device pushes once, by `pulse_N`
-    stroke, ///< the hand moves to and fro in free space, `speed_m_per_s` at most
-};
-
-/// By their number, as in protocol files.
-inline constexpr std::array<std::string_view, 4> kStimulusFormNames{"press", "blow", "pulse",
-                                                                    "stroke"};
 
 /// What a level of the method is, of the parameter under test.
 enum class LevelMeaning : std::uint8_t {

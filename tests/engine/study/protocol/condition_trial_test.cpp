@@ -102,25 +102,38 @@ TEST(ConditionTrial, APulseAddsItsForceToThePress) {
     Condition &condition = protocol.conditions[0];
     condition.hold = Hold::cup;
     condition.press_N = 0.5;
-    condition.pulse_N = 1.0;
+    condition.pulse_N = 2.0;  // of which the cup's spring takes K/(K + k), three quarters
     condition.pulse_hz = 5.0; // so slow that hand and windings follow
     const ConditionTrial with_pulse = trial_of(protocol);
     condition.pulse_N = 0.05;
     const ConditionTrial without = trial_of(protocol);
     EXPECT_EQ(with_pulse.trip, "");
     EXPECT_GT(with_pulse.largest_force_N, without.largest_force_N + 0.2);
-    EXPECT_TRUE(with_pulse.is_turned);
 }
 
-TEST(ConditionTrial, SaysWhereAForceWasNotTurned) {
+/// In a cup the hand yields to a turned force, but does not slide; on a surface it slides.
+TEST(ConditionTrial, ATurnedForcePushesAHandAsideThatIsNotInACup) {
     Protocol protocol = protocol_of(kPlainProtocol);
-    protocol.conditions[0].turn_deg = 20.0;
+    protocol.conditions[0].turn_deg = 50.0;
+    protocol.conditions[0].press_N = 1.5;
+    const ConditionTrial slides = trial_of(protocol);
+    EXPECT_EQ(slides.trip, "");
+    EXPECT_GT(slides.slid_m, kMostSlide_m);
+    EXPECT_EQ(findings_of(protocol, {slides})[0].severity, Severity::error);
+    protocol.conditions[0].hold = Hold::cup;
+    EXPECT_TRUE(findings_of(protocol, {trial_of(protocol)}).empty());
+}
+
+TEST(ConditionTrial, SaysOfAHandThatGivesWayToo) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.conditions[0].hold = Hold::cup;
+    protocol.conditions[0].turn_deg = 80.0; // tan 80° = 5.7, and so many newtons along the surface
     const ConditionTrial trial = trial_of(protocol);
-    EXPECT_FALSE(trial.is_turned);
+    EXPECT_EQ(trial.failure, StimulusFailure::too_much_work);
     const ProtocolFindings findings = findings_of(protocol, {trial});
-    ASSERT_EQ(findings.size(), 1U);
-    EXPECT_EQ(findings[0].severity, Severity::note);
-    EXPECT_NE(findings[0].what.find("along the normal"), std::string::npos);
+    ASSERT_FALSE(findings.empty());
+    EXPECT_EQ(findings[0].severity, Severity::error);
+    EXPECT_NE(findings[0].what.find("gave way"), std::string::npos) << findings[0].what;
 }
 
 TEST(ConditionTrial, ABlowIsHarderTheFasterItIs) {

@@ -1,0 +1,114 @@
+#include "engine/study/protocol/hand_course.h"
+
+#include "device/core/hand_parameters.h"
+#include "device/core/phantom/dynamics.h"
+#include "device/core/phantom/kinematics.h"
+#include "engine/study/protocol/predicted_press.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace springdrive::study {
+
+namespace {
+
+constexpr double kStart_s = 1.25; ///< the servo waits for rest, then raises its gains
+constexpr double kDown_s = 0.5;   ///< from the start to the spot
+constexpr double kSettle_s = 0.2; ///< from there to the press
+constexpr double kBack_s = 0.3;
+constexpr double kLater_s = 0.05;         ///< so much longer, to be sure that it is over
+constexpr double kFollowThrough_m = 0.01; ///< of a blow
+
+/// What holds the linkage against its weight, at the tip [N].
+Vector3 holding_N(const device::DeviceDescription &device, const Vector3 &q_rad) {
+    const Vector3 weight_Nm = device::gravity_torque_Nm(
+        device::linkage_moments(device.geometry, device.inertia, 0.0), q_rad);
+    return device::joint_jacobian(device.geometry, q_rad).transpose().inverse() * weight_Nm;
+}
+
+/// Down to where the hand's spring presses as hard as the condition asks.
+HandCourse press_course(const StudySetting &setting, const Presented &presented,
+                        const Stimulus &stimulus, const HandDeviation &hand) {
+    const scene::TouchSpot &spot = setting.conditions[presented.condition].spot;
+    const PredictedPress press =
+        predicted_press(setting, presented, stimulus.form).value_or(PredictedPress{});
+    const double press_N = hand.share * presented.parameters.press_N;
+    const double K_hand = device::HandParameters{}.stiffness_N_per_m;
+    const double deep_m =
+        press_N / press.stiffness_N_per_m +
+        (press_N - spot.normal.dot(holding_N(setting.device, press.q_rad))) / K_hand;
+    const Vector3 above_m = stimulus.start_m + hand.aside_m;
+    const Vector3 at_m = spot.point_m + hand.aside_m;
+    const Vector3 pressing_m = at_m - deep_m * spot.normal;
+    const double start_s = kStart_s + stimulus.rest_s;
+    HandCourse course;
+    course.from_s = start_s + kDown_s + kSettle_s;
+    course.until_s = course.from_s + stimulus.presentation_s + kLater_s + glide_back_s(stimulus);
+    course.is_held = true;
+    course.points = {{0.0, above_m},
+                     {start_s, above_m},
+                     {start_s + kDown_s, at_m},
+                     {course.from_s, pressing_m},
+                     {course.until_s, pressing_m},
+                     {course.until_s + kBack_s, above_m}};
+    return course;
+}
+
+/// At constant speed through the surface.
+HandCourse blow_course(const StudySetting &setting, const Presented &presented,
+                       const Stimulus &stimulus, const HandDeviation &hand) {
+    const scene::TouchSpot &spot = setting.conditions[presented.condition].spot;
+    const Vector3 above_m = stimulus.start_m + hand.aside_m;
+    const Vector3 below_m = spot.point_m + hand.aside_m - kFollowThrough_m * spot.normal;
+    HandCourse course;
+    course.from_s = kStart_s + stimulus.rest_s;
+    const double arrived_s = course.from_s + (kApproach_m + kFollowThrough_m) /
+                                                 (hand.share * presented.parameters.speed_m_per_s);
+    course.until_s = arrived_s + stimulus.presentation_s + kLater_s + glide_back_s(stimulus);
+    course.points = {{0.0, above_m},
+                     {course.from_s, above_m},
+                     {arrived_s, below_m},
+                     {course.until_s, below_m},
+                     {course.until_s + kBack_s, above_m}};
+    return course;
+}
+
+/// To and fro along a sine with the condition's speed at most, which it reaches softly.
+HandCourse stroke_course(const Presented &presented, const Stimulus &stimulus,
+                         const HandDeviation &hand) {
+    const double omega = hand.share * presented.parameters.speed_m_per_s / kStroke_m;
+    constexpr double kStep_s = 0.01;
+    constexpr double kSoftly_s = 0.2;
+    HandCourse course;
+    course.from_s = kStart_s + stimulus.rest_s;
+    course.until_s = course.from_s + stimulus.presentation_s + kLater_s;
+    course.points = {{0.0, stimulus.start_m}};
+    for (double now_s = course.from_s; now_s < course.until_s; now_s += kStep_s) {
+        const double since_s = now_s - course.from_s;
+        const double way_m =
+            kStroke_m * -std::expm1(-since_s / kSoftly_s) * std::sin(omega * since_s);
+        course.points.push_back({now_s, stimulus.start_m + way_m * Vector3::UnitX()});
+    }
+    return course;
+}
+
+} // namespace
+
+HandCourse hand_course(const StudySetting &setting, const Presented &presented,
+                       const Stimulus &stimulus, const HandDeviation &hand) {
+    switch (stimulus.form) {
+    case StimulusForm::blow:
+        return blow_course(setting, presented, stimulus, hand);
+    case StimulusForm::stroke:
+        return stroke_course(presented, stimulus, hand);
+    case StimulusForm::press:
+    case StimulusForm::pulse:
+        break;
+    }
+    return press_course(setting, presented, stimulus, hand);
+}
+
+} // namespace springdrive::study

@@ -1,0 +1,207 @@
+#include "engine/study/stimuli/stimulus_run.h"
+
+#include "device/core/phantom/kinematics.h"
+#include "engine/servo/bumpless_transfer.h"
+
+#include <algorithm>
+
+namespace springdrive::study {
+
+std::string_view description(StimulusFailure failure) {
+    switch (failure) {
+    case StimulusFailure::none:
+        return "";
+    case StimulusFailure::tripped:
+        return "the safety monitor tripped";
+    case StimulusFailure::never_touched:
+        return "the tip did not touch the spot in time";
+    case StimulusFailure::left_early:
+        return "the tip left the spot before the end";
+    case StimulusFailure::too_much_work:
+        break;
+    }
+    return "the hand gave way to the turned force";
+}
+
+StimulusRun::StimulusRun(const device::DeviceDescription &device, const Stimulus &stimulus,
+                         double period_s)
+    : device_(device), stimulus_(stimulus), period_s_(period_s), rest_(period_s),
+      steering_(stimulus.frame.normal, stimulus.direction,
+                stimulus.form == StimulusForm::blow ? ForceSteering::Pace::prompt
+                                                    : ForceSteering::Pace::slow,
+                kWorkShare * device.limits.generated_energy_J,
+                kMostAdded * device.limits.tip_force_N, period_s) {}
+
+void StimulusRun::enter(StimulusPhase phase) noexcept {
+    phase_ = phase;
+    in_phase_s_ = 0.0;
+}
+
+void StimulusRun::fail(StimulusFailure failure) noexcept {
+    failure_ = failure;
+    enter(StimulusPhase::failed);
+}
+
+void StimulusRun::wait(const servo::ServoSample &last) noexcept {
+    const bool is_near = (last.tip_m - stimulus_.start_m).norm() <= kNearStart_m;
+    const bool is_running = last.safety.state == servo::SafetyState::running;
+    rested_s_ = is_near && is_running && rest_.is_at_rest() ? rested_s_ + period_s_ : 0.0;
+    if (rested_s_ + servo::RestDetector::kTime_s < stimulus_.rest_s) {
+        return;
+    }
+    if (stimulus_.form == StimulusForm::stroke) {
+        presented_s_ = 0.0;
+        enter(StimulusPhase::presenting);
+    } else {
+        enter(StimulusPhase::approaching);
+    }
+}
+
+void StimulusRun::approach(const servo::ServoSample &last, servo::ServoInputs &inputs) noexcept {
+    if (!last.contact.touching) {
+        if (in_phase_s_ > stimulus_.approach_s) {
+            fail(StimulusFailure::never_touched);
+        }
+        return;
+    }
+    presented_s_ = 0.0;
+    alpha_at_touch_rad2_per_m2_ = last.alpha_bound_rad2_per_m2;
+    if (stimulus_.hold == Hold::cup) {
+        is_in_cup_ = true;
+        inputs.fixed_x0_m = last.contact.x0_m;
+    }
+    enter(StimulusPhase::presenting);
+}
+
+/// A hand that is to press or to rest must not leave; one that strikes may.
+void StimulusRun::watch_contact(const servo::ServoSample &last) noexcept {
+    lost_s_ = last.contact.touching ? 0.0 : lost_s_ + period_s_;
+    const bool is_out_of_cup =
+        is_in_cup_ && (last.tip_m - last.contact.x0_m).dot(stimulus_.frame.normal) > kOutOfCup_m;
+    const bool may_leave =
+        stimulus_.form == StimulusForm::blow || stimulus_.form == StimulusForm::stroke;
+    if (steering_.has_given_up()) {
+        fail(StimulusFailure::too_much_work);
+    } else if (!may_leave && (is_out_of_cup || lost_s_ > kBounce_s)) {
+        fail(StimulusFailure::left_early);
+    }
+}
+
+void StimulusRun::present(const servo::ServoSample &last) noexcept {
+    watch_contact(last);
+    if (phase_ == StimulusPhase::presenting && presented_s_ >= stimulus_.presentation_s) {
+        enter(stimulus_.form == StimulusForm::stroke ? StimulusPhase::done
+                                                     : StimulusPhase::gliding_back);
+    }
+}
+
+void StimulusRun::glide_back() noexcept {
+    if (in_phase_s_ >= glide_back_s(stimulus_)) {
+        enter(StimulusPhase::leaving);
+    }
+}
+
+void StimulusRun::leave(const servo::ServoSample &last) noexcept {
+    // x₀ of the cup was given up in the tick after the last.
+    if (!last.contact.touching && in_phase_s_ > 0.0) {
+        enter(StimulusPhase::done);
+    }
+}
+
+control::Tuning StimulusRun::tuning(const servo::ServoSample &last) const noexcept {
+    const bool is_own = phase_ == StimulusPhase::presenting && last.contact.touching &&
+                        stimulus_.form != StimulusForm::stroke;
+    control::Tuning tuning = is_own ? stimulus_.contact : stimulus_.free_space;
+    if (stimulus_.hold == Hold::cup && tuning.alpha_mode == control::AlphaMode::on_the_fly) {
+        // By hand it glides: so it is where it shall be already before the touch.
+        tuning.alpha_rad2_per_m2 =
+            is_in_cup_ ? alpha_at_touch_rad2_per_m2_ : last.alpha_bound_rad2_per_m2;
+        tuning.alpha_mode =
+            is_in_cup_ ? control::AlphaMode::by_hand : control::AlphaMode::on_the_fly;
+    }
+    return tuning;
+}
+
+/// Of the turn: all of it, and on the way back evenly less.
+double StimulusRun::turn_share() const noexcept {
+    return phase_ == StimulusPhase::presenting
+               ? 1.0
+               : std::max(0.0, 1.0 - in_phase_s_ / glide_back_s(stimulus_));
+}
+
+/// Of the currents that push with the pulse and with what the steering adds.
+Vector3 StimulusRun::voltage_V(const servo::ServoSample &last) noexcept {
+    const bool is_presenting = phase_ == StimulusPhase::presenting;
+    if (!is_presenting && phase_ != StimulusPhase::gliding_back) {
+        const Vector3 bound_V = Vector3::Constant(servo::kMaxChange_V_per_s * period_s_);
+        return added_V_ - added_V_.cwiseMax(-bound_V).cwiseMin(bound_V);
+    }
+    Vector3 force_N = Vector3::Zero();
+    Vector3 rate_N_per_s = Vector3::Zero();
+    if (stimulus_.is_steered) {
+        force_N = steering_.update(last.tip_m, last.tip_force_N, turn_share());
+    }
+    if (stimulus_.form == StimulusForm::pulse && is_presenting) {
+        // The command acts over the period after the next measurement.
+        const double since_s = presented_s_ + 0.5 * period_s_ - stimulus_.pulse_from_s();
+        force_N += stimulus_.pulse.force_N(since_s) * stimulus_.direction;
+        rate_N_per_s = stimulus_.pulse.rate_N_per_s(since_s) * stimulus_.direction;
+    }
+    const Matrix3 J = device::motor_jacobian(
+        device_.geometry, device::joint_from_motor(device_.geometry, last.theta_rad));
+    const Vector3 torque_Nm = J.transpose() * force_N;
+    const Vector3 torque_rate_Nm_per_s = J.transpose() * rate_N_per_s;
+    Vector3 voltage_V;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const control::ObservedMotor &motor = last.motor[static_cast<std::size_t>(j)];
+        const double dR_Ohm = motor.here.resistance_Ohm - last.command.cancelled_resistance_Ohm[j];
+        voltage_V[j] =
+            (dR_Ohm * torque_Nm[j] +
+             device_.motor[static_cast<std::size_t>(j)].inductance_H * torque_rate_Nm_per_s[j]) /
+            motor.torque_constant_Nm_per_A;
+    }
+    return voltage_V;
+}
+
+void StimulusRun::update(const servo::ServoSample &last, servo::ServoInputs &inputs) noexcept {
+    rest_.update(last.tip_m, last.contact.touching);
+    in_phase_s_ += period_s_;
+    if (presented_s_ >= 0.0) {
+        presented_s_ += period_s_;
+    }
+    if (!is_over() && last.safety.state == servo::SafetyState::tripped) {
+        fail(StimulusFailure::tripped);
+    }
+    switch (phase_) {
+    case StimulusPhase::waiting:
+        wait(last);
+        break;
+    case StimulusPhase::approaching:
+        approach(last, inputs);
+        break;
+    case StimulusPhase::presenting:
+        present(last);
+        break;
+    case StimulusPhase::gliding_back:
+        watch_contact(last);
+        if (phase_ == StimulusPhase::gliding_back) {
+            glide_back();
+        }
+        break;
+    case StimulusPhase::leaving:
+        leave(last);
+        break;
+    case StimulusPhase::done:
+    case StimulusPhase::failed:
+        break;
+    }
+    if (phase_ != StimulusPhase::presenting && phase_ != StimulusPhase::gliding_back) {
+        is_in_cup_ = false;
+        inputs.fixed_x0_m.reset();
+    }
+    inputs.tuning = tuning(last);
+    added_V_ = voltage_V(last);
+    inputs.excitation_V = added_V_;
+}
+
+} // namespace springdrive::study
