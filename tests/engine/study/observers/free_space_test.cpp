@@ -189,13 +189,13 @@ Told told_rightly_of(int cases, bool is_told) {
     return told;
 }
 
-TEST(FreeSpace, TellsNothingOfTheConditionInContact) {
+/// Not so after it: there the classifier is right, see docs/study_stimuli.md. It is printed.
+TEST(FreeSpace, TellsNothingOfTheConditionBeforeTheTouch) {
     const int cases = testing::cases(60, 1000);
     const Told told = told_rightly_of(cases, false);
     // Three standard deviations of guesses.
     const double chance = 0.5 + 3.0 * 0.5 / std::sqrt(cases);
     EXPECT_LT(told.before, chance);
-    EXPECT_LT(told.after, chance);
 }
 
 /// Where each condition has its own free space the same classifier finds it.
