@@ -16,7 +16,9 @@ namespace springdrive::study {
 namespace {
 
 constexpr double kStart_s = 1.25; ///< the servo waits for rest, then raises its gains
-constexpr double kDown_s = 0.5;   ///< from the start to the spot
+constexpr double kDown_s = 0.5;   ///< from the start to the touch
+constexpr double kTouch_m =
+    0.001;                        ///< deep: until there it does not know how far it will have to go
 constexpr double kSettle_s = 0.2; ///< from there to the press
 constexpr double kBack_s = 0.3;
 constexpr double kLater_s = 0.05;         ///< so much longer, to be sure that it is over
@@ -43,6 +45,7 @@ HandCourse press_course(const StudySetting &setting, const Presented &presented,
     const Vector3 above_m = stimulus.start_m + hand.aside_m;
     const Vector3 at_m = spot.point_m + hand.aside_m;
     const Vector3 pressing_m = at_m - deep_m * spot.normal;
+    const Vector3 touching_m = at_m - std::min(deep_m, kTouch_m) * spot.normal;
     const double start_s = kStart_s + stimulus.rest_s;
     HandCourse course;
     course.from_s = start_s + kDown_s + kSettle_s;
@@ -50,7 +53,7 @@ HandCourse press_course(const StudySetting &setting, const Presented &presented,
     course.is_held = true;
     course.points = {{0.0, above_m},
                      {start_s, above_m},
-                     {start_s + kDown_s, at_m},
+                     {start_s + kDown_s, touching_m},
                      {course.from_s, pressing_m},
                      {course.until_s, pressing_m},
                      {course.until_s + kBack_s, above_m}};
@@ -76,26 +79,32 @@ HandCourse blow_course(const StudySetting &setting, const Presented &presented,
     return course;
 }
 
-/// To and fro along a sine with the condition's speed at most, which it reaches softly.
 HandCourse stroke_course(const Presented &presented, const Stimulus &stimulus,
                          const HandDeviation &hand) {
-    const double omega = hand.share * presented.parameters.speed_m_per_s / kStroke_m;
-    constexpr double kStep_s = 0.01;
-    constexpr double kSoftly_s = 0.2;
     HandCourse course;
     course.from_s = kStart_s + stimulus.rest_s;
     course.until_s = course.from_s + stimulus.presentation_s + kLater_s;
-    course.points = {{0.0, stimulus.start_m}};
-    for (double now_s = course.from_s; now_s < course.until_s; now_s += kStep_s) {
-        const double since_s = now_s - course.from_s;
-        const double way_m =
-            kStroke_m * -std::expm1(-since_s / kSoftly_s) * std::sin(omega * since_s);
-        course.points.push_back({now_s, stimulus.start_m + way_m * Vector3::UnitX()});
-    }
+    course.points = stroke_points(stimulus.start_m, course.from_s, course.until_s - course.from_s,
+                                  hand.share * presented.parameters.speed_m_per_s);
+    course.points.insert(course.points.begin(), {0.0, stimulus.start_m});
     return course;
 }
 
 } // namespace
+
+std::vector<simulated::HandPath::Point> stroke_points(const Vector3 &about_m, double from_s,
+                                                      double duration_s, double speed_m_per_s) {
+    constexpr double kStep_s = 0.01;
+    constexpr double kSoftly_s = 0.2;
+    const double omega = speed_m_per_s / kStroke_m;
+    std::vector<simulated::HandPath::Point> points;
+    for (double since_s = 0.0; since_s < duration_s; since_s += kStep_s) {
+        const double way_m =
+            kStroke_m * -std::expm1(-since_s / kSoftly_s) * std::sin(omega * since_s);
+        points.push_back({from_s + since_s, about_m + way_m * Vector3::UnitX()});
+    }
+    return points;
+}
 
 HandCourse hand_course(const StudySetting &setting, const Presented &presented,
                        const Stimulus &stimulus, const HandDeviation &hand) {

@@ -24,6 +24,10 @@ struct HandCourse {
     bool is_held = false; ///< at its end the hand presses and is still
 };
 
+/// To and fro along a sine with that speed at most, which it reaches softly.
+[[nodiscard]] std::vector<simulated::HandPath::Point>
+stroke_points(const Vector3 &about_m, double from_s, double duration_s, double speed_m_per_s);
+
 /// Of the relaxed grip of `device::HandParameters`: it rests at the start until the servo runs and
 /// for the time that the stimulus wants, does what the form asks for, and goes back. Where it
 /// presses it makes up for the weight of the linkage, so that the device pushes back as hard as the

@@ -2,6 +2,7 @@
 
 #include "engine/study/protocol/predicted_press.h"
 
+#include <algorithm>
 #include <optional>
 
 namespace springdrive::study {
@@ -30,6 +31,19 @@ bool is_steered(const Protocol &protocol, const Condition &condition) {
     return false;
 }
 
+double longest_glide_back_s(const Protocol &protocol) {
+    double longest_s = 0.0;
+    for (const Presented &presented : all_presented(protocol)) {
+        Stimulus stimulus;
+        stimulus.form = protocol.stimulus;
+        stimulus.contact = presented.parameters.tuning;
+        stimulus.free_space = presented.free_space;
+        stimulus.is_steered = is_steered(protocol, presented.parameters);
+        longest_s = std::max(longest_s, glide_back_s(stimulus));
+    }
+    return longest_s;
+}
+
 Stimulus stimulus_of(const Protocol &protocol, const StudySetting &setting,
                      const Presented &presented) {
     const Condition &condition = presented.parameters;
@@ -49,6 +63,7 @@ Stimulus stimulus_of(const Protocol &protocol, const StudySetting &setting,
     stimulus.rest_s = protocol.timing.rest_s;
     stimulus.approach_s = protocol.timing.approach_s;
     stimulus.presentation_s = protocol.timing.presentation_s;
+    stimulus.least_glide_back_s = longest_glide_back_s(protocol);
     return stimulus;
 }
 

@@ -12,6 +12,11 @@ namespace springdrive::study {
 /// is along the normal.
 [[nodiscard]] bool is_steered(const Protocol &protocol, const Condition &condition);
 
+/// The longest that a hand stays in contact after a presentation, of all that the protocol
+/// presents.
+[[nodiscard]] double longest_glide_back_s(const Protocol &protocol);
+
+/// After all of a protocol's stimuli the hand stays in contact equally long: the time is no hint.
 [[nodiscard]] Stimulus stimulus_of(const Protocol &protocol, const StudySetting &setting,
                                    const Presented &presented);
 

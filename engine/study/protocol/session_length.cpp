@@ -11,20 +11,6 @@ namespace springdrive::study {
 
 namespace {
 
-/// The longest that a hand stays in contact after a presentation.
-double longest_glide_back_s(const Protocol &protocol) {
-    double longest_s = 0.0;
-    for (const Condition &condition : protocol.conditions) {
-        Stimulus stimulus;
-        stimulus.form = protocol.stimulus;
-        stimulus.contact = condition.tuning;
-        stimulus.free_space = free_space_tuning(protocol, condition).value_or(condition.tuning);
-        stimulus.is_steered = is_steered(protocol, condition);
-        longest_s = std::max(longest_s, glide_back_s(stimulus));
-    }
-    return longest_s;
-}
-
 double trial_s(const Protocol &protocol, double approach_s) {
     const TrialTiming &timing = protocol.timing;
     const int presentations = presentations_per_trial(protocol);

@@ -40,7 +40,14 @@ StimulusTrial try_stimulus(const Protocol &protocol, const StudySetting &setting
     const Condition &condition = presented.parameters;
     StimulusTrial seen;
     seen.stimulus = cut(stimulus_of(protocol, setting, presented), condition);
-    const HandCourse course = hand_course(setting, presented, seen.stimulus, circumstances.hand);
+    HandCourse course = hand_course(setting, presented, seen.stimulus, circumstances.hand);
+    if (circumstances.strokes_after_s > 0.0) {
+        const simulated::HandPath::Point last = course.points.back();
+        const std::vector<simulated::HandPath::Point> strokes =
+            stroke_points(last.position_m, last.time_s + 0.5, circumstances.strokes_after_s,
+                          condition.speed_m_per_s);
+        course.points.insert(course.points.end(), strokes.begin(), strokes.end());
+    }
 
     simulated::SimulationOptions options;
     options.servo_period_s = 1.0 / condition.servo_hz;

@@ -18,6 +18,9 @@ struct StimulusCircumstances {
     /// Of windings, housings and air at the beginning; nothing: `WindingBand::from_C`.
     std::optional<double> winding_C;
     std::uint64_t device_seed = 0; ///< see `simulated::SimulationOptions`
+    /// After all of it the hand rests for half a second, and then strokes to and fro in free space
+    /// for so long.
+    double strokes_after_s = 0.0;
     /// Called with each sample of the servo and the phase after it; may be empty.
     std::function<void(const servo::ServoSample &, StimulusPhase)> watch;
 };
