@@ -207,9 +207,8 @@ void Window::choose_font() {
         static constexpr std::array<ImWchar, 7> kWords{0x0020, 0x00FF, 0x0370, 0x03FF,
                                                        0x2010, 0x2027, 0};
         const auto add = [&](float lines) {
-            return io.Fonts->AddFontFromFileTTF(SPRINGDRIVE_FONT,
-                                                std::round(lines / kKioskScale * scale_), nullptr,
-                                                kWords.data());
+            return io.Fonts->AddFontFromFileTTF(
+                SPRINGDRIVE_FONT, std::round(lines / kKioskScale * scale_), nullptr, kWords.data());
         };
         large_text_ = {add(40.0F), add(78.0F)};
         return;
