@@ -1,15 +1,12 @@
 #include "engine/study/analysis/simulated_study.h"
 
-#include <algorithm>
 #include <cstdint>
 
 namespace springdrive::study {
 
 Outcome answer_of(const PsychometricFunction &observer, double level, RandomKey key) {
     const Scale scale = observer.family.scale;
-    constexpr double kLeast = 0x1p-54; // uniform() may be 0
-    const double z =
-        core_argument(Shape::cumulative_normal, std::max(kLeast, uniform(child(key, 1))));
+    const double z = standard_normal(child(key, 1));
     return {uniform(child(key, 0)) < proportion_at(observer, level),
             level_from(scale, on_scale(scale, observer.threshold) + z / observer.slope), false};
 }

@@ -1,8 +1,15 @@
 #include "engine/study/conduct/presentation.h"
 
+#include "engine/study/conduct/marking.h"
+
+#include <algorithm>
 #include <string>
 
 namespace springdrive::study {
+
+static_assert(std::ranges::all_of(kStimulusMeasures, [](const StimulusMeasure &measure) {
+    return std::ranges::count(kMeasuredValues, measure.name, &MeasuredValue::name) == 1;
+}));
 
 Presentation presentation_of(const StimulusMeasures &intended, const DeliveredStimulus &delivered) {
     Presentation presentation;

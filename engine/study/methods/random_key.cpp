@@ -2,6 +2,9 @@
 
 #include "base/assertions.h"
 #include "base/split_mix.h"
+#include "engine/study/methods/psychometric_function.h"
+
+#include <algorithm>
 
 namespace springdrive::study {
 
@@ -19,6 +22,11 @@ RandomKey key_of(std::uint64_t seed, int participant) {
 
 double uniform(RandomKey key) {
     return split_mix::unit_share(split_mix::scattered(key.bits + split_mix::kStep));
+}
+
+double standard_normal(RandomKey key) {
+    constexpr double kLeast = 0x1p-54; // uniform() may be 0
+    return core_argument(Shape::cumulative_normal, std::max(kLeast, uniform(key)));
 }
 
 // The bias of the product, count/2^53, is far below what any study can see.

@@ -25,6 +25,9 @@ struct RandomKey {
 /// Uniform in [0, 1), 53 bits.
 [[nodiscard]] double uniform(RandomKey key);
 
+/// Normal, with mean 0 and deviation 1.
+[[nodiscard]] double standard_normal(RandomKey key);
+
 /// Uniform in 0 to count − 1. @pre count >= 1
 [[nodiscard]] std::size_t below(RandomKey key, std::size_t count);
 

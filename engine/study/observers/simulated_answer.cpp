@@ -67,8 +67,7 @@ Response response_of(const Protocol &protocol, const SimulatedParticipant &parti
 
 SimulatedAnswer simulated_answer(const Protocol &protocol, const SimulatedParticipant &participant,
                                  const PlannedTrial &planned, double level) {
-    const double deviations = core_argument(
-        Shape::cumulative_normal, inner_uniform(key_of_draw(participant, planned, Drawn::time)));
+    const double deviations = standard_normal(key_of_draw(participant, planned, Drawn::time));
     const double time_s =
         participant.response_median_s * std::exp(participant.response_spread * deviations);
     if (time_s > protocol.timing.response_s) {

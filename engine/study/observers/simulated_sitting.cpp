@@ -64,9 +64,7 @@ HandDeviation hand_of(RandomKey key, const TurnFrame &frame) {
     const Vector3 &axis = frame.turn_axis;
     HandDeviation hand;
     hand.aside_m = radius_m * (std::cos(angle) * axis + std::sin(angle) * axis.cross(frame.normal));
-    // Box and Muller; 1 − u is above 0.
-    hand.share = std::exp(kPressSpread * std::sqrt(-2.0 * std::log1p(-uniform(child(key, 2)))) *
-                          std::cos(2.0 * std::numbers::pi * uniform(child(key, 3))));
+    hand.share = std::exp(kPressSpread * standard_normal(child(key, 2)));
     return hand;
 }
 

@@ -53,7 +53,7 @@ enum class StimulusFailure : std::uint8_t {
     too_much_work, ///< the hand gave way to a steered force, or led it round
 };
 
-/// "the tip left the surface before the end"; empty for none.
+/// "the tip left the spot before the end"; empty for none.
 [[nodiscard]] std::string_view description(StimulusFailure failure);
 
 class StimulusRun {
