@@ -85,9 +85,7 @@ SimulatedObserver participant_of_group(const study::PsychometricFunction &typica
     const auto drawn = [key](Drawn what) {
         return study::child(key, static_cast<std::uint64_t>(what));
     };
-    constexpr double kLeast = 0x1p-54; // uniform() may be 0
-    const double z = study::core_argument(
-        study::Shape::cumulative_normal, std::max(kLeast, study::uniform(drawn(Drawn::threshold))));
+    const double z = study::standard_normal(drawn(Drawn::threshold));
     const study::Scale scale = typical.family.scale;
     SimulatedObserver observer{typical, drawn(Drawn::answers).bits, {}};
     if (spread > 0.0) {
@@ -121,7 +119,8 @@ std::optional<SimulatedObserver> observer_in(const study::Session &session) {
     const auto shape = fact<std::string>(session, kShape);
     const auto scale = fact<std::string>(session, kScale);
     const auto seed = fact<std::string>(session, kSeed);
-    if (!threshold || !slope || !guess || !lapse || !shape || !scale || !seed) {
+    const auto felt = fact<std::string>(session, kFelt);
+    if (!threshold || !slope || !guess || !lapse || !shape || !scale || !seed || !felt) {
         return std::nullopt;
     }
     const auto named = std::ranges::find(study::kShapeNames, *shape);
@@ -138,6 +137,8 @@ std::optional<SimulatedObserver> observer_in(const study::Session &session) {
         *slope,
         *guess,
         *lapse};
+    observer.felt =
+        *felt == kFeltOnce ? study::FeltStimuli::measured_once : study::FeltStimuli::each_simulated;
     return observer;
 }
 

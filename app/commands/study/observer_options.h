@@ -21,6 +21,8 @@ struct TypedObserver {
     std::optional<double> threshold;
     std::optional<double> slope;
     std::optional<double> lapse;
+
+    [[nodiscard]] bool is_typed() const { return threshold || slope || lapse; }
 };
 
 /// `--threshold`, `--slope` and `--lapse`.

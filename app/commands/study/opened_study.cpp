@@ -39,6 +39,12 @@ study::Protocol protocol_in(const study::StudyContents &contents,
     return study::read_protocol_text(contents.facts.protocol, file.string() + " (its protocol)");
 }
 
+std::vector<std::filesystem::path> files_of_study(const std::filesystem::path &file) {
+    std::vector<std::filesystem::path> files = study::files_beside(file);
+    files.push_back(file);
+    return files;
+}
+
 study::ProtocolFolders folders_beside(const std::filesystem::path &file) {
     return {file.parent_path(), asset_folder()};
 }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -26,6 +27,9 @@ struct OpenedStudy {
 /// The protocol that a study was begun with.
 [[nodiscard]] study::Protocol protocol_in(const study::StudyContents &contents,
                                           const std::filesystem::path &file);
+
+/// The study and what may stand beside it: no output may replace them.
+[[nodiscard]] std::vector<std::filesystem::path> files_of_study(const std::filesystem::path &file);
 
 /// Where the names in a protocol lead, which is in this file or in the study of this file.
 [[nodiscard]] study::ProtocolFolders folders_beside(const std::filesystem::path &file);

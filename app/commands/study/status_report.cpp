@@ -1,5 +1,6 @@
 #include "app/commands/study/status_report.h"
 
+#include "base/one_line.h"
 #include "base/print.h"
 #include "engine/study/protocol/session_length.h"
 
@@ -90,7 +91,7 @@ void write_study_status(std::ostream &out, const std::filesystem::path &file,
     write_records(out, study.contents, wrong_records);
     for (const study::Note &note : study.contents.notes) {
         print(out, "{}: {}{}: {}\n", note.kind, study::utc_text(note.at),
-              note.participant ? " " + *note.participant : std::string(), note.text);
+              note.participant ? " " + *note.participant : std::string(), one_line(note.text));
     }
 }
 

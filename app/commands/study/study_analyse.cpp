@@ -25,14 +25,19 @@ struct TypedAnalysis {
     Existing existing = Existing::keep;
 };
 
+RunFiles tables_of(const TypedAnalysis &typed) {
+    RunFiles files{files_of_study(typed.study), {}, {}};
+    for (const study::ResultsTable &table : study::kResultsTables) {
+        files.written.push_back(typed.out / table.file);
+    }
+    return files;
+}
+
 /// The pictures are the last: all numbers are there even if nothing can be drawn.
 void write_files(const TypedAnalysis &typed, const study::Protocol &protocol,
                  const study::StudyResults &results) {
     const std::vector<Chart> pictures = results_pictures(protocol, results, typed.out);
-    RunFiles files{{typed.study}, {}, {}};
-    for (const study::ResultsTable &table : study::kResultsTables) {
-        files.written.push_back(typed.out / table.file);
-    }
+    RunFiles files = tables_of(typed);
     for (const Chart &picture : pictures) {
         files.written.push_back(typed.out / picture.svg);
     }
@@ -54,6 +59,7 @@ void analyse(const TypedAnalysis &typed) {
     refuse_without_trials(opened.contents, typed.device, typed.study);
     if (!typed.out.empty()) {
         make_output_folder(typed.out);
+        check_outputs(tables_of(typed), typed.existing); // before the fits, which take long
     }
     study::StudyResults results;
     {

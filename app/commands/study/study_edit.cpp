@@ -25,9 +25,6 @@ struct TypedNote {
 };
 
 void append_note(const TypedNote &typed) {
-    if (typed.text.empty()) {
-        throw InputError("study note: the note is empty");
-    }
     study::StudyStore store(typed.study);
     study::Note note{study::utc_now(), "note", typed.text, std::nullopt, std::nullopt};
     if (!typed.participant.empty()) {

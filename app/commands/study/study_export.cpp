@@ -30,7 +30,7 @@ void export_study(const TypedStudyExport &typed) {
     }
     const study::StudyContents contents = study::read_study(typed.study);
     refuse_without_trials(contents, typed.device, typed.study);
-    check_outputs({{typed.study}, {}, {typed.csv}}, typed.existing);
+    check_outputs({files_of_study(typed.study), {}, {typed.csv}}, typed.existing);
     if (!typed.bids.empty()) {
         study::write_bids(contents, typed.bids, {{typed.device}, SPRINGDRIVE_VERSION});
     }

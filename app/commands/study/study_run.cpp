@@ -19,6 +19,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <memory>
 
@@ -39,7 +40,7 @@ struct TypedRun {
     std::string observer;
     TypedObserver truth;
     double spread = 0.0;
-    std::optional<std::uint64_t> seed; ///< nothing: the protocol's
+    std::optional<int> seed; ///< nothing: the protocol's
     study::FeltStimuli felt = study::FeltStimuli::each_simulated;
 };
 
@@ -154,7 +155,7 @@ private:
         if (last == contents.sessions.rend()) {
             SimulatedObserver drawn = participant_of_group(
                 observer_of(typed_.truth, protocol_), typed_.spread,
-                typed_.seed.value_or(static_cast<std::uint64_t>(protocol_.seed)), progress.number);
+                static_cast<std::uint64_t>(typed_.seed.value_or(protocol_.seed)), progress.number);
             drawn.felt = typed_.felt;
             return drawn;
         }
@@ -163,6 +164,12 @@ private:
             throw InputError(fmt::format("{}: participant {} is a person, whose sessions cannot "
                                          "go on with a simulated observer",
                                          store_.file().string(), progress.participant));
+        }
+        if (typed_.truth.is_typed() || typed_.seed) {
+            std::cerr << fmt::format(
+                "springdrive: {} keeps the observer of the first session; what "
+                "is typed is for new participants\n",
+                progress.participant);
         }
         return *before;
     }
@@ -206,6 +213,7 @@ void run_typed(const TypedRun &typed) {
                          "study of simulated ones");
     }
     check_range("--spread", typed.spread, 0.0, 10.0);
+    check_range("--seed", typed.seed.value_or(0), 0, std::numeric_limits<int>::max());
     if (!typed.participant.empty()) {
         refuse_code(typed.participant);
     }

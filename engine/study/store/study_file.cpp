@@ -2,6 +2,7 @@
 
 #include "engine/study/store/durable_files.h"
 #include "engine/study/store/rows.h"
+#include "engine/study/store/study_lock.h"
 #include "engine/study/store/study_store.h"
 
 #include "base/input_error.h"
@@ -9,9 +10,13 @@
 #include "base/new_file.h"
 #include "base/sha256.h"
 
+#include <array>
+
 namespace springdrive::study {
 
 namespace {
+
+constexpr std::array<const char *, 2> kJournalEndings{"-journal", "-wal"}; ///< SQLite's
 
 constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 36U; ///< 64 GiB
 
@@ -28,7 +33,7 @@ void check_name_of_new(const std::filesystem::path &file) {
         throw InputError(file.string() +
                          ": exists already; a study is never replaced: give another name");
     }
-    for (const char *const ending : {"-journal", "-wal"}) {
+    for (const char *const ending : kJournalEndings) {
         const std::string left = file.string() + ending;
         if (std::filesystem::exists(left, ignored)) {
             throw InputError(left + ": belongs to a study that was here; move it to that study, or "
@@ -38,6 +43,15 @@ void check_name_of_new(const std::filesystem::path &file) {
 }
 
 } // namespace
+
+std::vector<std::filesystem::path> files_beside(const std::filesystem::path &file) {
+    const std::string resolved = resolved_name(file).string();
+    std::vector<std::filesystem::path> all{resolved + std::string(StudyLock::kEnding)};
+    for (const char *const ending : kJournalEndings) {
+        all.emplace_back(resolved + ending);
+    }
+    return all;
+}
 
 std::filesystem::path name_of_existing(const std::filesystem::path &file) {
     check_input_file(file, "a study file", kMaxBytes);

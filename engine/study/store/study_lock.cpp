@@ -44,7 +44,7 @@ bool has_the_name(int descriptor, const std::filesystem::path &file) {
 } // namespace
 
 StudyLock::StudyLock(const std::filesystem::path &study, const std::filesystem::path &shown)
-    : file_(study.string() + "-lock") {
+    : file_(study.string() + std::string(kEnding)) {
     do {
         if (descriptor_ >= 0) {
             close(descriptor_);

@@ -4,11 +4,14 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 namespace springdrive::study {
 
 class StudyLock {
 public:
+    static constexpr std::string_view kEnding = "-lock";
+
     /// @param study  resolved name; @param shown  as in messages
     /// @throw InputError, at once, if another program (or this one) holds it, naming that; or if
     ///        the folder is write-protected.

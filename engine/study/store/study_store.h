@@ -102,6 +102,10 @@ private:
     std::unique_ptr<Parts> parts_;
 };
 
+/// Files that may stand beside a study while it is open, or after a program was killed: its lock
+/// and journals. Nobody else may write to them.
+[[nodiscard]] std::vector<std::filesystem::path> files_beside(const std::filesystem::path &file);
+
 /// What is wrong with the servo records of a study, a line for each: missing, or not the file that
 /// was linked. Reads them all.
 [[nodiscard]] std::vector<std::string> what_is_wrong_with_records(const std::filesystem::path &file,

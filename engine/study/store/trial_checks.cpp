@@ -115,6 +115,7 @@ std::string what_is_wrong_with(const Trial &trial, std::string_view records_fold
 std::string what_is_wrong_with(const Note &note) {
     return first_of(
         {note.kind.empty() ? "a note has no kind" : "",
+         note.text.find_first_not_of(" \t\r\n") == std::string::npos ? "a note has no text" : "",
          note.session && !note.participant ? "a note of a session needs its participant" : ""});
 }
 

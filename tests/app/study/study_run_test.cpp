@@ -40,14 +40,18 @@ protected:
         return study(options, signal, started);
     }
 
-    /// Block, position, level, target and answer of each trial: what a resumed study must repeat.
+    /// All of each trial that is no time of day, what was delivered included: what a resumed study
+    /// must repeat.
     static std::string course_of(const fs::path &file) {
         const testing::Ending told = study({"export", file, "--csv", "-", "--device", "simulated"});
         EXPECT_EQ(told.exit_status, 0) << told.error;
         std::string course;
         std::vector<std::vector<std::string>> columns;
-        for (const char *name : {"participant", "block", "position", "attempt", "condition",
-                                 "level", "target", "response"}) {
+        for (const char *name :
+             {"participant", "block", "position", "attempt", "condition", "level", "target",
+              "response", "response_time_s", "presentation1_press_N_delivered",
+              "presentation1_stiffness_N_per_m_delivered",
+              "presentation2_stiffness_N_per_m_delivered", "winding1_degC", "marks"}) {
             columns.push_back(testing::column_of(told.out, name));
             if (columns.back().empty()) {
                 ADD_FAILURE() << name;
@@ -116,6 +120,11 @@ TEST_F(StudyRun, ExportsNobodysDataOnlyIfAskedTo) {
                             "trials on simulated devices (--device simulated)");
     EXPECT_FALSE(fs::exists(file("t.csv")));
     testing::expect_refused(study({"export", study_file}), "--csv FILE, --bids FOLDER");
+    for (const char *const side : {"-lock", "-journal"}) { // not even by force
+        testing::expect_refused(study({"export", study_file, "--csv", study_file.string() + side,
+                                       "--device", "simulated", "--force"}),
+                                "is also read");
+    }
 
     ASSERT_EQ(study({"export", study_file, "--csv", file("t.csv"), "--bids", file("bids"),
                      "--device", "simulated"})
@@ -171,6 +180,8 @@ TEST_F(StudyRun, RefusesInOneLineAndLosesNothing) {
     testing::expect_refused(study({"resume", study_file, "--participant", "P02"}),
                             "no participant P02");
     testing::expect_refused(study({"note", study_file, "x", "--participant", "P02"}), "P02");
+    testing::expect_refused(study({"note", study_file, " "}), "no text");
+    testing::expect_refused(run({"--participant", "P02", "--seed", "-1"}), "--seed");
     testing::expect_refused(study({"remove", study_file, "P02"}), "P02");
     testing::expect_refused(study({"remove", study_file, "P01"}), "add --yes");
     testing::expect_refused(study({"status", protocol()}), "stiffness.toml");
