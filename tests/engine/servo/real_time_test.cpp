@@ -1,10 +1,15 @@
-// Covers engine/servo/servo_loop.cpp and all that it calls: a tick allocates nothing, locks
-// nothing and makes no system call. For the thread that ticks, see servo_real_time_test.cpp.
+// Covers engine/servo/servo_loop.cpp and all that it calls, and engine/study/stimuli: a tick
+// allocates nothing, locks nothing and makes no system call. For the thread that ticks, see
+// servo_real_time_test.cpp.
 #include "device/simulated/plant_model.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/servo_rig.h"
 #include "engine/session/scene_loader.h"
+#include "engine/study/protocol/hand_course.h"
+#include "engine/study/protocol/presented_stimulus.h"
+#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/stimuli/delivery_meter.h"
 #include "tests/support/devices.h"
 #include "tests/support/real_time_watch.h"
 
@@ -102,6 +107,35 @@ TEST(RealTime, ATickAllocatesAndLocksNothing) {
         expect_quiet([&] { touching = touched.run(kTicks); });
         EXPECT_GT(touching, 500);
     });
+}
+
+/// A turned press in a friction cup, from rest in free space until the hand has left.
+TEST(RealTime, APresentedStimulusAllocatesAndLocksNothing) {
+    const std::filesystem::path protocols = testing::assets() / "protocols";
+    const study::Protocol protocol = study::read_protocol_file(protocols / "direction.toml");
+    const study::StudySetting setting =
+        study::study_setting(protocol, {protocols, testing::assets()});
+    study::Presented presented = study::all_presented(protocol).front();
+    presented.parameters.turn_deg = 30.0;
+    const study::Stimulus stimulus = study::stimulus_of(protocol, setting, presented);
+    const study::HandCourse course = study::hand_course(setting, presented, stimulus, {});
+    simulated::SimulationOptions options;
+    options.path.emplace(course.points);
+    rig::ServoRig rig(setting.device, options, course.points.front().position_m,
+                      setting.conditions[presented.condition].surface.get());
+    rig.inputs.tuning = presented.free_space;
+    study::StimulusRun run(setting.device, stimulus, options.servo_period_s);
+    study::DeliveryMeter meter(setting.device, stimulus, options.servo_period_s);
+    const auto ticks = std::lround(course.points.back().time_s / options.servo_period_s);
+    expect_quiet([&] {
+        for (long tick = 0; tick < ticks; ++tick) {
+            const servo::ServoSample &sample = rig.tick();
+            run.update(sample, rig.inputs);
+            meter.take(sample, run);
+        }
+    });
+    EXPECT_EQ(run.phase(), study::StimulusPhase::done) << description(run.failure());
+    EXPECT_NEAR(meter.delivered().measures.turn_deg.value(), 30.0, 1.0); // the protocol's band
 }
 
 TEST(RealTime, ATickThatSwitchesThePlantAllocatesAndLocksNothing) {
