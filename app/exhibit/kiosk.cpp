@@ -20,7 +20,6 @@ namespace {
 constexpr double kTouched_m = 5e-3; ///< a tip that moved so far was moved by somebody
 constexpr double kReadOut_s = 0.2;  ///< digits that change more often cannot be read
 constexpr double kFinal_s = 10.0;   ///< from a final stop of a simulated device to a new start
-constexpr double kNoFrame_s = 5.0;  ///< so long is no frame: the computer slept
 constexpr unsigned kHung_s = 20;    ///< without a frame, while the computer is awake
 
 /// It goes on while the computer sleeps.
@@ -88,7 +87,7 @@ void Kiosk::update(const KioskParts &parts, const KioskFrame &frame, const Recta
     for (const std::string &event : watch_.update(session, figures_)) {
         log_.note(event);
     }
-    if (frame.frame_s < kNoFrame_s) {
+    if (frame.frame_s < Course::kGap_s) {
         figures_.longest_frame_s = std::max(figures_.longest_frame_s, frame.frame_s);
     }
     if (const std::string &error = session.scenes().error(); error != error_) {

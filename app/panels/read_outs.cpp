@@ -81,12 +81,13 @@ void draw_read_outs(const PlotSubject &subject, control::MotionMap map, const Re
         {"depth", "depth", 1e3 * shown_value(subject, "penetration_m"), 1, " mm", kInk},
     }};
     const float height = height_of_values(view);
+    constexpr float kWidth = 4.0F; // of "12.34 mm", by its height
     if (ImGui::BeginTable("values", static_cast<int>(shown.size()),
                           ImGuiTableFlags_SizingFixedFit)) {
         for (const ReadOut &each : shown) { // as wide as the widest value, so that none moves
             ImGui::TableSetupColumn(
                 each.name, ImGuiTableColumnFlags_WidthFixed,
-                std::max(3.7F * height, ImGui::CalcTextSize(each.label.c_str()).x));
+                std::max(kWidth * height, ImGui::CalcTextSize(each.label.c_str()).x));
         }
         for (const ReadOut &each : shown) {
             show_read_out(each, text.large, height);

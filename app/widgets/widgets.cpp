@@ -3,6 +3,7 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 namespace springdrive::app::ui {
@@ -88,27 +89,26 @@ void note_number() {
     }
 }
 
-/// Into lines of that width. ImGui itself also breaks behind the point of a number.
-std::string broken_at_spaces(std::string_view text, float width) {
-    std::string lines;
-    std::size_t begin = 0; // of the line in `lines`
-    while (!text.empty()) {
-        const std::size_t word = std::min(text.find_first_of(" \n", 1), text.size());
-        const std::string line = lines.substr(begin) + std::string(text.substr(0, word));
-        if (text.front() == '\n') {
-            begin = lines.size() + 1;
-        } else if (text.front() == ' ' && ImGui::CalcTextSize(line.c_str()).x > width) {
-            lines += '\n';
-            begin = lines.size();
-            text.remove_prefix(1);
-            lines += text.substr(0, word - 1);
-            text.remove_prefix(word - 1);
-            continue;
+/// With line ends in place of spaces, so that lines are of that width at most. ImGui itself also
+/// breaks behind the point of a number.
+std::string broken_at_spaces(std::string text, float width) {
+    std::size_t begin = 0;            // of the line
+    std::optional<std::size_t> space; // the last in it
+    for (std::size_t i = 0; i <= text.size(); ++i) {
+        if (i < text.size() && text[i] != ' ' && text[i] != '\n') {
+            continue; // within a word
         }
-        lines += text.substr(0, word);
-        text.remove_prefix(word);
+        if (space && ImGui::CalcTextSize(text.data() + begin, text.data() + i).x > width) {
+            text[*space] = '\n';
+            begin = *space + 1;
+        }
+        space = i;
+        if (i < text.size() && text[i] == '\n') {
+            begin = i + 1;
+            space.reset();
+        }
     }
-    return lines;
+    return text;
 }
 
 /// At the mouse; long lines are broken.

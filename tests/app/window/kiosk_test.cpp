@@ -273,6 +273,22 @@ TEST(KioskSupervisor, StartsACrashedExhibitAgainAndEndsWithIt) {
     EXPECT_NE(text.find("end, by a signal"), std::string::npos) << text;
 }
 
+TEST(KioskSupervisor, EndsWellAnExhibitThatHasJustBegunToStart) {
+    const fs::path log = testing::fresh_folder("kiosk_early") / "day.log";
+    const testing::VirtualDisplay display(1280, 720);
+    testing::RunningProgram program(display, {"demo", "--kiosk", "--log", log});
+    const auto begin = std::chrono::steady_clock::now();
+    while (child_with(log) < 0 &&
+           std::chrono::steady_clock::now() - begin < std::chrono::seconds(20)) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    const testing::Ending ending = program.end(SIGTERM);
+    EXPECT_EQ(ending.exit_status, 0) << ending.error;
+    EXPECT_EQ(child_with(log), -1);
+    const std::string text = testing::contents_of(log);
+    EXPECT_NE(text.find("end, by a signal"), std::string::npos) << text;
+}
+
 TEST(KioskSupervisor, StartsAHangingExhibitAgain) {
     const fs::path log = testing::fresh_folder("kiosk_hanging") / "day.log";
     ShownWindow window({"--kiosk", "--log", log}, kExhibit);
