@@ -3,7 +3,7 @@
 // shared in free space; in the others they are the shared ones. A linear classifier looks at the
 // servo's telemetry in free space: before the touch, and in a stroke after it that is the same
 // motion whatever was felt. (On the way out of the contact itself a hand is faster where it pressed
-// deeper: that tells what was felt, not what free space is.) 60 presentations by default, 1000 by
+// deeper: that tells what was felt, not what free space is.) 60 presentations by default, 4000 by
 // tests/long.
 #include "base/parallel.h"
 #include "engine/study/methods/random_key.h"
@@ -199,7 +199,7 @@ Told told_rightly_of(int cases, bool is_told) {
 }
 
 TEST(FreeSpace, TellsNothingOfTheConditionInContact) {
-    const int cases = testing::cases(60, 1000);
+    const int cases = testing::cases(60, 4000);
     const Told told = told_rightly_of(cases, false);
     // Three standard deviations of guesses.
     const double chance = 0.5 + 3.0 * 0.5 / std::sqrt(cases);
