@@ -7,6 +7,7 @@
 #include "app/frame_pace.h"
 #include "app/open_session.h"
 #include "app/screen.h"
+#include "app/software_renderer.h"
 #include "base/print.h"
 #include "engine/session/session_report.h"
 
@@ -81,6 +82,9 @@ bool finish_kiosk(Screen &screen) {
 
 int run_demo(const DemoOptions &options) {
     limit_heap();
+    if (options.kiosk) {
+        draw_without_threads(); // days count more than frames
+    }
     session::Session session = open_session(options.session);
     Screen screen(options, session);
     note_ending_signals();

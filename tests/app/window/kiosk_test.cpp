@@ -88,6 +88,27 @@ void expect_only_the_exhibit(const Report &report) {
     EXPECT_EQ(report.find("Tuning"), nullptr);
 }
 
+/// Names of the process's threads.
+std::vector<std::string> threads_of(pid_t process) {
+    std::vector<std::string> names;
+    for (const fs::directory_entry &task :
+         fs::directory_iterator("/proc/" + std::to_string(process) + "/task")) {
+        names.push_back(testing::contents_of(task.path() / "comm"));
+    }
+    return names;
+}
+
+// See draw_without_threads. Without it llvmpipe has a thread for each processor.
+TEST_F(KioskInTheWindow, DrawsWithoutLlvmpipesThreads) {
+    open();
+    wait_for("Touch to begin");
+    const std::vector<std::string> names = threads_of(window().program().process());
+    EXPECT_GE(names.size(), 2U); // the servo has one
+    for (const std::string &name : names) {
+        EXPECT_FALSE(name.starts_with("llvmpipe")) << name;
+    }
+}
+
 TEST_F(KioskInTheWindow, FillsTheScreenAndAttractsWithoutPanels) {
     open();
     wait_until_driven();
