@@ -10,6 +10,7 @@
 #include <cmath>
 #include <ctime>
 #include <future>
+#include <limits>
 #include <utility>
 
 namespace springdrive::servo {
@@ -83,6 +84,7 @@ Servo::Servo(device::HapticDevice &device, double servo_hz)
 std::vector<std::string> Servo::start(const ServoThread &how) {
     how_ = how;
     has_started_ = true;
+    origin_ = Clock::now();
     short_idle_.emplace(); // before the first deadline
     std::vector<std::string> remarks = run_on_a_thread();
     how_.on_start = nullptr;
@@ -113,8 +115,7 @@ template <typename Ticks> bool Servo::have_completed(const Ticks &ticks) noexcep
 
 void Servo::run() noexcept {
     const Clock::time_point begin = Clock::now();
-    const Clock::time_point origin = origin_.value_or(begin);
-    origin_ = origin;
+    const Clock::time_point origin = *origin_;
     Clock::time_point last_start = begin;
     bool is_first = true;
     Deadlines deadlines(servo_hz_);
@@ -133,8 +134,9 @@ void Servo::run() noexcept {
         }
         const device::Measurement measured = loop_.read();
         const Clock::time_point answered = Clock::now();
-        ServoSample sample = loop_.update(
-            measured, inputs, {deadlines.missed() + waited, deadlines.missed_in_a_row() + waited});
+        ServoSample sample =
+            loop_.update(measured, changed_by_course(inputs),
+                         {deadlines.missed() + waited, deadlines.missed_in_a_row() + waited});
         const Clock::time_point found = Clock::now();
         loop_.write();
         const Clock::time_point end = Clock::now();
@@ -168,7 +170,7 @@ void Servo::advance(int ticks) {
     int done = 0;
     const auto the_others = [&] {
         for (; done < ticks; ++done) {
-            hand_over(loop_.tick(inputs_.latest()));
+            hand_over(loop_.tick(changed_by_course(inputs_.latest())));
         }
     };
     if (!have_completed(the_others)) {
@@ -208,7 +210,22 @@ void Servo::set_rate(double servo_hz) {
     }
 }
 
+double Servo::clock_s() const noexcept {
+    return origin_ ? seconds(Clock::now() - *origin_) : std::numeric_limits<double>::quiet_NaN();
+}
+
+const ServoInputs &Servo::changed_by_course(const ServoInputs &published) noexcept {
+    if (published.course == nullptr || !has_last_) {
+        return published;
+    }
+    changed_inputs_ = published;
+    published.course->update(last_, changed_inputs_);
+    return changed_inputs_;
+}
+
 void Servo::hand_over(const ServoSample &sample) noexcept {
+    last_ = sample;
+    has_last_ = true;
     samples_.push(sample);
     if (recording_.load(std::memory_order_acquire)) {
         record_samples_.push(sample);

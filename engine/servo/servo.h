@@ -1,6 +1,7 @@
 // The servo: a loop on its own thread and clock, or in lockstep with its caller.
 //
 //   window ── publish(ServoInputs) ──► mailbox ──► ┌─ thread: read, update, write ─┐
+//              with an InputCourse, which then changes them from tick to tick
 //   window ◄── drain(ServoSample)  ◄── ring    ◄── │                               │
 //   recorder ◄── record_ring()     ◄── ring    ◄── └───────────────────────────────┘
 //
@@ -82,6 +83,9 @@ public:
     void set_rate(double servo_hz);
     [[nodiscard]] double rate_hz() const { return servo_hz_; }
 
+    /// `ServoSample::clock_s` now; NaN before `start`, and in lockstep.
+    [[nodiscard]] double clock_s() const noexcept;
+
     /// Passes every sample since the last call to `take`, oldest first. Thread of `publish` only.
     template <typename Take> void drain(Take &&take) { samples_.drain(take); }
 
@@ -106,6 +110,7 @@ private:
     void run() noexcept;
     template <typename Ticks> [[nodiscard]] bool have_completed(const Ticks &ticks) noexcept;
     std::vector<std::string> run_on_a_thread();
+    [[nodiscard]] const ServoInputs &changed_by_course(const ServoInputs &published) noexcept;
     void hand_over(const ServoSample &sample) noexcept;
 
     double servo_hz_;
@@ -114,6 +119,9 @@ private:
     std::optional<Clock::time_point> origin_; ///< of the samples' clock
     ServoLoop loop_;
     LatestValue<ServoInputs> inputs_;
+    ServoInputs changed_inputs_;
+    ServoSample last_;
+    bool has_last_ = false;
     SampleRing<ServoSample> samples_;
     SampleRing<ServoSample> record_samples_;
     std::atomic<bool> recording_{false};

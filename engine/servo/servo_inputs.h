@@ -3,6 +3,7 @@
 
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/tuning.h"
+#include "engine/servo/input_course.h"
 #include "engine/servo/safety_limits.h"
 
 #include <cstdint>
@@ -10,8 +11,19 @@
 
 namespace springdrive::servo {
 
-struct ServoInputs {
+/// What the law is to do. All of it passes the safety monitor.
+struct LawInputs {
     control::Tuning tuning;
+    Vector3 excitation_V{Vector3::Zero()}; ///< added to e_W of the law
+    /// Instead of touching the surface: x₀ is here, and does not move. A start needs free space, so
+    /// set it once the monitor is running, to where the tip is.
+    std::optional<Vector3> fixed_x0_m;
+};
+
+struct ServoInputs : LawInputs {
+    /// Changes the above from tick to tick; null: nothing does. See ServoRun::follow for how long
+    /// it must live.
+    InputCourse *course = nullptr;
     SafetyLimits limits = unlowered(); ///< may lower the device's limits, never raise them
     const contact::HapticSurface *surface =
         nullptr;                           ///< the touchable surface; owned by the publisher
@@ -24,13 +36,6 @@ struct ServoInputs {
     bool release = false; ///< release the device: gains ramp down and stay at zero while set
     /// A running window changes it regularly; zero when running without a window.
     std::uint32_t heartbeat = 0;
-
-    // For measurements on the device. Both pass the safety monitor like everything else.
-
-    Vector3 excitation_V{Vector3::Zero()}; ///< added to e_W of the law
-    /// Instead of touching the surface: x₀ is here, and does not move. A start needs free space, so
-    /// set it once the monitor is running, to where the tip is.
-    std::optional<Vector3> fixed_x0_m;
 };
 
 // The publisher must keep a surface alive until a ServoSample carries the scene_id of a later one.

@@ -56,6 +56,18 @@ void ServoRun::touch(const contact::HapticSurface &surface, std::uint32_t scene_
     publish();
 }
 
+void ServoRun::follow(servo::InputCourse *course) {
+    inputs_.course = course;
+    publish();
+}
+
+double ServoRun::now_s() const { return is_in_lockstep() ? latest_.time_s : servo_->clock_s(); }
+
+void ServoRun::touch_nothing() {
+    inputs_.surface = nullptr;
+    publish();
+}
+
 void ServoRun::release(bool asked) {
     inputs_.release = asked;
     publish();

@@ -49,6 +49,11 @@ public:
     /// @param surface  must stay valid until a sample has a later `scene_id`
     void touch(const contact::HapticSurface &surface, std::uint32_t scene_id,
                const control::Tuning &tuning);
+    /// Lets a course change tuning, excitation and x₀ from tick to tick; null: nothing does. It
+    /// must live until a later one has been updated, or the servo stopped.
+    void follow(servo::InputCourse *course);
+    /// Free space from now on: until `touch`, nothing is there.
+    void touch_nothing();
     /// Ramps the force down and keeps the motors braking until called with false.
     void release(bool asked);
 
@@ -101,6 +106,8 @@ public:
 
     [[nodiscard]] double rate_hz() const { return servo_->rate_hz(); }
     [[nodiscard]] double period_s() const { return servo_->period_s(); }
+    /// Now, by the clock of `ServoSample::clock_s`; in lockstep the time of the latest sample.
+    [[nodiscard]] double now_s() const;
     [[nodiscard]] bool is_in_lockstep() const { return way_.lockstep; }
     [[nodiscard]] const servo::ServoInputs &inputs() const { return inputs_; }
     [[nodiscard]] const servo::ServoSample &latest() const { return latest_; }

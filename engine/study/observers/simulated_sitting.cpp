@@ -1,5 +1,6 @@
 #include "engine/study/observers/simulated_sitting.h"
 
+#include "engine/study/conduct/intervals.h"
 #include "engine/study/conduct/presentation.h"
 #include "engine/study/observers/felt_level.h"
 #include "engine/study/observers/simulated_answer.h"
@@ -23,39 +24,6 @@ constexpr double kPressSpread = 0.05; ///< of the press or speed: standard devia
 constexpr double kAside_m = 0.001;    ///< it comes down within so much of the spot
 
 constexpr std::uint64_t kHandDraws = 1'000'000; ///< apart from a participant's seeds
-
-/// What is presented, and as what.
-struct Interval {
-    Presented presented;
-    bool is_comparison = false;
-    int target = 0; ///< of a forced choice by place
-};
-
-Presented presented_of(const Protocol &protocol, std::size_t condition, std::optional<double> level,
-                       Condition parameters) {
-    control::Tuning free_space =
-        free_space_tuning(protocol, parameters).value_or(parameters.tuning);
-    return {condition, level, std::move(parameters), free_space};
-}
-
-std::vector<Interval> intervals_of(const Protocol &protocol, const PlannedTrial &planned) {
-    const BlockTrial &trial = planned.presented;
-    const bool by_place = protocol.task.kind == TaskKind::forced_choice_by_place;
-    const Interval comparison_one{
-        presented_of(protocol, planned.condition, trial.level,
-                     comparison(protocol, planned.condition, trial.level, trial.target)),
-        true, by_place ? trial.target : 0};
-    const Interval standard_one{
-        presented_of(protocol, standard_condition_of(protocol).value_or(planned.condition),
-                     std::nullopt, standard(protocol, planned.condition)),
-        false, 0};
-    const int count = presentations_per_trial(protocol);
-    const bool by_interval = protocol.task.kind == TaskKind::forced_choice_by_interval;
-    const int at = by_interval ? trial.target : count - 1;
-    std::vector<Interval> intervals(static_cast<std::size_t>(count), standard_one);
-    intervals[static_cast<std::size_t>(at)] = comparison_one;
-    return intervals;
-}
 
 /// In the contact plane, uniform in a disc; the press is log-normal.
 HandDeviation hand_of(RandomKey key, const TurnFrame &frame) {

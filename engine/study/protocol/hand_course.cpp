@@ -15,8 +15,7 @@ namespace springdrive::study {
 
 namespace {
 
-constexpr double kStart_s = 1.25; ///< the servo waits for rest, then raises its gains
-constexpr double kDown_s = 0.5;   ///< from the start to the touch
+constexpr double kDown_s = 0.5; ///< from the start to the touch
 constexpr double kTouch_m =
     0.001;                        ///< deep: until there it does not know how far it will have to go
 constexpr double kSettle_s = 0.2; ///< from there to the press
@@ -46,7 +45,7 @@ HandCourse press_course(const StudySetting &setting, const Presented &presented,
     const Vector3 at_m = spot.point_m + hand.aside_m;
     const Vector3 pressing_m = at_m - deep_m * spot.normal;
     const Vector3 touching_m = at_m - std::min(deep_m, kTouch_m) * spot.normal;
-    const double start_s = kStart_s + stimulus.rest_s;
+    const double start_s = kServoStart_s + stimulus.rest_s;
     HandCourse course;
     course.from_s = start_s + kDown_s + kSettle_s;
     course.until_s = course.from_s + stimulus.presentation_s + kLater_s + glide_back_s(stimulus);
@@ -67,7 +66,7 @@ HandCourse blow_course(const StudySetting &setting, const Presented &presented,
     const Vector3 above_m = stimulus.start_m + hand.aside_m;
     const Vector3 below_m = spot.point_m + hand.aside_m - kFollowThrough_m * spot.normal;
     HandCourse course;
-    course.from_s = kStart_s + stimulus.rest_s;
+    course.from_s = kServoStart_s + stimulus.rest_s;
     const double arrived_s = course.from_s + (kApproach_m + kFollowThrough_m) /
                                                  (hand.share * presented.parameters.speed_m_per_s);
     course.until_s = arrived_s + stimulus.presentation_s + kLater_s + glide_back_s(stimulus);
@@ -82,7 +81,7 @@ HandCourse blow_course(const StudySetting &setting, const Presented &presented,
 HandCourse stroke_course(const Presented &presented, const Stimulus &stimulus,
                          const HandDeviation &hand) {
     HandCourse course;
-    course.from_s = kStart_s + stimulus.rest_s;
+    course.from_s = kServoStart_s + stimulus.rest_s;
     course.until_s = course.from_s + stimulus.presentation_s + kLater_s;
     course.points = stroke_points(stimulus.start_m, course.from_s, course.until_s - course.from_s,
                                   hand.share * presented.parameters.speed_m_per_s);

@@ -28,6 +28,10 @@ struct HandCourse {
 [[nodiscard]] std::vector<simulated::HandPath::Point>
 stroke_points(const Vector3 &about_m, double from_s, double duration_s, double speed_m_per_s);
 
+/// So long a course waits for a servo that has just been started: for rest, and until its gains are
+/// raised.
+inline constexpr double kServoStart_s = 1.25;
+
 /// Of the relaxed grip of `device::HandParameters`: it rests at the start until the servo runs and
 /// for the time that the stimulus wants, does what the form asks for, and goes back. Where it
 /// presses it makes up for the weight of the linkage, so that the device pushes back as hard as the

@@ -57,7 +57,7 @@ void StimulusRun::wait(const servo::ServoSample &last) noexcept {
     }
 }
 
-void StimulusRun::approach(const servo::ServoSample &last, servo::ServoInputs &inputs) noexcept {
+void StimulusRun::approach(const servo::ServoSample &last) noexcept {
     if (!last.contact.touching) {
         if (in_phase_s_ > stimulus_.approach_s) {
             fail(StimulusFailure::never_touched);
@@ -67,8 +67,7 @@ void StimulusRun::approach(const servo::ServoSample &last, servo::ServoInputs &i
     presented_s_ = 0.0;
     alpha_at_touch_rad2_per_m2_ = last.alpha_bound_rad2_per_m2;
     if (stimulus_.hold == Hold::cup) {
-        is_in_cup_ = true;
-        inputs.fixed_x0_m = last.contact.x0_m;
+        cup_m_ = last.contact.x0_m;
     }
     enter(StimulusPhase::presenting);
 }
@@ -77,7 +76,7 @@ void StimulusRun::approach(const servo::ServoSample &last, servo::ServoInputs &i
 void StimulusRun::watch_contact(const servo::ServoSample &last) noexcept {
     lost_s_ = last.contact.touching ? 0.0 : lost_s_ + period_s_;
     const bool is_out_of_cup =
-        is_in_cup_ && (last.tip_m - last.contact.x0_m).dot(stimulus_.frame.normal) > kOutOfCup_m;
+        cup_m_ && (last.tip_m - last.contact.x0_m).dot(stimulus_.frame.normal) > kOutOfCup_m;
     const bool may_leave =
         stimulus_.form == StimulusForm::blow || stimulus_.form == StimulusForm::stroke;
     if (steering_.has_given_up()) {
@@ -115,9 +114,8 @@ control::Tuning StimulusRun::tuning(const servo::ServoSample &last) const noexce
     if (stimulus_.hold == Hold::cup && tuning.alpha_mode == control::AlphaMode::on_the_fly) {
         // By hand it glides: so it is where it shall be already before the touch.
         tuning.alpha_rad2_per_m2 =
-            is_in_cup_ ? alpha_at_touch_rad2_per_m2_ : last.alpha_bound_rad2_per_m2;
-        tuning.alpha_mode =
-            is_in_cup_ ? control::AlphaMode::by_hand : control::AlphaMode::on_the_fly;
+            cup_m_ ? alpha_at_touch_rad2_per_m2_ : last.alpha_bound_rad2_per_m2;
+        tuning.alpha_mode = cup_m_ ? control::AlphaMode::by_hand : control::AlphaMode::on_the_fly;
     }
     return tuning;
 }
@@ -163,7 +161,7 @@ Vector3 StimulusRun::voltage_V(const servo::ServoSample &last) noexcept {
     return voltage_V;
 }
 
-void StimulusRun::update(const servo::ServoSample &last, servo::ServoInputs &inputs) noexcept {
+void StimulusRun::update(const servo::ServoSample &last, servo::LawInputs &inputs) noexcept {
     rest_.update(last.tip_m, last.contact.touching);
     in_phase_s_ += period_s_;
     if (presented_s_ >= 0.0) {
@@ -177,7 +175,7 @@ void StimulusRun::update(const servo::ServoSample &last, servo::ServoInputs &inp
         wait(last);
         break;
     case StimulusPhase::approaching:
-        approach(last, inputs);
+        approach(last);
         break;
     case StimulusPhase::presenting:
         present(last);
@@ -196,9 +194,9 @@ void StimulusRun::update(const servo::ServoSample &last, servo::ServoInputs &inp
         break;
     }
     if (phase_ != StimulusPhase::presenting && phase_ != StimulusPhase::gliding_back) {
-        is_in_cup_ = false;
-        inputs.fixed_x0_m.reset();
+        cup_m_.reset();
     }
+    inputs.fixed_x0_m = cup_m_;
     inputs.tuning = tuning(last);
     added_V_ = voltage_V(last);
     inputs.excitation_V = added_V_;

@@ -29,6 +29,7 @@
 #include "engine/study/stimuli/force_steering.h"
 #include "engine/study/stimuli/stimulus.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -73,7 +74,12 @@ public:
     StimulusRun(const device::DeviceDescription &device, const Stimulus &stimulus, double period_s);
 
     /// After a tick: sets tuning, x₀ and excitation of the next one. RT-safe.
-    void update(const servo::ServoSample &last, servo::ServoInputs &inputs) noexcept;
+    void update(const servo::ServoSample &last, servo::LawInputs &inputs) noexcept;
+
+    /// Another tuning in contact, to which the servo glides.
+    void set_contact(const control::Tuning &tuning) noexcept { stimulus_.contact = tuning; }
+    /// The presentation is over with the next tick.
+    void finish() noexcept { stimulus_.presentation_s = std::max(0.0, presented_s_); }
 
     [[nodiscard]] StimulusPhase phase() const { return phase_; }
     [[nodiscard]] StimulusFailure failure() const { return failure_; }
@@ -89,7 +95,7 @@ private:
     void enter(StimulusPhase phase) noexcept;
     void fail(StimulusFailure failure) noexcept;
     void wait(const servo::ServoSample &last) noexcept;
-    void approach(const servo::ServoSample &last, servo::ServoInputs &inputs) noexcept;
+    void approach(const servo::ServoSample &last) noexcept;
     void present(const servo::ServoSample &last) noexcept;
     void glide_back() noexcept;
     void leave(const servo::ServoSample &last) noexcept;
@@ -108,8 +114,8 @@ private:
     double in_phase_s_ = 0.0;
     double rested_s_ = 0.0;
     double presented_s_ = -1.0;
-    double lost_s_ = 0.0; ///< since the tip lost contact
-    bool is_in_cup_ = false;
+    double lost_s_ = 0.0;                     ///< since the tip lost contact
+    std::optional<Vector3> cup_m_;            ///< x₀ while the cup holds the tip
     double alpha_at_touch_rad2_per_m2_ = 0.0; ///< the bound (29)
     Vector3 added_V_{Vector3::Zero()};        ///< last
 };

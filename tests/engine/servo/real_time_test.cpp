@@ -5,11 +5,12 @@
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/servo_rig.h"
+#include "engine/servo/servo.h"
 #include "engine/session/scene_loader.h"
 #include "engine/study/protocol/hand_course.h"
 #include "engine/study/protocol/presented_stimulus.h"
 #include "engine/study/protocol/protocol_file.h"
-#include "engine/study/stimuli/delivery_meter.h"
+#include "engine/study/stimuli/live_stimulus.h"
 #include "tests/support/devices.h"
 #include "tests/support/real_time_watch.h"
 
@@ -121,21 +122,18 @@ TEST(RealTime, APresentedStimulusAllocatesAndLocksNothing) {
     const study::HandCourse course = study::hand_course(setting, presented, stimulus, {});
     simulated::SimulationOptions options;
     options.path.emplace(course.points);
-    rig::ServoRig rig(setting.device, options, course.points.front().position_m,
-                      setting.conditions[presented.condition].surface.get());
-    rig.inputs.tuning = presented.free_space;
-    study::StimulusRun run(setting.device, stimulus, options.servo_period_s);
-    study::DeliveryMeter meter(setting.device, stimulus, options.servo_period_s);
+    simulated::SimulatedPhantom phantom(setting.device, options, course.points.front().position_m);
+    servo::Servo servo(phantom, 1.0 / options.servo_period_s);
+    study::LiveStimulus live(setting.device, stimulus, options.servo_period_s);
+    servo::ServoInputs inputs;
+    inputs.tuning = presented.free_space;
+    inputs.surface = setting.conditions[presented.condition].surface.get();
+    inputs.course = &live;
+    servo.publish(inputs);
     const auto ticks = std::lround(course.points.back().time_s / options.servo_period_s);
-    expect_quiet([&] {
-        for (long tick = 0; tick < ticks; ++tick) {
-            const servo::ServoSample &sample = rig.tick();
-            run.update(sample, rig.inputs);
-            meter.take(sample, run);
-        }
-    });
-    EXPECT_EQ(run.phase(), study::StimulusPhase::done) << description(run.failure());
-    EXPECT_NEAR(meter.delivered().measures.turn_deg.value(), 30.0, 1.0); // the protocol's band
+    expect_quiet([&] { servo.advance(static_cast<int>(ticks)); });
+    EXPECT_EQ(live.phase(), study::StimulusPhase::done) << description(live.failure());
+    EXPECT_NEAR(live.delivered().measures.turn_deg.value(), 30.0, 1.0); // the protocol's band
 }
 
 TEST(RealTime, ATickThatSwitchesThePlantAllocatesAndLocksNothing) {
