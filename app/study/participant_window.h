@@ -30,8 +30,8 @@ public:
         /// Number from 1, or part of the name without regard to case. Empty: the second monitor if
         /// there are two or more, else a window of `size`.
         std::string monitor;
-        bool is_window = false;         ///< not full screen, whatever monitors there are
-        Window::Size size{1280, 720};   ///< of the window where it is not full screen
+        bool is_window = false;       ///< not full screen, whatever monitors there are
+        Window::Size size{1280, 720}; ///< of the window where it is not full screen
     };
 
     /// After the main window, which must outlive it. Its context stays current.

@@ -28,6 +28,7 @@ std::vector<Trial> trials_of(const StudyContents &contents, const std::string &p
 Trial stored_form(const Protocol &protocol, const Session &session, const PlannedTrial &planned,
                   TrialResult result, UtcTime at) {
     Trial trial = before_it_is_run(protocol, planned);
+    const bool was_broken_off = !result.marks.empty() || !result.safety_events.empty();
     trial.participant = session.participant;
     trial.session = session.id;
     trial.software = session.software;
@@ -48,7 +49,7 @@ Trial stored_form(const Protocol &protocol, const Session &session, const Planne
     for (const SafetyEvent &event : trial.safety_events) {
         trial.marks.push_back("the safety monitor tripped: " + event.text);
     }
-    if (std::holds_alternative<NoResponse>(trial.response)) {
+    if (std::holds_alternative<NoResponse>(trial.response) && !was_broken_off) {
         trial.marks.push_back(fmt::format("no response in {:g} s", protocol.timing.response_s));
     }
     // Without an answer a method has nothing to learn from, whatever the protocol says of

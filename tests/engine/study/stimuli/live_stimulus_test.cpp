@@ -6,6 +6,7 @@
 #include "engine/study/protocol/protocol_file.h"
 #include "engine/study/protocol/stimulus_trial.h"
 #include "engine/study/stimuli/live_stimulus.h"
+#include "tests/support/devices.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>

@@ -1,0 +1,317 @@
+#include "app/study/sitting.h"
+
+#include "app/study/answers.h"
+#include "base/input_error.h"
+#include "base/machine_name.h"
+#include "engine/study/conduct/conduct.h"
+#include "engine/study/conduct/marking.h"
+#include "engine/study/conduct/stored_trial.h"
+#include "engine/study/protocol/session_length.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+namespace springdrive::app::study_screen {
+
+namespace {
+
+constexpr double kFeedback_s = 1.2;
+constexpr double kCalm_s = 3.0; ///< a tripped device is reset by itself after so much quiet
+
+study::DeviceKind kind_of(factory::DeviceKind kind) {
+    switch (kind) {
+    case factory::DeviceKind::usb:
+        return study::DeviceKind::usb;
+    case factory::DeviceKind::emulated:
+        return study::DeviceKind::emulated;
+    case factory::DeviceKind::simulated:
+        break;
+    }
+    return study::DeviceKind::simulated;
+}
+
+} // namespace
+
+Sitting::Sitting(study::StudyStore &store, SittingPlan plan, session::Session &session,
+                 SittingPort &port)
+    : store_(store), plan_(std::move(plan)), session_(session), port_(port),
+      presenter_({plan_.protocol, plan_.setting, plan_.folders, session_, port_, state_,
+                  [this](ParticipantPicture picture) { return show(std::move(picture)); }}) {
+    if (const std::string wrong = what_is_wrong_with_answers(plan_.protocol.responses);
+        !wrong.empty()) {
+        throw InputError(wrong);
+    }
+}
+
+/// Every frame of a sitting.
+SittingFrame Sitting::show(ParticipantPicture picture) {
+    picture.footer = plan_.protocol.texts.stop_key;
+    picture.progress = state_.progress;
+    SittingFrame frame = port_.show(picture, state_);
+    if (frame.orders.stops) {
+        throw Ends{study::SessionEnding::stopped};
+    }
+    if (frame.orders.participant_leaves) {
+        throw Ends{study::SessionEnding::left};
+    }
+    orders_.is_paused = frame.orders.is_paused;
+    orders_.repeats = orders_.repeats || frame.orders.repeats;
+    orders_.skips_to_break = orders_.skips_to_break || frame.orders.skips_to_break;
+    orders_.resets_device = orders_.resets_device || frame.orders.resets_device;
+    return frame;
+}
+
+void Sitting::show_for(double seconds, const ParticipantPicture &picture) {
+    const double until_s = session_.servo().now_s() + seconds;
+    while (session_.servo().now_s() < until_s) {
+        static_cast<void>(show(picture));
+    }
+}
+
+bool Sitting::is_answer_key(const std::vector<ParticipantInput> &inputs) const {
+    return std::ranges::any_of(inputs, [this](const ParticipantInput &input) {
+        const bool is_gesture = plan_.protocol.responses.device == study::ResponseDevice::gesture;
+        return input.is_press &&
+               (alternative_of(plan_.protocol.responses, input) || input.name == "enter" ||
+                (is_gesture && input.source == InputSource::key));
+    });
+}
+
+void Sitting::show_until_key(SittingStep step, const ParticipantPicture &picture) {
+    state_.step = step;
+    while (!is_answer_key(show(picture).inputs)) {
+    }
+}
+
+/// A break has a shortest time, and ends when the participant wants.
+void Sitting::take_break(double seconds) {
+    state_.step = SittingStep::in_break;
+    since_break_ = 0;
+    ParticipantPicture picture;
+    picture.heading = plan_.protocol.texts.pause;
+    const double until_s = session_.servo().now_s() + seconds;
+    while (session_.servo().now_s() < until_s) {
+        state_.left_s = until_s - session_.servo().now_s();
+        picture.left_share = state_.left_s / seconds;
+        static_cast<void>(show(picture));
+    }
+    picture.left_share = 0.0;
+    picture.text = plan_.protocol.texts.block_begins;
+    show_until_key(SittingStep::in_break, picture);
+}
+
+void Sitting::wait_while_paused() {
+    while (orders_.is_paused) {
+        state_.step = SittingStep::paused;
+        ParticipantPicture picture;
+        picture.heading = plan_.protocol.texts.pause;
+        static_cast<void>(show(picture));
+    }
+}
+
+/// What is said before a trial.
+void Sitting::introduce(const study::PlannedTrial &planned) {
+    const study::Texts &texts = plan_.protocol.texts;
+    const bool is_practice = planned.presented.kind == study::TrialKind::practice;
+    ParticipantPicture picture;
+    if (has_presented_ && planned.place.block != last_block_) {
+        take_break(plan_.protocol.breaks.between_blocks_s);
+    } else if (std::exchange(orders_.skips_to_break, false) ||
+               (plan_.protocol.breaks.every_trials > 0 &&
+                since_break_ >= plan_.protocol.breaks.every_trials)) {
+        take_break(plan_.protocol.breaks.break_s);
+    }
+    if (is_practice && !was_practising_) {
+        picture.heading = texts.practice_begins;
+        show_until_key(SittingStep::practice_begins, picture);
+    } else if (!is_practice && was_practising_) {
+        picture.heading = texts.practice_ends;
+        show_until_key(SittingStep::practice_ends, picture);
+    }
+    was_practising_ = is_practice;
+    last_block_ = planned.place.block;
+}
+
+/// After a stop by hand the experimenter decides; after another it is quiet for a while.
+void Sitting::reset_device_when_calm() {
+    const servo::SafetyStatus &safety = session_.latest().safety;
+    const double now_s = session_.servo().now_s();
+    if (servo::is_final(safety.cause)) {
+        throw Ends{study::SessionEnding::failed};
+    }
+    const bool by_hand = safety.cause == servo::TripCause::emergency_stop;
+    if (std::exchange(orders_.resets_device, false) ||
+        (!by_hand && now_s - calm_from_s_ > kCalm_s)) {
+        session_.servo().reset_safety();
+        calm_from_s_ = now_s;
+    }
+}
+
+/// Until the motors run.
+void Sitting::make_ready(const study::PlannedTrial &planned) {
+    presenter_.set_up(planned);
+    presenter_.lead_to_start(planned);
+    calm_from_s_ = session_.servo().now_s();
+    orders_.resets_device = false;
+    while (true) {
+        wait_while_paused();
+        const servo::ServoSample &latest = session_.latest();
+        if (latest.safety.state == servo::SafetyState::running) {
+            return;
+        }
+        ParticipantPicture picture;
+        if (latest.health == device::DeviceHealth::lost || !session_.is_zeroed()) {
+            state_.step = SittingStep::device_lost;
+            picture.heading = plan_.protocol.texts.pause;
+            calm_from_s_ = session_.servo().now_s();
+        } else if (latest.safety.state == servo::SafetyState::tripped) {
+            state_.step = SittingStep::device_stopped;
+            picture.text = plan_.protocol.texts.device_stopped;
+            picture.is_calm_stop = true;
+            reset_device_when_calm();
+        } else {
+            picture = presenter_.picture(SittingStep::setting_up);
+            picture.text = plan_.protocol.texts.rest_at_spot;
+            picture.tip_m = latest.tip_m;
+        }
+        static_cast<void>(show(picture));
+    }
+}
+
+/// Feedback, which in the practice tells right from wrong.
+void Sitting::tell_of(const study::PlannedTrial &planned, study::TrialResult &result) {
+    const study::Texts &texts = plan_.protocol.texts;
+    study::Trial trial = study::before_it_is_run(plan_.protocol, planned);
+    trial.response = result.response;
+    const std::optional<bool> is_right = study::is_correct(plan_.protocol.task, trial);
+    state_.marks = result.marks;
+    for (const std::string &mark : study::marks_of(plan_.protocol.marking, result.presentations)) {
+        state_.marks.push_back(mark);
+    }
+    ParticipantPicture picture;
+    if (!result.safety_events.empty()) {
+        return; // make_ready tells of it
+    }
+    if (!state_.marks.empty()) {
+        picture.text = texts.repeated;
+    } else if (std::holds_alternative<study::NoResponse>(result.response)) {
+        picture.text = texts.too_slow;
+    } else if (trial.is_practice && is_right) {
+        picture.heading = *is_right ? texts.correct : texts.wrong;
+    } else {
+        return;
+    }
+    state_.step = SittingStep::after_response;
+    show_for(kFeedback_s, picture);
+}
+
+std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &planned) {
+    try {
+        introduce(planned);
+        while (true) {
+            make_ready(planned);
+            if (plan_.keeps_records) {
+                session_.start_recording(store_.new_record_file(plan_.participant, planned.place),
+                                         Existing::replace);
+            }
+            orders_.repeats = false;
+            std::optional<study::TrialResult> result = presenter_.present(planned);
+            session_.recording().stop();
+            if (!result) {
+                continue; // the device was lost: the trial begins anew when it is back
+            }
+            tell_of(planned, *result);
+            if (std::exchange(orders_.repeats, false)) {
+                result->marks.emplace_back("repeated at the experimenter's wish");
+            }
+            if (plan_.keeps_records) {
+                result->record = store_.link_to(session_.recording().file());
+            }
+            has_presented_ = true;
+            ++since_break_;
+            return result;
+        }
+    } catch (const Ends &ends) {
+        session_.recording().stop();
+        ending_ = ends.how;
+        return std::nullopt;
+    }
+}
+
+study::Session Sitting::begun() const {
+    study::Session begun;
+    begun.participant = plan_.participant;
+    begun.started = study::utc_now();
+    begun.device = kind_of(session_.device_choice().kind);
+    begun.device_name = session_.description().name;
+    begun.device_serial = session_.device_choice().serial;
+    begun.software = SPRINGDRIVE_VERSION;
+    begun.host = machine_name();
+    begun.facts = plan_.facts;
+    return begun;
+}
+
+EndedSitting Sitting::run() {
+    study::Session session = begun();
+    session.id = store_.begin(session);
+    state_.participant = plan_.participant;
+    state_.session = session.id;
+    const double most_trials = std::max(1, study::session_length(plan_.protocol).most_trials);
+    const auto note_trials = [&] {
+        state_.trials.clear();
+        for (study::Trial &trial : store_.contents().trials) {
+            if (trial.participant == plan_.participant) {
+                state_.trials.push_back(std::move(trial));
+            }
+        }
+        state_.progress = std::min(1.0, static_cast<double>(state_.trials.size()) / most_trials);
+    };
+    study::Conduct how;
+    how.present = [this](const study::PlannedTrial &planned) { return present(planned); };
+    how.ends = [&]() -> std::optional<study::SessionEnding> {
+        if (!ending_) {
+            note_trials();
+            try {
+                if (has_presented_) {
+                    state_.step = SittingStep::after_response;
+                    show_for(plan_.protocol.timing.between_trials_s, {});
+                }
+            } catch (const Ends &ends) {
+                ending_ = ends.how;
+            }
+        }
+        return ending_;
+    };
+    note_trials();
+    try {
+        ParticipantPicture picture;
+        picture.text = plan_.protocol.texts.instructions;
+        show_until_key(SittingStep::instructions, picture);
+    } catch (const Ends &ends) {
+        ending_ = ends.how;
+    }
+    EndedSitting ended;
+    ended.session = session.id;
+    ended.ending = study::conduct(store_, plan_.protocol, session, how);
+    session_.servo().release(true);
+    note_trials();
+    for (const study::Trial &trial : state_.trials) {
+        if (trial.session == session.id) {
+            ++ended.trials;
+            ended.marked += trial.marks.empty() ? 0 : 1;
+        }
+    }
+    if (ended.ending == study::SessionEnding::completed) {
+        try {
+            ParticipantPicture picture;
+            picture.heading = plan_.protocol.texts.end;
+            state_.progress = 1.0;
+            show_until_key(SittingStep::over, picture);
+        } catch (const Ends &) { // also an end
+        }
+    }
+    return ended;
+}
+
+} // namespace springdrive::app::study_screen

@@ -1,0 +1,87 @@
+// A person's session of a study, from the first word on the screen to the last: instructions,
+// practice, trials, breaks, and whatever happens in between. Who draws and who types is the port's.
+//
+// What comes next, what is stored and when the session ends is for engine/study/conduct; the
+// servo's part of a trial for trial_presenter.h.
+#pragma once
+
+#include "app/study/sitting_port.h"
+#include "app/study/sitting_state.h"
+#include "app/study/trial_presenter.h"
+#include "engine/session/session.h"
+#include "engine/study/protocol/protocol.h"
+#include "engine/study/protocol/study_setting.h"
+#include "engine/study/store/study_store.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive::app::study_screen {
+
+struct SittingPlan {
+    study::Protocol protocol;
+    study::StudySetting setting;
+    study::ProtocolFolders folders;
+    std::string participant;             ///< in the store
+    bool keeps_records = true;           ///< a servo record of each trial
+    std::vector<study::Setting> facts{}; ///< of the session, besides those of the device
+};
+
+struct EndedSitting {
+    study::SessionId session = 0;
+    study::SessionEnding ending = study::SessionEnding::completed;
+    std::size_t trials = 0; ///< of this session
+    std::size_t marked = 0;
+};
+
+class Sitting {
+public:
+    /// @param session  started; with the protocol's device and the scene of a condition
+    /// @throw InputError for ways to answer that this program cannot take
+    Sitting(study::StudyStore &store, SittingPlan plan, session::Session &session,
+            SittingPort &port);
+
+    /// @throw InputError from the store; the session is then ended as failed, if that is possible
+    EndedSitting run();
+
+private:
+    struct Ends { ///< thrown out of whatever is shown
+        study::SessionEnding how;
+    };
+
+    SittingFrame show(ParticipantPicture picture);
+    void show_for(double seconds, const ParticipantPicture &picture);
+    void show_until_key(SittingStep step, const ParticipantPicture &picture);
+    [[nodiscard]] bool is_answer_key(const std::vector<ParticipantInput> &inputs) const;
+
+    [[nodiscard]] std::optional<study::TrialResult> present(const study::PlannedTrial &planned);
+    [[nodiscard]] study::SessionEnding end_of(const Ends &ends) const;
+    void introduce(const study::PlannedTrial &planned);
+    void take_break(double seconds);
+    void wait_while_paused();
+    void make_ready(const study::PlannedTrial &planned);
+    void reset_device_when_calm();
+    void tell_of(const study::PlannedTrial &planned, study::TrialResult &result);
+    [[nodiscard]] study::TrialResult recorded(const study::PlannedTrial &planned,
+                                              const std::optional<study::TrialResult> &result);
+    void take_note(const study::PlannedTrial &planned);
+    [[nodiscard]] study::Session begun() const;
+
+    study::StudyStore &store_;
+    SittingPlan plan_;
+    session::Session &session_;
+    SittingPort &port_;
+    SittingState state_;
+    TrialPresenter presenter_;
+    std::optional<study::SessionEnding> ending_;
+    ExperimenterOrders orders_; ///< those that wait to be obeyed
+    bool was_practising_ = false;
+    bool has_presented_ = false;
+    int last_block_ = 0;
+    int since_break_ = 0;
+    double calm_from_s_ = 0.0; ///< of a tripped device
+};
+
+} // namespace springdrive::app::study_screen

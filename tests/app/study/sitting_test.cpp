@@ -1,0 +1,234 @@
+// Covers app/study/{sitting,trial_presenter,answers}.cpp: whole sessions on the simulated device,
+// in lockstep, with a participant and an experimenter that are made up. See study_window_test.cpp
+// for the real windows.
+#include "app/study/sitting.h"
+
+#include "app/study/answers.h"
+#include "base/input_error.h"
+#include "engine/study/conduct/conduct.h"
+#include "engine/study/protocol/protocol_file.h"
+#include "tests/support/devices.h"
+#include "tests/support/files.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+#include <string>
+
+namespace springdrive::app::study_screen {
+namespace {
+
+namespace fs = std::filesystem;
+
+using study::PlannedTrial;
+using study::SessionEnding;
+using study::Trial;
+
+constexpr double kFrame_s = 1.0 / 60.0;
+
+/// A protocol of some trials.
+study::Protocol short_protocol(const std::string &name) {
+    study::Protocol protocol =
+        study::read_protocol_file(testing::assets() / "protocols" / (name + ".toml"));
+    protocol.timing.rest_s = 0.2;
+    protocol.timing.presentation_s = 1.0; // until a force has the direction wanted
+    protocol.timing.pause_s = 0.1;
+    protocol.timing.between_trials_s = 0.1;
+    protocol.timing.response_s = 1.0;
+    protocol.practice = {{60.0}, 2, 0, 2};
+    protocol.catch_trials = {};
+    protocol.breaks = {3, 1.0, 1.5};
+    study::ConstantStimuli method;
+    method.levels = {20.0, 60.0};
+    method.repetitions = 1;
+    method.blocks = 1;
+    protocol.method = method;
+    protocol.expected.reset();
+    return protocol;
+}
+
+/// What the participant does: of a planned trial, which key and how long after the question; below
+/// 0: nothing.
+struct Decision {
+    std::size_t key = 0;
+    double after_s = 0.3;
+};
+Decision decision_of(const PlannedTrial &planned) {
+    const std::size_t key = study::below(study::child(planned.key, 77), 2);
+    const bool answers = study::uniform(study::child(planned.key, 78)) > 0.15;
+    return {key, answers ? 0.3 : -1.0};
+}
+
+/// Two people and two windows that are made up.
+class MadeUpPort final : public SittingPort {
+public:
+    MadeUpPort(session::Session &session, const study::Protocol &protocol)
+        : session_(session), protocol_(protocol) {}
+
+    SittingFrame show(const ParticipantPicture &picture, const SittingState &state) override {
+        session_.advance(kFrame_s);
+        steps.insert(state.step);
+        if (on_frame) {
+            on_frame(picture, state);
+        }
+        SittingFrame frame;
+        frame.orders = orders;
+        orders.repeats = orders.skips_to_break = orders.resets_device = false;
+        const double now_s = session_.servo().now_s();
+        switch (state.step) {
+        case SittingStep::response: {
+            const Decision decision = decision_of(*state.trial);
+            asked_s_ = asked_s_ < 0.0 ? now_s : asked_s_;
+            if (decision.after_s >= 0.0 && now_s - asked_s_ >= decision.after_s) {
+                frame.inputs.push_back(key(protocol_.responses.keys[decision.key], now_s));
+            }
+            break;
+        }
+        case SittingStep::instructions:
+        case SittingStep::practice_begins:
+        case SittingStep::practice_ends:
+        case SittingStep::block_begins:
+        case SittingStep::in_break:
+        case SittingStep::over:
+            frame.inputs.push_back(key(protocol_.responses.keys.front(), now_s));
+            break;
+        default:
+            asked_s_ = -1.0;
+            break;
+        }
+        return frame;
+    }
+
+    void show_scene(const scene::Scene *scene, const scene::TouchSpot &) override {
+        has_scene = scene != nullptr;
+    }
+
+    static ParticipantInput key(const std::string &name, double clock_s) {
+        ParticipantInput input;
+        input.name = input_name(name);
+        input.clock_s = clock_s;
+        return input;
+    }
+
+    ExperimenterOrders orders;
+    std::function<void(const ParticipantPicture &, const SittingState &)> on_frame;
+    std::set<SittingStep> steps;
+    bool has_scene = false;
+
+private:
+    session::Session &session_;
+    const study::Protocol &protocol_;
+    double asked_s_ = -1.0;
+};
+
+class StudySitting : public ::testing::Test {
+protected:
+    explicit StudySitting(const std::string &protocol = "direction")
+        : folder_(testing::fresh_folder("sitting")),
+          protocol_(short_protocol(protocol)), folders_{testing::assets() / "protocols",
+                                                        testing::assets()} {
+        study::create_study(file(), {protocol_.title, "text", "0.1.0"}, study::utc_now());
+        study::StudyStore(file()).add({"P01", 1, study::utc_now()});
+    }
+
+    [[nodiscard]] fs::path file() const { return folder_ / "a.study"; }
+
+    [[nodiscard]] session::SessionOptions options() const {
+        session::SessionOptions options;
+        options.scene = study::scene_file_of(protocol_.conditions.front(), folders_);
+        options.device.file = study::device_file_of(protocol_, folders_);
+        options.lockstep = true;
+        return options;
+    }
+
+    [[nodiscard]] SittingPlan plan() const {
+        return {protocol_, study::study_setting(protocol_, folders_), folders_, "P01", false};
+    }
+
+    EndedSitting run(const std::function<void(MadeUpPort &, session::Session &)> &prepare = {}) {
+        study::StudyStore store(file());
+        session::Session session(options());
+        MadeUpPort port(session, protocol_);
+        if (prepare) {
+            prepare(port, session);
+        }
+        session.start();
+        Sitting sitting(store, plan(), session, port);
+        const EndedSitting ended = sitting.run();
+        steps_ = port.steps;
+        return ended;
+    }
+
+    /// The same decisions without screens and without a device.
+    [[nodiscard]] std::vector<Trial> headless() const {
+        const fs::path other = folder_ / "headless.study";
+        study::create_study(other, {protocol_.title, "text", "0.1.0"}, study::utc_now());
+        study::StudyStore store(other);
+        store.add({"P01", 1, study::utc_now()});
+        study::Session session;
+        session.participant = "P01";
+        session.started = study::utc_now();
+        session.software = "0.1.0";
+        session.id = store.begin(session);
+        study::Conduct how;
+        how.ends = [] { return std::nullopt; };
+        how.present = [this](const PlannedTrial &planned) {
+            study::TrialResult result;
+            const Decision decision = decision_of(planned);
+            if (decision.after_s >= 0.0) {
+                result.response = response_of(protocol_.task, decision.key);
+            }
+            return result;
+        };
+        EXPECT_EQ(study::conduct(store, protocol_, session, how), SessionEnding::completed);
+        return store.contents().trials;
+    }
+
+    fs::path folder_;
+    study::Protocol protocol_;
+    study::ProtocolFolders folders_;
+    std::set<SittingStep> steps_;
+};
+
+void expect_same_decisions(const std::vector<Trial> &seen, const std::vector<Trial> &wanted) {
+    ASSERT_EQ(seen.size(), wanted.size());
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        SCOPED_TRACE(text_of(wanted[i].place));
+        EXPECT_EQ(seen[i].place, wanted[i].place);
+        EXPECT_EQ(seen[i].condition, wanted[i].condition);
+        EXPECT_EQ(seen[i].level, wanted[i].level);
+        EXPECT_EQ(seen[i].target, wanted[i].target);
+        EXPECT_EQ(seen[i].seed, wanted[i].seed);
+        EXPECT_EQ(seen[i].response, wanted[i].response);
+        EXPECT_EQ(seen[i].is_correct, wanted[i].is_correct);
+        EXPECT_EQ(seen[i].repetition_of, wanted[i].repetition_of);
+        EXPECT_EQ(seen[i].marks, wanted[i].marks);
+    }
+}
+
+TEST_F(StudySitting, StoresWhatTheSameDecisionsGiveHeadless) {
+    const EndedSitting ended = run();
+    EXPECT_EQ(ended.ending, SessionEnding::completed);
+    const std::vector<Trial> trials = study::read_study(file()).trials;
+    expect_same_decisions(trials, headless());
+    EXPECT_EQ(ended.trials, trials.size());
+    for (const SittingStep step :
+         {SittingStep::instructions, SittingStep::practice_begins, SittingStep::practice_ends,
+          SittingStep::in_break, SittingStep::interval, SittingStep::response, SittingStep::over}) {
+        EXPECT_TRUE(steps_.contains(step)) << description(step);
+    }
+    for (const Trial &trial : trials) {
+        ASSERT_EQ(trial.presentations.size(), 2U);
+        if (trial.response_time_s) {
+            // The question comes when the hand has left, at most half a second after the end.
+            EXPECT_GE(*trial.response_time_s, 0.3);
+            EXPECT_LE(*trial.response_time_s, 1.0);
+        }
+    }
+}
+
+} // namespace
+} // namespace springdrive::app::study_screen
