@@ -2,6 +2,7 @@
 
 #include "app/asset_folder.h"
 #include "base/input_error.h"
+#include "engine/study/protocol/protocol_check.h"
 #include "engine/study/protocol/protocol_file.h"
 #include "engine/study/store/study_store.h"
 
@@ -9,12 +10,42 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <fstream>
+#include <iostream>
+#include <iterator>
 #include <map>
+#include <string_view>
 
 namespace springdrive::app {
 
 namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kStudyEnding = ".study";
+
+std::string text_in(const fs::path &file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The protocol as it was typed, which can be run.
+study::Protocol checked_protocol(const fs::path &file) {
+    const study::Protocol protocol = study::read_protocol_file(file);
+    study::CheckOptions options;
+    options.simulates = false;
+    const auto errors =
+        std::ranges::count(study::check_protocol(protocol, folders_beside(file), options).findings,
+                           study::Severity::error, &study::ProtocolFinding::severity);
+    if (errors > 0) {
+        throw InputError(fmt::format("{}: has {} error{}, which springdrive study check shows; "
+                                     "nobody should sit down before",
+                                     file.string(), errors, errors == 1 ? "" : "s"));
+    }
+    return protocol;
+}
 
 std::size_t trials_on_kind(const study::StudyContents &contents, study::DeviceKind kind) {
     return study::trials_on(contents, kind).size();
@@ -47,6 +78,36 @@ std::vector<std::filesystem::path> files_of_study(const std::filesystem::path &f
 
 study::ProtocolFolders folders_beside(const std::filesystem::path &file) {
     return {file.parent_path(), asset_folder()};
+}
+
+std::filesystem::path study_to_run(const std::filesystem::path &typed,
+                                   const std::filesystem::path &study,
+                                   const std::function<void(const study::Protocol &)> &accepts) {
+    if (typed.extension() == kStudyEnding) {
+        if (!study.empty()) {
+            throw InputError("--study goes with a protocol; " + typed.string() +
+                             " is a study already");
+        }
+        return typed;
+    }
+    const fs::path file = study.empty() ? fs::path(typed).replace_extension(kStudyEnding) : study;
+    if (fs::exists(file)) {
+        const std::string text = text_in(typed);
+        static_cast<void>(study::read_protocol_text(text, typed));
+        if (study::read_study(file).facts.protocol != text) {
+            throw InputError(fmt::format("{}: was begun with another protocol than {}; go on with "
+                                         "its own by springdrive study run {}, or begin a new "
+                                         "study with --study FILE",
+                                         file.string(), typed.string(), file.string()));
+        }
+        return file;
+    }
+    const study::Protocol protocol = checked_protocol(typed);
+    accepts(protocol);
+    study::create_study(file, {protocol.title, text_in(typed), SPRINGDRIVE_VERSION},
+                        study::utc_now());
+    std::cerr << "created: " << file.string() << '\n';
+    return file;
 }
 
 void add_study_file_argument(CLI::App &command, std::filesystem::path &file) {

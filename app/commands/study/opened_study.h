@@ -6,6 +6,7 @@
 #include "engine/study/store/study_contents.h"
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,16 @@ struct OpenedStudy {
 /// The protocol that a study was begun with.
 [[nodiscard]] study::Protocol protocol_in(const study::StudyContents &contents,
                                           const std::filesystem::path &file);
+
+/// The study to run: `typed` itself, or the one of the protocol in `typed`, which is created if
+/// there is none. A protocol with errors begins none.
+/// @param study     the study of a protocol; empty: it has the protocol's name, ending in .study
+/// @param accepts   called before a study is created; throws what else speaks against it
+/// @throw InputError as `read_protocol_text` and `create_study` do, and for a study that was begun
+///        with another protocol
+[[nodiscard]] std::filesystem::path
+study_to_run(const std::filesystem::path &typed, const std::filesystem::path &study,
+             const std::function<void(const study::Protocol &)> &accepts);
 
 /// The study and what may stand beside it: no output may replace them.
 [[nodiscard]] std::vector<std::filesystem::path> files_of_study(const std::filesystem::path &file);

@@ -6,8 +6,7 @@
 #include "app/commands/study/simulated_session.h"
 #include "app/ending_signal.h"
 #include "base/input_error.h"
-#include "engine/study/protocol/protocol_check.h"
-#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/protocol/session_length.h"
 #include "engine/study/results/progress.h"
 
 #include <CLI/CLI.hpp>
@@ -16,9 +15,7 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -29,7 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kStudyEnding = ".study";
 constexpr int kMostParticipants = 9999; ///< codes have four digits at most
 
 struct TypedRun {
@@ -43,57 +39,6 @@ struct TypedRun {
     std::optional<int> seed; ///< nothing: the protocol's
     study::FeltStimuli felt = study::FeltStimuli::each_simulated;
 };
-
-std::string text_in(const fs::path &file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-/// The protocol as it was typed, which can be run.
-study::Protocol checked_protocol(const fs::path &file) {
-    const study::Protocol protocol = study::read_protocol_file(file);
-    study::CheckOptions options;
-    options.simulates = false;
-    const auto errors =
-        std::ranges::count(study::check_protocol(protocol, folders_beside(file), options).findings,
-                           study::Severity::error, &study::ProtocolFinding::severity);
-    if (errors > 0) {
-        throw InputError(fmt::format("{}: has {} error{}, which springdrive study check shows; "
-                                     "nobody should sit down before",
-                                     file.string(), errors, errors == 1 ? "" : "s"));
-    }
-    return protocol;
-}
-
-/// The study's file. A protocol's is created if there is none.
-fs::path study_file_of(const TypedRun &typed) {
-    if (typed.file.extension() == kStudyEnding) {
-        if (!typed.study.empty()) {
-            throw InputError("--study goes with a protocol; " + typed.file.string() +
-                             " is a study already");
-        }
-        return typed.file;
-    }
-    const fs::path file =
-        typed.study.empty() ? fs::path(typed.file).replace_extension(kStudyEnding) : typed.study;
-    if (fs::exists(file)) {
-        const std::string text = text_in(typed.file);
-        static_cast<void>(study::read_protocol_text(text, typed.file));
-        if (study::read_study(file).facts.protocol != text) {
-            throw InputError(fmt::format("{}: was begun with another protocol than {}; go on with "
-                                         "its own by springdrive study run {}, or begin a new "
-                                         "study with --study FILE",
-                                         file.string(), typed.file.string(), file.string()));
-        }
-        return file;
-    }
-    const study::Protocol protocol = checked_protocol(typed.file);
-    static_cast<void>(observer_of(typed.truth, protocol)); // or refused before there is a file
-    study::create_study(file, {protocol.title, text_in(typed.file), SPRINGDRIVE_VERSION},
-                        study::utc_now());
-    std::cerr << "created: " << file.string() << '\n';
-    return file;
-}
 
 const study::Progress *progress_named(const std::vector<study::Progress> &all,
                                       const std::string &code) {
@@ -218,7 +163,10 @@ void run_typed(const TypedRun &typed) {
         refuse_code(typed.participant);
     }
     note_ending_signals();
-    const fs::path file = study_file_of(typed);
+    const fs::path file =
+        study_to_run(typed.file, typed.study, [&typed](const study::Protocol &protocol) {
+            static_cast<void>(observer_of(typed.truth, protocol));
+        });
     Runs runs(file, typed);
     if (!typed.participant.empty()) {
         runs.run(typed.participant);
