@@ -31,9 +31,10 @@ struct ParticipantInput {
 
 /// Keys that are no letters. Names are lower case.
 inline constexpr std::array<std::string_view, 31> kKeyNames{
-    "left", "right", "up",  "down", "enter", "backspace", "tab", "insert", "delete",    "home", "end",
-    "page_up", "page_down", "escape", "shift", "ctrl", "alt", "super", "menu", "f1", "f2", "f3",
-    "f4", "f5", "f6", "f7", "f8", "f9", "f10", "f11", "print"};
+    "left",   "right", "up",   "down",    "enter",     "backspace", "tab",   "insert",
+    "delete", "home",  "end",  "page_up", "page_down", "escape",    "shift", "ctrl",
+    "alt",    "super", "menu", "f1",      "f2",        "f3",        "f4",    "f5",
+    "f6",     "f7",    "f8",   "f9",      "f10",       "f11",       "print"};
 
 inline constexpr std::array<std::string_view, 5> kMouseButtonNames{"left", "right", "middle",
                                                                    "back", "forward"};
