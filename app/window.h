@@ -105,6 +105,9 @@ public:
     /// @param part  of the window, in its units; empty: all of it
     void write_screenshot(std::ostream &out, const Rectangle &part = {}) const;
 
+    /// For a second window, whose context shares objects with this one.
+    [[nodiscard]] GLFWwindow *glfw() const { return window_; }
+
     /// Why text may be missing letters; empty when the font was found.
     [[nodiscard]] const std::string &font_remark() const { return font_remark_; }
 

@@ -31,10 +31,9 @@ struct TextLines {
     int ascent_px = 0; ///< from the top of a line to its base
     int width_px = 0;  ///< of the widest line
     bool breaks_words = false;
+    int paragraph_gap_px = 0; ///< between the last line of a paragraph and the next one
 
-    [[nodiscard]] int height_px() const {
-        return static_cast<int>(lines.size()) * line_height_px;
-    }
+    [[nodiscard]] int height_px() const;
 };
 
 /// Wraps at blanks; where a single word is wider than the line, within it. A line feed begins a new

@@ -14,7 +14,8 @@ namespace springdrive::app {
 
 class Typeface {
 public:
-    /// The font that the program was built with. @throw InputError with the remedy if it is missing.
+    /// The font that the program was built with. @throw InputError with the remedy if it is
+    /// missing.
     Typeface();
     /// @throw InputError naming the file if it cannot be read or is no TrueType font.
     explicit Typeface(const std::filesystem::path &file);
