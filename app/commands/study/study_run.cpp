@@ -3,6 +3,7 @@
 #include "app/commands/common_options.h"
 #include "app/commands/progress_line.h"
 #include "app/commands/study/opened_study.h"
+#include "app/commands/study/person_session.h"
 #include "app/commands/study/simulated_session.h"
 #include "app/ending_signal.h"
 #include "base/input_error.h"
@@ -38,6 +39,9 @@ struct TypedRun {
     double spread = 0.0;
     std::optional<int> seed; ///< nothing: the protocol's
     study::FeltStimuli felt = study::FeltStimuli::each_simulated;
+    TypedSitting sitting; ///< of a person
+
+    [[nodiscard]] bool is_simulated() const { return !observer.empty(); }
 };
 
 const study::Progress *progress_named(const std::vector<study::Progress> &all,
@@ -74,6 +78,57 @@ public:
             throw InputError(fmt::format("{}: participant {} has done all {} trials",
                                          store_.file().string(), code, before.trials));
         }
+        if (is_person(before)) {
+            run_person(code);
+        } else {
+            run_simulated(before);
+        }
+    }
+
+    /// Who comes next if nobody is named: added already but not begun, or new.
+    [[nodiscard]] std::string next_code() const {
+        const std::vector<study::Progress> all = progress();
+        const auto waiting = std::ranges::find(all, 0, &study::Progress::sessions);
+        if (waiting != all.end()) {
+            return waiting->participant;
+        }
+        int number = study::next_participant_number(store_.contents());
+        while (progress_named(all, code_of(number)) != nullptr) {
+            ++number;
+        }
+        return code_of(number);
+    }
+
+    /// "P07"
+    static std::string code_of(int number) { return fmt::format("P{:02}", number); }
+
+private:
+    /// Sessions of one participant are all a person's, or all a simulated observer's.
+    [[nodiscard]] bool is_person(const study::Progress &progress) const {
+        const std::optional<study::Session> last = last_session(progress.participant);
+        return last ? !observer_in(*last).has_value() : !typed_.is_simulated();
+    }
+
+    [[nodiscard]] std::optional<study::Session> last_session(const std::string &code) const {
+        const study::StudyContents contents = store_.contents();
+        const auto last = std::ranges::find(contents.sessions.rbegin(), contents.sessions.rend(),
+                                            code, &study::Session::participant);
+        return last == contents.sessions.rend() ? std::nullopt : std::optional(*last);
+    }
+
+    void run_person(const std::string &code) {
+        if (typed_.is_simulated()) {
+            throw InputError(fmt::format("{}: participant {} is a person, whose sessions cannot "
+                                         "go on with a simulated observer",
+                                         store_.file().string(), code));
+        }
+        const study_screen::EndedSitting ended = run_person_session(
+            store_, protocol_, setting_, folders_beside(store_.file()), code, typed_.sitting);
+        tell(code, ended.session, ended.trials, ended.marked, ended.ending);
+    }
+
+    void run_simulated(const study::Progress &before) {
+        const std::string &code = before.participant;
         const SimulatedObserver observer = observer_of_participant(before);
         EndedSession ended;
         {
@@ -85,30 +140,27 @@ public:
                              line.show(code, std::min(1.0, 1.0 * trials++ / most));
                          }});
         }
-        std::cout << fmt::format("{}: session {}, {} trials, {} marked: {}\n", code, ended.id,
-                                 ended.trials, ended.marked, study::name_of(ended.ending))
-                  << std::flush;
-        judge(code, ended.ending);
+        tell(code, ended.id, ended.trials, ended.marked, ended.ending);
     }
 
-private:
+    template <typename Count>
+    void tell(const std::string &code, study::SessionId session, Count trials, Count marked,
+              study::SessionEnding ending) const {
+        std::cout << fmt::format("{}: session {}, {} trials, {} marked: {}\n", code, session,
+                                 trials, marked, study::name_of(ending))
+                  << std::flush;
+        judge(code, ending);
+    }
+
     /// The one who answered before; else the one that was typed.
     SimulatedObserver observer_of_participant(const study::Progress &progress) const {
-        const study::StudyContents contents = store_.contents();
-        const auto last = std::ranges::find(contents.sessions.rbegin(), contents.sessions.rend(),
-                                            progress.participant, &study::Session::participant);
-        if (last == contents.sessions.rend()) {
+        const std::optional<study::Session> last = last_session(progress.participant);
+        if (!last) {
             SimulatedObserver drawn = participant_of_group(
                 observer_of(typed_.truth, protocol_), typed_.spread,
                 static_cast<std::uint64_t>(typed_.seed.value_or(protocol_.seed)), progress.number);
             drawn.felt = typed_.felt;
             return drawn;
-        }
-        const std::optional<SimulatedObserver> before = observer_in(*last);
-        if (last->device != study::DeviceKind::simulated || !before) {
-            throw InputError(fmt::format("{}: participant {} is a person, whose sessions cannot "
-                                         "go on with a simulated observer",
-                                         store_.file().string(), progress.participant));
         }
         if (typed_.truth.is_typed() || typed_.seed) {
             std::cerr << fmt::format(
@@ -116,7 +168,7 @@ private:
                 "is typed is for new participants\n",
                 progress.participant);
         }
-        return *before;
+        return observer_in(*last).value(); // see is_person
     }
 
     /// What is no success is told, and ends the command.
@@ -127,7 +179,7 @@ private:
         std::cerr << fmt::format("springdrive: {} is not through; to go on: springdrive study "
                                  "resume {}\n",
                                  code, store_.file().string());
-        if (ending != study::SessionEnding::stopped) {
+        if (ending != study::SessionEnding::stopped && ending != study::SessionEnding::left) {
             throw CLI::RuntimeError(EXIT_FAILURE);
         }
     }
@@ -138,13 +190,6 @@ private:
     study::StudySetting setting_;
 };
 
-void refuse_persons(const std::string &observer) {
-    if (observer.empty()) {
-        throw InputError("study run: the screens for a person are not there yet; type --observer "
-                         "simulated for a simulated participant");
-    }
-}
-
 void refuse_code(const std::string &code) {
     if (const std::string wrong = study::what_is_wrong_with_code(code); !wrong.empty()) {
         throw InputError(wrong);
@@ -152,10 +197,14 @@ void refuse_code(const std::string &code) {
 }
 
 void run_typed(const TypedRun &typed) {
-    refuse_persons(typed.observer);
-    if (typed.participant.empty() && typed.participants == 0) {
+    if (typed.is_simulated() && typed.participant.empty() && typed.participants == 0) {
         throw InputError("study run: who? --participant P01, or --participants 12 for a whole "
                          "study of simulated ones");
+    }
+    if (!typed.is_simulated() && typed.participants > 0) {
+        throw InputError(
+            "--participants: is for simulated ones, with --observer simulated; persons "
+            "come one at a time");
     }
     check_range("--spread", typed.spread, 0.0, 10.0);
     check_range("--seed", typed.seed.value_or(0), 0, std::numeric_limits<int>::max());
@@ -168,12 +217,12 @@ void run_typed(const TypedRun &typed) {
             static_cast<void>(observer_of(typed.truth, protocol));
         });
     Runs runs(file, typed);
-    if (!typed.participant.empty()) {
-        runs.run(typed.participant);
+    if (!typed.participant.empty() || !typed.is_simulated()) {
+        runs.run(typed.participant.empty() ? runs.next_code() : typed.participant);
         return;
     }
     for (int i = 1; i <= typed.participants && !asked_to_end(); ++i) {
-        const std::string code = fmt::format("P{:02}", i);
+        const std::string code = Runs::code_of(i);
         const std::vector<study::Progress> progress = runs.progress();
         const study::Progress *before = progress_named(progress, code);
         if (before == nullptr || before->next) {
@@ -185,12 +234,12 @@ void run_typed(const TypedRun &typed) {
 struct TypedResume {
     fs::path study;
     std::string participant; ///< empty: all who are not through
+    TypedRun nothing_new;    ///< but the device and windows of a person
 };
 
 void resume_typed(const TypedResume &typed) {
     note_ending_signals();
-    const TypedRun nothing_new;
-    Runs runs(typed.study, nothing_new);
+    Runs runs(typed.study, typed.nothing_new);
     const std::vector<study::Progress> all = runs.progress();
     if (!typed.participant.empty()) {
         if (progress_named(all, typed.participant) == nullptr) {
@@ -226,9 +275,10 @@ void add_run(CLI::App &study) {
         .add_option("--study", typed->study,
                     "the study file of a protocol [that of the same name, ending in .study]")
         ->type_name("FILE");
-    CLI::Option *one =
-        command.add_option("--participant", typed->participant,
-                           "code of the participant, such as P01: no name. A new one is added");
+    CLI::Option *one = command.add_option(
+        "--participant", typed->participant,
+        "code of the participant, such as P01: no name. A new one is added [the next "
+        "new one, if it is a person]");
     one->type_name("CODE");
     command
         .add_option("--participants", typed->participants,
@@ -238,8 +288,7 @@ void add_run(CLI::App &study) {
         ->excludes(one);
     command
         .add_option("--observer", typed->observer,
-                    "who sits there: a simulated observer. The screens for a person are not there "
-                    "yet")
+                    "a simulated observer sits there, without windows [a person]")
         ->type_name("WHO:{simulated}")
         ->check(CLI::IsMember({"simulated"}).description(""));
     add_observer_options(command, typed->truth);
@@ -261,6 +310,7 @@ void add_run(CLI::App &study) {
                                                 {"each", study::FeltStimuli::each_simulated},
                                                 {"once", study::FeltStimuli::measured_once}})
                         .description(""));
+    typed->sitting.add_to(command);
     command.footer(
         "Each trial is on the disk before the next begins. Ctrl+C ends the session after "
         "the present one;\nstudy resume goes on with the same sequence, also after a "
@@ -276,6 +326,7 @@ void add_resume(CLI::App &study) {
     command
         .add_option("--participant", typed->participant, "only this one [all who are not through]")
         ->type_name("CODE");
+    typed->nothing_new.sitting.add_to(command);
     command.callback([typed] { resume_typed(*typed); });
 }
 

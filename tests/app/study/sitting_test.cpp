@@ -230,5 +230,239 @@ TEST_F(StudySitting, StoresWhatTheSameDecisionsGiveHeadless) {
     }
 }
 
+/// Once, in the midst of the first presentation of the trial at that place.
+class Once {
+public:
+    explicit Once(int position) : position_(position) {}
+
+    [[nodiscard]] bool is_now(const SittingState &state) {
+        const bool is_meant = !is_done_ && state.step == SittingStep::interval &&
+                              state.phase == study::StimulusPhase::presenting && state.trial &&
+                              state.trial->place.block == 1 &&
+                              state.trial->place.position == position_;
+        is_done_ = is_done_ || is_meant;
+        return is_meant;
+    }
+
+private:
+    int position_;
+    bool is_done_ = false;
+};
+
+TEST_F(StudySitting, ATripIsStoredAndItsTrialComesAgain) {
+    Once once(3);
+    std::string shown;
+    const EndedSitting ended = run([&](MadeUpPort &port, session::Session &session) {
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+            if (once.is_now(state)) {
+                session.servo().emergency_stop();
+            }
+            if (state.step == SittingStep::device_stopped) {
+                shown = picture.text;
+                port.orders.resets_device = true;
+            }
+        };
+    });
+    EXPECT_EQ(ended.ending, SessionEnding::completed);
+    EXPECT_EQ(shown, protocol_.texts.device_stopped);
+    const std::vector<Trial> trials = study::read_study(file()).trials;
+    const auto tripped = std::ranges::find_if(
+        trials, [](const Trial &trial) { return !trial.safety_events.empty(); });
+    ASSERT_NE(tripped, trials.end());
+    EXPECT_EQ(tripped->place.position, 3);
+    EXPECT_TRUE(std::holds_alternative<study::NoResponse>(tripped->response));
+    EXPECT_TRUE(tripped->is_presented_again);
+    EXPECT_EQ(
+        std::ranges::count_if(
+            trials, [&](const Trial &trial) { return trial.repetition_of == tripped->place; }),
+        1);
+}
+
+TEST_F(StudySitting, AStopByHandWaitsForTheExperimenter) {
+    Once once(2);
+    int frames_stopped = 0;
+    run([&](MadeUpPort &port, session::Session &session) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            if (once.is_now(state)) {
+                session.servo().emergency_stop();
+            }
+            // Ten seconds, three times what another stop takes to be reset.
+            if (state.step == SittingStep::device_stopped && ++frames_stopped == 600) {
+                port.orders.stops = true;
+            }
+        };
+    });
+    EXPECT_EQ(frames_stopped, 600);
+    EXPECT_EQ(study::read_study(file()).sessions.front().ending, SessionEnding::stopped);
+}
+
+TEST_F(StudySitting, ATrialInWhichTheDeviceIsLostBeginsAnew) {
+    Once once(3);
+    int lost = 0;
+    const EndedSitting ended = run([&](MadeUpPort &port, session::Session &session) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            if (once.is_now(state)) {
+                session.device().close(); // as if it had been unplugged
+            }
+            if (state.step == SittingStep::device_lost && ++lost == 60) {
+                session.reconnect_device();
+            }
+        };
+    });
+    EXPECT_GE(lost, 60);
+    EXPECT_EQ(ended.ending, SessionEnding::completed);
+    expect_same_decisions(study::read_study(file()).trials, headless());
+}
+
+TEST_F(StudySitting, GoesOnAfterAStopAsIfUndisturbed) {
+    for (const int position : {2, 3}) {
+        Once once(position);
+        const EndedSitting ended = run([&](MadeUpPort &port, session::Session &) {
+            port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+                port.orders.stops = once.is_now(state);
+            };
+        });
+        EXPECT_EQ(ended.ending, SessionEnding::stopped);
+    }
+    EXPECT_EQ(run().ending, SessionEnding::completed);
+    EXPECT_EQ(study::read_study(file()).sessions.size(), 3U);
+    expect_same_decisions(study::read_study(file()).trials, headless());
+}
+
+TEST_F(StudySitting, PausesBreaksAndRepeatsAsTheExperimenterWants) {
+    Once pauses(2);
+    Once repeats(4);
+    Once breaks(5);
+    int paused = 0;
+    int in_break = 0;
+    int break_of = 0;
+    const EndedSitting ended = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            if (pauses.is_now(state)) {
+                port.orders.is_paused = true;
+            }
+            if (state.step == SittingStep::paused && ++paused == 120) {
+                port.orders.is_paused = false;
+            }
+            port.orders.repeats = port.orders.repeats || repeats.is_now(state);
+            if (breaks.is_now(state)) {
+                port.orders.skips_to_break = true;
+                in_break = 0;
+                break_of = 1;
+            }
+            if (state.step == SittingStep::in_break && break_of == 1) {
+                ++in_break;
+            }
+            if (state.trial && state.trial->place.position == 6) {
+                break_of = 2;
+            }
+        };
+    });
+    EXPECT_EQ(ended.ending, SessionEnding::completed);
+    EXPECT_EQ(paused, 120);
+    EXPECT_GE(in_break, 59); // a second
+    const std::vector<Trial> trials = study::read_study(file()).trials;
+    const auto repeated = std::ranges::find_if(trials, [](const Trial &trial) {
+        return std::ranges::count(trial.marks, "repeated at the experimenter's wish") > 0;
+    });
+    ASSERT_NE(repeated, trials.end());
+    EXPECT_EQ(repeated->place.position, 4);
+    EXPECT_TRUE(repeated->is_presented_again);
+}
+
+TEST_F(StudySitting, AParticipantWhoLeavesIsStoredAsThat) {
+    Once once(1);
+    const EndedSitting ended = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            port.orders.participant_leaves = once.is_now(state);
+        };
+    });
+    EXPECT_EQ(ended.ending, SessionEnding::left);
+    EXPECT_EQ(ended.trials, 0U);
+}
+
+/// All that a participant sees of the first trial up to the question.
+std::vector<ParticipantPicture> pictures_of_first_interval(const study::Protocol &protocol,
+                                                           const study::ProtocolFolders &folders,
+                                                           const PlannedTrial &planned,
+                                                           std::size_t interval) {
+    session::SessionOptions options;
+    options.scene = testing::assets() / "scenes" / "plate.gltf";
+    options.device.file = study::device_file_of(protocol, folders);
+    options.lockstep = true;
+    session::Session session(options);
+    MadeUpPort port(session, protocol);
+    SittingState state;
+    std::vector<ParticipantPicture> pictures;
+    const study::StudySetting setting = study::study_setting(protocol, folders);
+    TrialPresenter presenter(
+        {protocol, setting, folders, session, port, state, [&](ParticipantPicture picture) {
+             const bool is_before_the_end = state.phase == study::StimulusPhase::waiting ||
+                                            state.phase == study::StimulusPhase::approaching ||
+                                            state.phase == study::StimulusPhase::presenting ||
+                                            state.phase == study::StimulusPhase::gliding_back;
+             if (state.step == SittingStep::interval && state.interval == interval &&
+                 is_before_the_end) {
+                 pictures.push_back(picture);
+             }
+             return port.show(picture, state);
+         }});
+    session.start();
+    presenter.set_up(planned);
+    presenter.lead_to_start(planned);
+    while (session.latest().safety.state != servo::SafetyState::running) {
+        session.advance(kFrame_s);
+    }
+    const auto result = presenter.present(planned);
+    EXPECT_TRUE(result && result->marks.empty() && result->safety_events.empty())
+        << (result && !result->marks.empty() ? result->marks.front() : "");
+    return pictures;
+}
+
+TEST(StudyPictures, AreTheSameOfEachConditionAndLevelUntilTheHandLeaves) {
+    const study::ProtocolFolders folders{testing::assets() / "protocols", testing::assets()};
+    for (const char *name : {"direction", "stiffness", "blow", "hardness", "mass"}) {
+        SCOPED_TRACE(name);
+        study::Protocol protocol = study::read_protocol_file(testing::assets() / "protocols" /
+                                                             (std::string(name) + ".toml"));
+        protocol.timing.response_s = 1.0;
+        const std::vector<double> levels = study::presentable_levels(protocol);
+        std::vector<ParticipantPicture> first;
+        for (std::size_t condition = 0; condition < protocol.conditions.size(); ++condition) {
+            if (!study::is_used(protocol, condition) ||
+                study::standard_condition_of(protocol) == condition) {
+                continue;
+            }
+            for (const double level : {levels.front(), levels.back()}) {
+                for (const int target : {0, 1}) {
+                    SCOPED_TRACE(::testing::Message()
+                                 << protocol.conditions[condition].name << " at " << level);
+                    PlannedTrial planned;
+                    planned.condition = condition;
+                    planned.presented.level = level;
+                    planned.presented.target = target;
+                    const std::vector<ParticipantPicture> pictures =
+                        pictures_of_first_interval(protocol, folders, planned, 0);
+                    EXPECT_GT(pictures.size(), 10U);
+                    if (first.empty()) {
+                        first = pictures;
+                    }
+                    ASSERT_EQ(pictures.size(), first.size());
+                    for (std::size_t i = 0; i < pictures.size(); ++i) {
+                        ASSERT_EQ(pictures[i].tip_m.has_value(), first[i].tip_m.has_value());
+                        if (pictures[i].tip_m) {
+                            EXPECT_LE((*pictures[i].tip_m - *first[i].tip_m).norm(), 0.0)
+                                << "frame " << i << " of " << pictures.size();
+                        }
+                        ParticipantPicture same = pictures[i];
+                        same.tip_m = first[i].tip_m;
+                        ASSERT_EQ(same, first[i]) << "frame " << i;
+                    }
+                }
+            }
+        }
+    }
+}
+
 } // namespace
 } // namespace springdrive::app::study_screen

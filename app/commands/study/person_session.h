@@ -1,0 +1,40 @@
+// A session with a person: the device, and the windows in which it takes place.
+#pragma once
+
+#include "app/commands/common_options.h"
+#include "app/study/sitting.h"
+#include "app/study/study_window.h"
+#include "engine/study/protocol/study_setting.h"
+#include "engine/study/store/study_store.h"
+
+#include <optional>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace springdrive::app {
+
+/// The options hold references to this: it must stay where it is until the parse is over.
+struct TypedSitting {
+    std::string device = "sim";
+    TypedEmulation emulation;
+    bool starts_at_zero = false;
+    bool is_in_lockstep = false;
+    std::optional<int> cpu;
+    bool keeps_records = true;
+    study_screen::StudyWindowOptions window;
+
+    void add_to(CLI::App &command);
+};
+
+/// Runs it from the first word on the screen to the last.
+/// @param code  a participant of the store
+/// @throw InputError if device or windows cannot be opened, or as Sitting::run does
+[[nodiscard]] study_screen::EndedSitting
+run_person_session(study::StudyStore &store, const study::Protocol &protocol,
+                   const study::StudySetting &setting, const study::ProtocolFolders &folders,
+                   const std::string &code, const TypedSitting &typed);
+
+} // namespace springdrive::app
