@@ -13,7 +13,7 @@
 # External headers are in /usr/include, which every compiler searches. For a library that a room
 # does not open, headers of the same names with an #error directive therefore precede them.
 set(closed_libraries
-    cli11 draco epoxy glfw json libmd libusb matio meshoptimizer sqlite3 sundials tinygltf tomlplusplus zlib)
+    cli11 draco epoxy glfw json libmd libusb matio meshoptimizer portaudio sqlite3 sundials tinygltf tomlplusplus zlib)
 set(closed_cli11 CLI/CLI.hpp)
 set(closed_draco
     draco/compression/decode.h draco/compression/encode.h draco/core/decoder_buffer.h draco/mesh/mesh.h)
@@ -24,6 +24,7 @@ set(closed_libmd sha2.h)
 set(closed_libusb libusb-1.0/libusb.h)
 set(closed_matio matio.h)
 set(closed_meshoptimizer meshoptimizer.h)
+set(closed_portaudio portaudio.h)
 set(closed_sqlite3 sqlite3.h)
 set(closed_sundials
     arkode/arkode.h cvode/cvode.h nvector/nvector_serial.h sundials/sundials_types.h

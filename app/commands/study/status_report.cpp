@@ -43,6 +43,21 @@ std::string stand_of(const study::Protocol &protocol, const study::Progress &pro
     return text;
 }
 
+/// "questions: 7 answers: hand 4, tiring 3; 4 sessions", of a protocol that asks some.
+void write_answers(std::ostream &out, const OpenedStudy &study) {
+    const std::vector<study::QuestionnaireItem> &items = study.protocol.questionnaire;
+    if (items.empty() && study.contents.answers.empty()) {
+        return;
+    }
+    print(out, "questions: {} answers", study.contents.answers.size());
+    for (const study::QuestionnaireItem &item : items) {
+        print(out, "{}{} {}", &item == &items.front() ? ": " : ", ", item.name,
+              std::ranges::count(study.contents.answers, item.name,
+                                 &study::QuestionnaireAnswer::item));
+    }
+    print(out, "; {} sessions\n", study.contents.sessions.size());
+}
+
 void write_records(std::ostream &out, const study::StudyContents &contents,
                    const std::vector<std::string> &wrong) {
     const auto linked = std::ranges::count_if(
@@ -88,6 +103,7 @@ void write_study_status(std::ostream &out, const std::filesystem::path &file,
               : std::string());
     print(out, "trials: {}, {} marked; each participant has {} to {} without the marked ones\n",
           trials, marked, length.fewest_trials, length.most_trials);
+    write_answers(out, study);
     write_records(out, study.contents, wrong_records);
     for (const study::Note &note : study.contents.notes) {
         print(out, "{}: {}{}: {}\n", note.kind, study::utc_text(note.at),

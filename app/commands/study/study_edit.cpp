@@ -62,14 +62,14 @@ void remove_typed(const TypedRemove &typed) {
     }
     study::StudyStore store(typed.study);
     store.remove_participant(typed.participant);
-    std::cerr << fmt::format("removed: {} with all trials and records; copies and exports of the "
+    std::cerr << fmt::format("removed: {} with all trials, answers and records; copies and exports of the "
                              "study are not reached\n",
                              typed.participant);
 }
 
 void add_remove(CLI::App &study) {
     CLI::App &command = *study.add_subcommand(
-        "remove", "deletes a participant with all trials and records, without a trace");
+        "remove", "deletes a participant with all trials, answers and records, without a trace");
     const auto typed = std::make_shared<TypedRemove>();
     add_study_file_argument(command, typed->study);
     command.add_option("participant", typed->participant, "whom")->type_name("CODE")->required();

@@ -3,11 +3,14 @@
 #include "app/commands/output_files.h"
 #include "app/commands/study/opened_study.h"
 #include "base/input_error.h"
+#include "engine/study/export/answer_table.h"
 #include "engine/study/export/bids.h"
 #include "engine/study/export/trial_table.h"
 #include "engine/study/store/study_store.h"
 
 #include <CLI/CLI.hpp>
+
+#include <fmt/core.h>
 
 #include <iostream>
 #include <memory>
@@ -19,20 +22,49 @@ namespace {
 struct TypedStudyExport {
     std::filesystem::path study;
     std::string csv;
+    std::string answers;
     std::filesystem::path bids;
     study::DeviceKind device = study::DeviceKind::usb;
     Existing existing = Existing::keep;
 };
 
-void export_study(const TypedStudyExport &typed) {
-    if (typed.csv.empty() && typed.bids.empty()) {
-        throw InputError("study export: what to? --csv FILE, --bids FOLDER, or both");
+/// @throw InputError if there are no answers of sessions on that kind of device
+void refuse_without_answers(const study::StudyContents &contents, study::DeviceKind device,
+                            const std::filesystem::path &file) {
+    if (study::answers_on(contents, device).empty()) {
+        throw InputError(fmt::format(
+            "{}: has no answers of sessions on {} devices{}", file.string(), study::name_of(device),
+            contents.answers.empty() ? "; they come from a protocol's [[questions]]"
+                                     : "; --device takes those on others"));
     }
-    const study::StudyContents contents = study::read_study(typed.study);
-    refuse_without_trials(contents, typed.device, typed.study);
-    check_outputs({files_of_study(typed.study), {}, {typed.csv}}, typed.existing);
+}
+
+void export_study(const TypedStudyExport &typed) {
+    if (typed.csv.empty() && typed.answers.empty() && typed.bids.empty()) {
+        throw InputError("study export: what to? --csv FILE, --answers FILE, --bids FOLDER, or "
+                         "more than one");
+    }
+    const OpenedStudy opened = read_opened_study(typed.study);
+    const study::StudyContents &contents = opened.contents;
+    const std::vector<study::QuestionnaireItem> &questionnaire = opened.protocol.questionnaire;
+    if (!typed.csv.empty() || !typed.bids.empty()) {
+        refuse_without_trials(contents, typed.device, typed.study);
+    }
+    if (!typed.answers.empty()) {
+        refuse_without_answers(contents, typed.device, typed.study);
+    }
+    check_outputs({files_of_study(typed.study), {}, {typed.csv, typed.answers}}, typed.existing);
     if (!typed.bids.empty()) {
-        study::write_bids(contents, typed.bids, {{typed.device}, SPRINGDRIVE_VERSION});
+        study::write_bids(contents, typed.bids,
+                          {{typed.device}, SPRINGDRIVE_VERSION, questionnaire});
+    }
+    if (!typed.answers.empty()) {
+        write_output(
+            typed.answers,
+            [&](std::ostream &out) {
+                study::write_answers_csv(contents, questionnaire, {typed.device}, out);
+            },
+            typed.existing);
     }
     if (!typed.csv.empty()) {
         write_output(
@@ -49,10 +81,12 @@ void export_study(const TypedStudyExport &typed) {
 } // namespace
 
 void add_study_export_command(CLI::App &study) {
-    CLI::App &command = *study.add_subcommand("export", "trials for other programs");
+    CLI::App &command = *study.add_subcommand("export", "trials and answers for other programs");
     const auto typed = std::make_shared<TypedStudyExport>();
     add_study_file_argument(command, typed->study);
     add_output_option(command, "--csv", typed->csv, "a row a trial, CSV");
+    add_output_option(command, "--answers", typed->answers,
+                      "a row an answer to the protocol's questions, CSV");
     command
         .add_option("--bids", typed->bids,
                     "a new folder for a dataset of the Brain Imaging Data Structure, behaviour")

@@ -1,5 +1,6 @@
 #include "engine/study/export/bids.h"
 
+#include "engine/study/export/answer_table.h"
 #include "engine/study/export/trial_table.h"
 
 #include "base/input_error.h"
@@ -95,6 +96,38 @@ Json description_of(const TrialColumn &column) {
     }
     for (const auto &[value, meaning] : column.levels) {
         json["Levels"][value] = meaning;
+    }
+    return json;
+}
+
+/// "Levels" of a scale or choice: each possible answer with its meaning.
+Json levels_of(const QuestionnaireItem &item) {
+    Json levels;
+    for (const std::string &answer : possible_answers(item)) {
+        levels[answer] = answer;
+    }
+    if (item.kind == QuestionnaireKind::scale) {
+        levels[std::to_string(item.lowest)] = item.lowest_label;
+        levels[std::to_string(item.highest)] = item.highest_label;
+    }
+    return levels;
+}
+
+Json description_of(const std::vector<QuestionnaireItem> &items) {
+    Json json{{"MeasurementToolMetadata",
+               {{"Description",
+                 "Questions of the study's own protocol, asked before a session's first trial and "
+                 "after its last"}}},
+              {"session_id", {{"Description", "session within the participant"}}}};
+    for (const QuestionnaireItem &item : items) {
+        Json &column = json[item.name];
+        column["LongName"] =
+            fmt::format("{} ({} the trials)", item.name,
+                        kQuestionnaireTimeNames[static_cast<std::size_t>(item.when)]);
+        column["Description"] = item.text;
+        if (item.kind != QuestionnaireKind::text) {
+            column["Levels"] = levels_of(item);
+        }
     }
     return json;
 }
@@ -220,6 +253,11 @@ void write_bids(const StudyContents &contents, const std::filesystem::path &fold
     sidecar["StimulusPresentation"] = {{"SoftwareName", "springdrive"},
                                        {"SoftwareVersion", contents.facts.software}};
     created.write(task + "_events.json", sidecar);
+    std::string answers = "participant_id\tsession_id";
+    for (const QuestionnaireItem &item : options.questionnaire) {
+        answers += '\t' + item.name;
+    }
+    answers += '\n';
     std::string participants = "participant_id\tnumber\tsessions\ttrials\n";
     for (const auto &[code, sessions] : trials) {
         std::size_t count = 0;
@@ -229,6 +267,11 @@ void write_bids(const StudyContents &contents, const std::filesystem::path &fold
             created.write(
                 fmt::format("sub-{}/ses-{:02}/beh/{}_{}_events.tsv", code, number, stem, task),
                 events_text(columns, of_session));
+            answers += fmt::format("sub-{}\tses-{:02}", code, number);
+            for (const std::string &answer : answers_of(contents, options.questionnaire, id)) {
+                answers += '\t' + tsv_cell(answer);
+            }
+            answers += '\n';
             count += of_session.size();
         }
         participants += fmt::format("sub-{}\t{}\t{}\t{}\n", code,
@@ -239,6 +282,10 @@ void write_bids(const StudyContents &contents, const std::filesystem::path &fold
                   Json{{"number", {{"Description", "number for counterbalancing"}}},
                        {"sessions", {{"Description", "sessions with trials"}}},
                        {"trials", {{"Description", "trials, of all kinds"}}}});
+    if (!options.questionnaire.empty()) {
+        created.write("phenotype/questionnaire.tsv", answers);
+        created.write("phenotype/questionnaire.json", description_of(options.questionnaire));
+    }
     created.publish();
 }
 

@@ -13,6 +13,7 @@
 #include "engine/study/methods/block.h"
 #include "engine/study/methods/counterbalancing.h"
 #include "engine/study/protocol/condition.h"
+#include "engine/study/protocol/questionnaire.h"
 #include "engine/study/protocol/texts.h"
 #include "engine/study/stimuli/stimulus.h"
 
@@ -132,6 +133,14 @@ struct ResponseWays {
     friend bool operator==(const ResponseWays &, const ResponseWays &) = default;
 };
 
+/// Pink noise from the system's sound output, which masks the device's own;
+/// app/study/masking_noise.h.
+struct MaskingNoise {
+    double level_dBFS = -30.0; ///< RMS, of full scale; what that is at the ear is for the volume
+
+    friend bool operator==(const MaskingNoise &, const MaskingNoise &) = default;
+};
+
 /// Trials without a break between conditions, which are interleaved.
 struct ProtocolBlock {
     std::string name;
@@ -164,6 +173,8 @@ struct Protocol {
     Marking marking;
     WindingBand windings;
     StoppingRules stopping;
+    std::vector<QuestionnaireItem> questionnaire; ///< in the order in which it is asked
+    std::optional<MaskingNoise> noise;            ///< nothing: none
     std::optional<Expectation> expected;
 
     friend bool operator==(const Protocol &, const Protocol &) = default;

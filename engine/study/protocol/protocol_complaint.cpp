@@ -14,6 +14,11 @@ namespace springdrive::study {
 
 namespace {
 
+std::string wrong_texts(const Protocol &protocol) {
+    const std::string wrong = what_is_wrong_with(protocol.texts);
+    return wrong.empty() ? wrong : "texts." + wrong;
+}
+
 /// The first number of a table that is out of its range.
 template <typename Table, std::size_t count>
 std::string wrong_number(std::string_view name, const std::array<NumberKey<Table>, count> &keys,
@@ -39,6 +44,7 @@ std::string wrong_numbers(const Protocol &protocol) {
          wrong_number("stopping", kStoppingKeys, protocol.stopping),
          protocol.free_space ? wrong_number("free_space", kFreeSpaceKeys, *protocol.free_space)
                              : std::string(),
+         protocol.noise ? wrong_number("noise", kNoiseKeys, *protocol.noise) : std::string(),
          protocol.expected ? wrong_number("expected", kExpectationKeys, *protocol.expected)
                            : std::string()});
 }
@@ -208,7 +214,7 @@ std::string what_is_wrong_with(const Protocol &protocol) {
         return "title is empty; the study must have one";
     }
     // In this order: later ones rely on what is right before.
-    for (const auto check : {wrong_numbers, wrong_conditions, wrong_free_space}) {
+    for (const auto check : {wrong_texts, wrong_numbers, wrong_conditions, wrong_free_space}) {
         if (std::string wrong = check(protocol); !wrong.empty()) {
             return wrong;
         }
@@ -223,6 +229,9 @@ std::string what_is_wrong_with(const Protocol &protocol) {
         if (std::string wrong = check(protocol); !wrong.empty()) {
             return wrong;
         }
+    }
+    if (std::string wrong = what_is_wrong_with(protocol.questionnaire); !wrong.empty()) {
+        return wrong;
     }
     if (protocol.windings.to_C <= protocol.windings.from_C) {
         return fmt::format("windings.to_C is {:g}; it must be above windings.from_C, {:g}",

@@ -174,16 +174,6 @@ void read_expectation(StrictTomlTable &file, Protocol &protocol) {
     }
 }
 
-void read_texts(StrictTomlTable &file, Texts &texts) {
-    if (file.has_optional("texts")) {
-        StrictTomlTable table = file.table("texts");
-        for (const ParticipantText &one : kParticipantTexts) {
-            read_text(table, one.key, texts.*one.text);
-        }
-        table.refuse_unknown_keys();
-    }
-}
-
 Protocol protocol_in(StrictTomlTable file) {
     Protocol protocol;
     protocol.title = file.text("title");
@@ -202,7 +192,7 @@ Protocol protocol_in(StrictTomlTable file) {
         read_numbers(table, kFreeSpaceKeys, *protocol.free_space);
         table.refuse_unknown_keys();
     }
-    read_texts(file, protocol.texts);
+    read_for_participant(file, protocol);
     read_conditions(file, protocol);
     read_variable(file, protocol);
     read_procedure(file, protocol);

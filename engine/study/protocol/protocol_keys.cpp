@@ -46,6 +46,14 @@ public:
         }
     }
 
+    template <typename Table, std::size_t count>
+    void add_required_numbers(const std::array<NumberKey<Table>, count> &numbers) {
+        add_numbers(numbers);
+        for (std::size_t i = keys_.size() - count; i < keys_.size(); ++i) {
+            keys_[i].default_value = kRequired;
+        }
+    }
+
     void add_parameters() {
         for (const ParameterFacts &one : condition_parameters()) {
             add_number(one.name, one.unit, one.minimum, one.maximum,
@@ -188,11 +196,27 @@ void add_session(KeyList &list) {
     list.add_numbers(kWindingKeys);
     list.in("stopping");
     list.add_numbers(kStoppingKeys);
+    list.in("noise");
+    list.add_numbers(kNoiseKeys);
     list.in("expected");
     list.add_numbers(kExpectationKeys);
     list.add_choice("shape", kShapeNames, in_toml(kShapeNames[2]), "of the psychometric function");
     list.add_choice("scale", kScaleNames, in_toml(kScaleNames[1]), "of the psychometric function");
     list.add("source", "text", std::string(kRequired), "where that is from");
+}
+
+void add_questions(KeyList &list) {
+    list.in("questions");
+    list.add("name", "a-z, 0-9, _", std::string(kRequired), "of its column in tables of answers");
+    list.add_choice("when", kQuestionnaireTimeNames, std::string(kRequired),
+                    "the session's first trial, or its last");
+    list.add("text", "text", std::string(kRequired), "what is asked");
+    list.add_choice("kind", kQuestionnaireKindNames, std::string(kRequired),
+                    "how it is answered: a free text, a whole number, or one of several texts");
+    list.add_required_numbers(kQuestionKeys);
+    list.add("lowest_label", "text", std::string(kRequired), "scale: what its lowest number means");
+    list.add("highest_label", "text", std::string(kRequired), "scale: and its highest");
+    list.add("choices", "2 to 20 texts", std::string(kRequired), "choice: the possible answers");
 }
 
 /// The line above the keys of a table.
@@ -210,7 +234,7 @@ std::string heading(std::string_view table) {
         return "`[method.threshold]`, `[method.slope]`, `[method.guess]` and `[method.lapse]` of "
                "quest_plus, the last two optional:";
     }
-    const bool is_row = table == "block" || table == "method.steps";
+    const bool is_row = table == "block" || table == "method.steps" || table == "questions";
     return is_row ? fmt::format("`[[{}]]`:", table) : fmt::format("`[{}]`:", table);
 }
 
@@ -222,6 +246,7 @@ std::vector<KeyFacts> protocol_keys() {
     add_conditions(list);
     add_procedure(list);
     add_session(list);
+    add_questions(list);
     return list.take();
 }
 

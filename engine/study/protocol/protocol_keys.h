@@ -88,6 +88,18 @@ inline constexpr std::array<NumberKey<StoppingRules>, 2> kStoppingKeys{{
      "of the safety monitor; with the next one the session ends"},
 }};
 
+inline constexpr std::array<NumberKey<MaskingNoise>, 1> kNoiseKeys{{
+    {"level_dBFS", "dBFS", &MaskingNoise::level_dBFS, nullptr, -80.0, -6.0,
+     "RMS of the noise, of the sound output's full scale; the volume makes it comfortable"},
+}};
+
+inline constexpr std::array<NumberKey<QuestionnaireItem>, 2> kQuestionKeys{{
+    {"lowest", "–", nullptr, &QuestionnaireItem::lowest, -1000.0, 1000.0,
+     "scale: its lowest number"},
+    {"highest", "–", nullptr, &QuestionnaireItem::highest, -1000.0, 1000.0,
+     "scale: its highest number, at most 100 above"},
+}};
+
 inline constexpr std::array<NumberKey<FreeSpaceTuning>, 2> kFreeSpaceKeys{{
     {"dR_Ohm", "Ω", &FreeSpaceTuning::dR_Ohm, nullptr,
      control::parameter_of(&control::Tuning::dR_Ohm).minimum,

@@ -53,4 +53,7 @@ void refuse_as(StrictTomlTable &table, const std::string &complaint);
 /// [task], [method], [practice] and [catch_trials].
 void read_procedure(StrictTomlTable &file, Protocol &protocol);
 
+/// Everything that is for the participant alone: [texts], [noise] and the tables [[questions]].
+void read_for_participant(StrictTomlTable &file, Protocol &protocol);
+
 } // namespace springdrive::study

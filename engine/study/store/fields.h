@@ -139,6 +139,16 @@ template <RowOf<std::string> Row, typename Field> void for_each_field(Row &row, 
     field("reason", row);
 }
 
+template <RowOf<QuestionnaireAnswer> Row, typename Field>
+void for_each_field(Row &row, Field &&field) {
+    field("participant", row.participant);
+    field("session", row.session);
+    field("item", row.item);
+    field("question", row.question);
+    field("answer", row.answer);
+    field("at_utc", row.at);
+}
+
 template <RowOf<Note> Row, typename Field> void for_each_field(Row &row, Field &&field) {
     field("participant", row.participant);
     field("session", row.session);

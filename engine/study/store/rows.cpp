@@ -19,6 +19,7 @@ template <> constexpr std::string_view kTable<StudyRow> = "study";
 template <> constexpr std::string_view kTable<ParticipantRow> = "participant";
 template <> constexpr std::string_view kTable<Session> = "session";
 template <> constexpr std::string_view kTable<TrialRow> = "trial";
+template <> constexpr std::string_view kTable<QuestionnaireAnswer> = "answer";
 template <> constexpr std::string_view kTable<Note> = "note";
 
 /// "code, number, added_utc, "
@@ -142,6 +143,7 @@ template std::int64_t insert(const Database &, const StudyRow &);
 template std::int64_t insert(const Database &, const ParticipantRow &);
 template std::int64_t insert(const Database &, const Session &);
 template std::int64_t insert(const Database &, const TrialRow &);
+template std::int64_t insert(const Database &, const QuestionnaireAnswer &);
 template std::int64_t insert(const Database &, const Note &);
 template std::string digest_of(std::int64_t, const TrialRow &);
 template void update(const Database &, const Numbered<StudyRow> &);
@@ -152,6 +154,8 @@ template std::vector<Numbered<StudyRow>> rows(const Database &, std::optional<st
 template std::vector<Numbered<ParticipantRow>> rows(const Database &, std::optional<std::int64_t>);
 template std::vector<Numbered<Session>> rows(const Database &, std::optional<std::int64_t>);
 template std::vector<Numbered<TrialRow>> rows(const Database &, std::optional<std::int64_t>);
+template std::vector<Numbered<QuestionnaireAnswer>> rows(const Database &,
+                                                         std::optional<std::int64_t>);
 template std::vector<Numbered<Note>> rows(const Database &, std::optional<std::int64_t>);
 
 Numbered<StudyRow> study_row(const Database &database) {
@@ -181,6 +185,15 @@ trial_row(const Database &database, const std::string &participant, const TrialP
         return std::nullopt;
     }
     return rows<TrialRow>(database, selection.integer()).front();
+}
+
+std::optional<QuestionnaireAnswer> answer_row(const Database &database, SessionId session,
+                                              const std::string &item) {
+    Statement selection = database.prepare("SELECT id FROM answer WHERE session = ? AND item = ?");
+    if (!selection.bind(session).bind(item).next()) {
+        return std::nullopt;
+    }
+    return rows<QuestionnaireAnswer>(database, selection.integer()).front().row;
 }
 
 bool has_repetition(const Database &database, const std::string &participant,
@@ -223,6 +236,11 @@ StudyContents read_contents(const Database &database) {
         if (trial.repetition_of) {
             const auto repeated = places.find({trial.participant, *trial.repetition_of});
             contents.trials[repeated->second].repeated_by = trial.place;
+        }
+    }
+    for (auto &[id, answer] : rows<QuestionnaireAnswer>(database)) {
+        if (shown.contains(answer.participant)) {
+            contents.answers.push_back(std::move(answer));
         }
     }
     for (auto &[id, note] : rows<Note>(database)) {

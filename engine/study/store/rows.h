@@ -1,5 +1,5 @@
-// Rows of a study file with their child rows: of types StudyRow, ParticipantRow, Session, TrialRow
-// and Note. They are checked by their SHA-256 as they are read.
+// Rows of a study file with their child rows: of types StudyRow, ParticipantRow, Session, TrialRow,
+// QuestionnaireAnswer and Note. They are checked by their SHA-256 as they are read.
 //
 // Each call is part of a transaction of its caller.
 #pragma once
@@ -42,6 +42,10 @@ template <typename Row> [[nodiscard]] std::string digest_of(std::int64_t id, con
                                                                       const std::string &code);
 [[nodiscard]] std::optional<Numbered<TrialRow>>
 trial_row(const Database &database, const std::string &participant, const TrialPlace &place);
+
+/// Nothing if the session has no answer to that item.
+[[nodiscard]] std::optional<QuestionnaireAnswer>
+answer_row(const Database &database, SessionId session, const std::string &item);
 
 [[nodiscard]] bool has_repetition(const Database &database, const std::string &participant,
                                   const TrialPlace &place);

@@ -159,7 +159,22 @@ CREATE TABLE note (
 ) STRICT;
 )";
 
-constexpr std::array kSteps{kVersion1};
+constexpr const char *kVersion2 = R"(
+CREATE TABLE answer (
+    id INTEGER PRIMARY KEY,
+    participant TEXT NOT NULL REFERENCES participant (code) ON DELETE CASCADE,
+    session INTEGER NOT NULL,
+    item TEXT NOT NULL CHECK (item <> ''),
+    question TEXT NOT NULL CHECK (question <> ''),
+    answer TEXT NOT NULL,
+    at_utc TEXT NOT NULL CHECK (length(at_utc) = 24),
+    sha256 TEXT NOT NULL CHECK (length(sha256) = 64),
+    UNIQUE (session, item),
+    FOREIGN KEY (session, participant) REFERENCES session (id, participant) ON DELETE CASCADE
+) STRICT;
+)";
+
+constexpr std::array kSteps{kVersion1, kVersion2};
 
 /// All tables and indices with their SQL, in one text.
 std::string tables_of(const Database &database) {

@@ -192,6 +192,18 @@ struct Trial {
     friend bool operator==(const Trial &, const Trial &) = default;
 };
 
+/// What a participant answered to one question of the protocol, before or after the trials.
+struct QuestionnaireAnswer {
+    std::string participant;
+    SessionId session = 0; ///< of that participant
+    std::string item;      ///< its name in the protocol; a session has one answer to it
+    std::string question;  ///< its text, as it was asked
+    std::string answer;    ///< a number in digits, a choice as it was read, or free text
+    UtcTime at{};
+
+    friend bool operator==(const QuestionnaireAnswer &, const QuestionnaireAnswer &) = default;
+};
+
 /// Something that happened outside a trial.
 struct Note {
     UtcTime at{};
@@ -209,6 +221,7 @@ struct StudyContents {
     std::vector<Participant> participants;
     std::vector<Session> sessions;
     std::vector<Trial> trials;
+    std::vector<QuestionnaireAnswer> answers;
     std::vector<Note> notes;
 
     friend bool operator==(const StudyContents &, const StudyContents &) = default;

@@ -178,6 +178,25 @@ void StudyStore::mark(std::string_view participant, const TrialPlace &place,
     transaction.commit();
 }
 
+Appended StudyStore::add(const QuestionnaireAnswer &answer) {
+    const Database &database = parts_->database;
+    parts_->check(what_is_wrong_with(answer));
+    Transaction transaction(database, Transaction::Kind::write);
+    parts_->check_participant(answer.participant);
+    parts_->check_session(answer.session, answer.participant);
+    if (const auto stored = answer_row(database, answer.session, answer.item)) {
+        if (stored->question != answer.question || stored->answer != answer.answer) {
+            database.refuse(fmt::format("has another answer of {} to {} already, in session {}",
+                                        answer.participant, in_quotes(answer.item),
+                                        answer.session));
+        }
+        return Appended::before;
+    }
+    insert(database, answer);
+    transaction.commit();
+    return Appended::now;
+}
+
 void StudyStore::append(const Note &note) {
     const Database &database = parts_->database;
     parts_->check(what_is_wrong_with(note));

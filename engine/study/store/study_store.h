@@ -38,7 +38,7 @@ void create_study(const std::filesystem::path &file, const NewStudy &study, UtcT
 
 enum class Appended : std::uint8_t {
     now,
-    before, ///< the same trial was there already
+    before, ///< the same one was there already
 };
 
 /// A study file opened for writing, by one program at a time. For one thread.
@@ -79,6 +79,12 @@ public:
 
     /// Marks a stored trial as one that does not count. @throw InputError if there is none.
     void mark(std::string_view participant, const TrialPlace &place, std::string_view reason);
+
+    /// Stores an answer; what is asked, and which answers are possible, is for the caller to check.
+    /// The same answer again, in that session, is not stored twice.
+    /// @throw InputError if the session has another answer to the item; if participant or session
+    ///        are unknown or another participant's; for what is no name, and without a question.
+    Appended add(const QuestionnaireAnswer &answer);
 
     void append(const Note &note);
 

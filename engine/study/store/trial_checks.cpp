@@ -82,6 +82,8 @@ std::string first_of(std::initializer_list<std::string> problems) {
     return first == problems.end() ? std::string() : *first;
 }
 
+bool is_blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") == text.npos; }
+
 } // namespace
 
 std::string what_is_wrong_with(const Participant &participant) {
@@ -112,10 +114,19 @@ std::string what_is_wrong_with(const Trial &trial, std::string_view records_fold
                                          text_of(trial.place), problem);
 }
 
+std::string what_is_wrong_with(const QuestionnaireAnswer &answer) {
+    const std::string problem = first_of(
+        {is_name(answer.item) ? "" : in_quotes(answer.item) + " is no name: letters, digits and _",
+         is_blank(answer.question) ? "the question has no text" : ""});
+    return problem.empty()
+               ? problem
+               : fmt::format("answer of {}: {}", in_quotes(answer.participant), problem);
+}
+
 std::string what_is_wrong_with(const Note &note) {
     return first_of(
         {note.kind.empty() ? "a note has no kind" : "",
-         note.text.find_first_not_of(" \t\r\n") == std::string::npos ? "a note has no text" : "",
+         is_blank(note.text) ? "a note has no text" : "",
          note.session && !note.participant ? "a note of a session needs its participant" : ""});
 }
 

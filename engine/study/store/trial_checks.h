@@ -14,6 +14,7 @@ namespace springdrive::study {
 [[nodiscard]] std::string what_is_wrong_with(const Session &session);
 /// @param records_folder  of the study
 [[nodiscard]] std::string what_is_wrong_with(const Trial &trial, std::string_view records_folder);
+[[nodiscard]] std::string what_is_wrong_with(const QuestionnaireAnswer &answer);
 [[nodiscard]] std::string what_is_wrong_with(const Note &note);
 
 } // namespace springdrive::study

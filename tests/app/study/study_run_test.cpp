@@ -107,6 +107,7 @@ TEST_F(StudyRun, TellsWhereItStands) {
     for (const std::string &part :
          {std::string("P01"), std::string("P02"), std::string("through: 2 of 12"),
           "trials: " + std::to_string(trials), std::string("servo records: none"),
+          std::string("questions: 0 answers: hand 0, sure 0, tiring 0, remarks 0; 2 sessions"),
           std::string("P02: too warm here")}) {
         EXPECT_NE(told.out.find(part), std::string::npos) << part << " in\n" << told.out;
     }
@@ -119,7 +120,11 @@ TEST_F(StudyRun, ExportsNobodysDataOnlyIfAskedTo) {
     testing::expect_refused(study({"export", study_file, "--csv", file("t.csv")}),
                             "trials on simulated devices (--device simulated)");
     EXPECT_FALSE(fs::exists(file("t.csv")));
-    testing::expect_refused(study({"export", study_file}), "--csv FILE, --bids FOLDER");
+    testing::expect_refused(
+        study({"export", study_file, "--answers", file("a.csv"), "--device", "simulated"}),
+        "has no answers of sessions on simulated devices; they come from");
+    EXPECT_FALSE(fs::exists(file("a.csv")));
+    testing::expect_refused(study({"export", study_file}), "--csv FILE, --answers FILE, --bids");
     for (const char *const side : {"-lock", "-journal"}) { // not even by force
         testing::expect_refused(study({"export", study_file, "--csv", study_file.string() + side,
                                        "--device", "simulated", "--force"}),

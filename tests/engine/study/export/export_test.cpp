@@ -1,4 +1,5 @@
 // Covers engine/study/export/.
+#include "engine/study/export/answer_table.h"
 #include "engine/study/export/bids.h"
 #include "engine/study/export/trial_table.h"
 
@@ -189,6 +190,91 @@ TEST(Bids, IsADataset) {
     EXPECT_EQ(sidecar.size(), columns.size());
     EXPECT_EQ(sidecar["onset"]["Units"], "s");
     EXPECT_EQ(sidecar["device_kind"]["Levels"].size(), 3U);
+}
+
+const std::vector<QuestionnaireItem> kQuestions{
+    {.name = "hand",
+     .when = QuestionnaireTime::before,
+     .text = "Which hand?",
+     .kind = QuestionnaireKind::choice,
+     .choices = {"right", "left, mostly"}},
+    {.name = "tiring",
+     .when = QuestionnaireTime::after,
+     .text = "How tiring?",
+     .kind = QuestionnaireKind::scale,
+     .lowest = 1,
+     .highest = 3,
+     .lowest_label = "not",
+     .highest_label = "very"},
+    {.name = "remarks", .when = QuestionnaireTime::after, .text = "Anything else, \"so\"?"}};
+
+/// Two sessions of P01 on USB with a trial each, and one of P02 on a simulated device; two answers
+/// of the first, one of each other, one of them to an item that is not in the protocol.
+StudyContents answered_contents() {
+    StudyContents contents = plain_contents();
+    contents.participants.push_back({"P02", 2, kStart});
+    contents.sessions.push_back(contents.sessions[0]);
+    contents.sessions[1].id = 2;
+    contents.sessions.push_back(contents.sessions[0]);
+    contents.sessions[2].id = 3;
+    contents.sessions[2].participant = "P02";
+    contents.sessions[2].device = DeviceKind::simulated;
+    for (const int session : {2, 3}) {
+        contents.trials.push_back(contents.trials[0]);
+        contents.trials.back().session = session;
+        contents.trials.back().place.position = session;
+        contents.trials.back().participant = session == 3 ? "P02" : "P01";
+    }
+    contents.answers = {{"P01", 1, "hand", "Which hand?", "left, mostly", kStart},
+                        {"P01", 1, "remarks", "Anything else, \"so\"?", "a\t\"b\"\nc", kStart},
+                        {"P01", 2, "tiring", "How tiring?", "3", kStart},
+                        {"P02", 3, "mood", "How are you?", "fine", kStart}};
+    return contents;
+}
+
+TEST(AnswerTable, HasARowAnAnswer) {
+    std::ostringstream out;
+    write_answers_csv(answered_contents(), kQuestions, kAll, out);
+    const std::string at = utc_text(kStart);
+    EXPECT_EQ(
+        parsed_csv(out.str()),
+        (std::vector<std::vector<std::string>>{
+            {"participant", "participant_number", "session", "device_kind", "when", "item", "kind",
+             "question", "answer", "at_utc"},
+            {"P01", "1", "1", "usb", "before", "hand", "choice", "Which hand?", "left, mostly", at},
+            {"P01", "1", "1", "usb", "after", "remarks", "text", "Anything else, \"so\"?",
+             "a\t\"b\"\nc", at},
+            {"P01", "1", "2", "usb", "after", "tiring", "scale", "How tiring?", "3", at},
+            {"P02", "2", "3", "simulated", "", "mood", "", "How are you?", "fine", at}}));
+    std::ostringstream of_people;
+    write_answers_csv(answered_contents(), kQuestions, {DeviceKind::usb}, of_people);
+    EXPECT_EQ(parsed_csv(of_people.str()).size(), 4U);
+    EXPECT_EQ(of_people.str().find("P02"), std::string::npos);
+    EXPECT_EQ(answers_on(answered_contents(), DeviceKind::simulated).size(), 1U);
+    EXPECT_TRUE(answers_on(answered_contents(), DeviceKind::emulated).empty());
+}
+
+TEST(Bids, HasAnswersAsPhenotype) {
+    const auto folder = fresh_folder("bids_answers") / "out";
+    write_bids(answered_contents(), folder, {.questionnaire = kQuestions});
+    // By https://bids-specification.readthedocs.io, "Phenotypic and assessment data".
+    EXPECT_EQ(contents_of(folder / "phenotype/questionnaire.tsv"),
+              "participant_id\tsession_id\thand\ttiring\tremarks\n"
+              "sub-P01\tses-01\tleft, mostly\tn/a\t\"a \"\"b\"\" c\"\n"
+              "sub-P01\tses-02\tn/a\t3\tn/a\n");
+    const auto json = nlohmann::json::parse(contents_of(folder / "phenotype/questionnaire.json"));
+    EXPECT_EQ(json["hand"]["Description"], "Which hand?");
+    EXPECT_EQ(json["hand"]["LongName"], "hand (before the trials)");
+    EXPECT_EQ(json["hand"]["Levels"],
+              (nlohmann::json{{"right", "right"}, {"left, mostly", "left, mostly"}}));
+    EXPECT_EQ(json["tiring"]["Levels"], (nlohmann::json{{"1", "not"}, {"2", "2"}, {"3", "very"}}));
+    EXPECT_FALSE(json["remarks"].contains("Levels"));
+    EXPECT_NE(json["MeasurementToolMetadata"].value("Description", ""), "");
+    // A row of a participant of the dataset, a folder of each session, a description of each
+    // column.
+    EXPECT_NE(contents_of(folder / "participants.tsv").find("sub-P01\t"), std::string::npos);
+    EXPECT_TRUE(std::filesystem::is_directory(folder / "sub-P01/ses-02"));
+    EXPECT_EQ(json.size(), 5U);
 }
 
 TEST(Bids, TakesOnlyTheDevicesAskedFor) {

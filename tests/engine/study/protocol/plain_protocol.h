@@ -82,6 +82,28 @@ longest_session_min = 60.0
 [expected]
 threshold = 0.2
 source = "a guess"
+[noise]
+level_dBFS = -40.0
+[[questions]]
+name = "hand"
+when = "before"
+text = "Which hand?"
+kind = "choice"
+choices = ["right", "left"]
+[[questions]]
+name = "tiring"
+when = "after"
+text = "How tiring?"
+kind = "scale"
+lowest = 1
+highest = 5
+lowest_label = "not"
+highest_label = "very"
+[[questions]]
+name = "remarks"
+when = "after"
+text = "Anything else?"
+kind = "text"
 )";
 
 /// The text with its first `from` replaced by `to`.

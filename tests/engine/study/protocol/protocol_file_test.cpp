@@ -1,5 +1,6 @@
-// Covers engine/study/protocol/protocol_file.cpp, toml_procedure.cpp, toml_tables.cpp and
-// protocol_complaint.cpp: what is read, and what is refused, with key, value and range.
+// Covers engine/study/protocol/protocol_file.cpp, toml_participant.cpp,
+// toml_procedure.cpp, toml_tables.cpp and protocol_complaint.cpp: what is read, and what is
+// refused, with key, value and range.
 #include "engine/study/protocol/protocol_file.h"
 
 #include "base/input_error.h"
@@ -48,7 +49,49 @@ TEST(ProtocolFile, ReadsWhatIsThereAndElseTheDefaults) {
     EXPECT_EQ(protocol.timing.pause_s, TrialTiming{}.pause_s);
     ASSERT_TRUE(protocol.expected);
     EXPECT_EQ(protocol.expected->threshold, 0.2);
+    ASSERT_TRUE(protocol.noise);
+    EXPECT_EQ(protocol.noise->level_dBFS, -40.0);
+    EXPECT_EQ(protocol.questionnaire,
+              (std::vector<QuestionnaireItem>{{.name = "hand",
+                                               .when = QuestionnaireTime::before,
+                                               .text = "Which hand?",
+                                               .kind = QuestionnaireKind::choice,
+                                               .choices = {"right", "left"}},
+                                              {.name = "tiring",
+                                               .when = QuestionnaireTime::after,
+                                               .text = "How tiring?",
+                                               .kind = QuestionnaireKind::scale,
+                                               .lowest = 1,
+                                               .highest = 5,
+                                               .lowest_label = "not",
+                                               .highest_label = "very"},
+                                              {.name = "remarks",
+                                               .when = QuestionnaireTime::after,
+                                               .text = "Anything else?",
+                                               .kind = QuestionnaireKind::text}}));
     EXPECT_EQ(what_is_wrong_with(protocol), "");
+}
+
+TEST(ProtocolFile, HasNeitherNoiseNorQuestionsUnlessAsked) {
+    const std::string without = kPlainProtocol.substr(0, kPlainProtocol.find("[noise]"));
+    EXPECT_FALSE(protocol_of(without).noise);
+    EXPECT_TRUE(protocol_of(without).questionnaire.empty());
+    EXPECT_EQ(protocol_of(without + "[noise]\n").noise, MaskingNoise{}) << "the default level";
+}
+
+TEST(ProtocolFile, NumbersAtTheEndsOfTheirRangesAreRead) {
+    for (const char *const level : {"-80.0", "-6.0"}) {
+        EXPECT_EQ(protocol_of(with(kPlainProtocol, "-40.0", level)).noise->level_dBFS,
+                  std::stod(level));
+    }
+    for (const auto &[lowest, highest] :
+         {std::pair(-1000, -999), std::pair(0, 100), std::pair(900, 1000)}) {
+        const Protocol protocol = protocol_of(
+            with(with(kPlainProtocol, "lowest = 1", "lowest = " + std::to_string(lowest)),
+                 "highest = 5", "highest = " + std::to_string(highest)));
+        EXPECT_EQ(protocol.questionnaire[1].lowest, lowest);
+        EXPECT_EQ(protocol.questionnaire[1].highest, highest);
+    }
 }
 
 TEST(ProtocolFile, NormalsOfAnyLengthBecomeUnitVectors) {
@@ -166,6 +209,64 @@ const std::vector<Malformed> &malformed() {
          "longest_session_min = 0",
          {"longest_session_min is 0", "1 to"}},
         {"from_C = 27.0", "from_C = 95.0", {"windings.from_C is 95", "10 to 90"}},
+        {"level_dBFS = -40.0", "level_dBFS = -5.9", {"noise.level_dBFS is -5.9", "-80 to -6"}},
+        {"level_dBFS = -40.0", "level_dBFS = -80.1", {"noise.level_dBFS is -80.1", "-80 to -6"}},
+        {"level_dBFS = -40.0", "level_dBFS = nan", {"noise.level_dBFS", "-80 to -6"}},
+        {"level_dBFS = -40.0", "level_dB = -40.0", {"noise.level_dB", "nearest is level_dBFS"}},
+        // Questions.
+        {"[noise]", "[[question]]\nname = \"a\"\n[noise]", {"question is not known", "questions"}},
+        {"name = \"hand\"\n", "", {"p.toml:74: questions[1].name is missing"}},
+        {"when = \"before\"\n", "", {"questions[1].when is missing", "before or after"}},
+        {"text = \"Which hand?\"\n", "", {"questions[1].text is missing", "a text"}},
+        {"kind = \"choice\"\n", "", {"questions[1].kind is missing", "text, scale or choice"}},
+        {"choices = [\"right\", \"left\"]\n", "", {"questions[1].choices is missing", "1 to 20"}},
+        {"lowest = 1\n", "", {"questions[2].lowest is missing", "-1000 to 1000"}},
+        {"highest = 5\n", "", {"questions[2].highest is missing", "-1000 to 1000"}},
+        {"lowest_label = \"not\"\n", "", {"questions[2].lowest_label is missing", "a text"}},
+        {"highest_label = \"very\"\n", "", {"questions[2].highest_label is missing", "a text"}},
+        {"name = \"hand\"", "name = \"Hand\"", {"questions[1].name is 'Hand'", "1 to 40 of a-z"}},
+        {"name = \"hand\"", "name = \"1st\"", {"questions[1].name is '1st'", "with a letter"}},
+        {"name = \"hand\"", "name = \"\"", {"questions[1].name is ''", "1 to 40 of a-z"}},
+        {"name = \"hand\"",
+         "name = \"participant_id\"",
+         {"questions[1].name is \"participant_id\"", "must be another"}},
+        {"name = \"tiring\"", "name = \"hand\"", {"questions[2].name is \"hand\"", "its own"}},
+        {"when = \"before\"",
+         "when = \"between\"",
+         {"questions[1].when is \"between\"", "before or"}},
+        {"text = \"Which hand?\"", "text = \" \"", {"questions[1].text has 1 bytes", "be read"}},
+        {"kind = \"choice\"", "kind = \"slider\"", {"questions[1].kind is \"slider\"", "scale"}},
+        {"[\"right\", \"left\"]", "[\"right\"]", {"questions[1].choices has 1;", "2 to 20"}},
+        {"[\"right\", \"left\"]", "[\"a\", \"a\"]", {"choices has 'a' twice", "be there once"}},
+        {"[\"right\", \"left\"]", "[\"a\", \" \"]", {"choices has ''", "one line"}},
+        {"[\"right\", \"left\"]", "[\"a\", \"b\\nc\"]", {"choices has 'b c'", "one line"}},
+        {"[\"right\", \"left\"]", "[\"a\", 1]", {"questions[1].choices is", "texts in"}},
+        {"lowest = 1", "lowest = 1.5", {"questions[2].lowest is 1.5", "whole number"}},
+        {"lowest = 1", "lowest = -1001", {"questions[2].lowest is -1001", "-1000 to 1000"}},
+        {"highest = 5", "highest = 1001", {"questions[2].highest is 1001", "-1000 to 1000"}},
+        {"highest = 5", "highest = 1", {"questions[2].highest is 1;", "1 to 100 above lowest, 1"}},
+        {"highest = 5", "highest = 102", {"questions[2].highest is 102;", "1 to 100 above lowest"}},
+        {"lowest_label = \"not\"", "lowest_label = \"\"", {"lowest_label is ''", "one line"}},
+        {"highest_label = \"very\"",
+         "highest_label = \"a\\tb\"",
+         {"questions[2].highest_label is 'a b'", "one line"}},
+        {"kind = \"text\"",
+         "kind = \"text\"\nchoices = [\"a\", \"b\"]",
+         {"questions[3].choices is there though kind is \"text\"", "left out", "\"choice\""}},
+        {"choices = [\"right\", \"left\"]",
+         "choices = [\"right\", \"left\"]\nhighest = 3",
+         {"questions[1].highest is there though kind is \"choice\"", "\"scale\""}},
+        {"highest = 5", "highest = 5\nsteps = 5", {"questions[2].steps is not known"}},
+        // Placeholders of texts.
+        {"question = \"Which?\"", "break_left = \"s left\"", {"texts.break_left has {} 0 times"}},
+        {"question = \"Which?\"", "progress = \"{} of {}\"", {"texts.progress has {} 2 times"}},
+        {"question = \"Which?\"",
+         "understood = \"{again} or {start}\"",
+         {"texts.understood has {begin} 0 times", "once"}},
+        {"question = \"Which?\"",
+         "understood = \"{again} or {begin}, {name}\"",
+         {"texts.understood has '{name}'", "no other text in braces than {again} and {begin}"}},
+        {"question = \"Which?\"", "question = \"{}?\"", {"texts.question has '{}'", "no text in"}},
         // Names that stand for nothing.
         {"stimulus = \"press\"", "stimulus = \"poke\"", {"stimulus is \"poke\"", "press, blow"}},
         {"\"balanced_latin_square\"", "\"latin\"", {"counterbalancing is \"latin\"", "full"}},

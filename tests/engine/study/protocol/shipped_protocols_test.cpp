@@ -77,9 +77,9 @@ TEST(ProtocolManual, ItsListIsWhatTheReaderKnows) {
     for (const KeyFacts &key : protocol_keys()) {
         listed[key.table].insert(key.key);
     }
-    for (const char *table :
-         {"texts", "free_space", "common", "variable", "task", "practice", "catch_trials",
-          "responses", "timing", "breaks", "marking", "windings", "stopping", "expected"}) {
+    for (const char *table : {"texts", "free_space", "common", "variable", "task", "practice",
+                              "catch_trials", "responses", "timing", "breaks", "marking",
+                              "windings", "stopping", "noise", "expected"}) {
         const std::string heading = std::string("[") + table + "]\n";
         EXPECT_EQ(
             known_keys(testing::with(testing::kPlainProtocol, heading, heading + "zzz = 1\n")),
@@ -89,6 +89,9 @@ TEST(ProtocolManual, ItsListIsWhatTheReaderKnows) {
     EXPECT_EQ(known_keys(testing::with(testing::kPlainProtocol, "name = \"one\"",
                                        "name = \"one\"\nzzz = 1")),
               listed["block"]);
+    EXPECT_EQ(known_keys(testing::with(testing::kPlainProtocol, "name = \"tiring\"",
+                                       "name = \"tiring\"\nzzz = 1")),
+              listed["questions"]);
     std::set<std::string> of_condition = listed["common"];
     of_condition.merge(listed["condition"]);
     EXPECT_EQ(

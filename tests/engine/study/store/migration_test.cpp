@@ -23,19 +23,28 @@ using testing::sample_study;
 using testing::sample_trial;
 using testing::sample_trials;
 
-/// A table for questionnaires, as a later version may have; then a column with a default.
+/// A table of visits, as a later version may have; then a column with a default.
 std::vector<const char *> later_steps() {
     std::vector<const char *> steps(schema_steps().begin(), schema_steps().end());
-    steps.push_back("CREATE TABLE answer (id INTEGER PRIMARY KEY, participant TEXT NOT NULL "
-                    "REFERENCES participant (code) ON DELETE CASCADE, question TEXT NOT NULL, "
-                    "answer ANY NOT NULL) STRICT");
+    steps.push_back("CREATE TABLE visit (id INTEGER PRIMARY KEY, participant TEXT NOT NULL "
+                    "REFERENCES participant (code) ON DELETE CASCADE, room TEXT NOT NULL, "
+                    "floor ANY NOT NULL) STRICT");
     steps.push_back("ALTER TABLE session ADD COLUMN experimenter TEXT;"
-                    "INSERT INTO answer (participant, question, answer) "
-                    "SELECT code, 'handedness', 'right' FROM participant");
+                    "INSERT INTO visit (participant, room, floor) "
+                    "SELECT code, 'laboratory', 2 FROM participant");
     return steps;
 }
 
-/// A file of a version, with a participant and ten trials.
+/// The file of version 1 in version_1.sql.
+std::filesystem::path file_of_version_1(const std::filesystem::path &folder) {
+    const auto file = folder / "v1.study";
+    const Database database(file, file, Access::create, {});
+    database.run(contents_of(std::filesystem::path(SPRINGDRIVE_ASSET_DIR).parent_path() /
+                             "tests/engine/study/store/version_1.sql"));
+    return file;
+}
+
+/// A file of the present version or a later one, with a participant and ten trials.
 std::filesystem::path file_of_version(std::size_t version, const std::filesystem::path &folder) {
     const auto file = sample_study(folder);
     {
@@ -53,7 +62,7 @@ std::filesystem::path file_of_version(std::size_t version, const std::filesystem
 TEST(Migration, TakesAFileOfEachVersionToTheLast) {
     const auto steps = later_steps();
     ASSERT_EQ(steps.size(), schema_steps().size() + 2);
-    for (std::size_t version = 1; version <= steps.size(); ++version) {
+    for (std::size_t version = schema_steps().size(); version <= steps.size(); ++version) {
         const auto file =
             file_of_version(version, fresh_folder("migrate_" + std::to_string(version)));
         const std::string bytes = contents_of(file);
@@ -65,10 +74,67 @@ TEST(Migration, TakesAFileOfEachVersionToTheLast) {
         const Database database = open_to_write(file, file, {}, steps);
         EXPECT_EQ(version_of(database), std::ssize(steps));
         check_structure(database, steps);
-        EXPECT_EQ(database.number("SELECT count(*) FROM answer"),
-                  version == steps.size() || version < steps.size() ? 1 : 0);
+        EXPECT_EQ(database.number("SELECT count(*) FROM visit"), 1);
         EXPECT_TRUE(
             testing::are_identical(read_contents(database).trials, sample_trials(1, 1, 10)));
+    }
+}
+
+/// A file that the program of version 1 made; values are those of its SQL.
+void expect_what_version_1_held(const StudyContents &contents) {
+    EXPECT_EQ(contents.facts.title, "a study of version 1");
+    EXPECT_EQ(contents.facts.software, "0.1.0");
+    EXPECT_EQ(contents.facts.records_folder, "v1.records");
+    ASSERT_EQ(contents.participants.size(), 2U);
+    EXPECT_EQ(contents.participants[1].code, "P02");
+    ASSERT_EQ(contents.sessions.size(), 2U);
+    EXPECT_EQ(utc_text(contents.sessions[0].started), "2026-11-26T04:59:18.685Z");
+    EXPECT_EQ(contents.sessions[1].ending, SessionEnding::completed);
+    EXPECT_EQ(contents.sessions[1].facts.size(), 8U);
+    EXPECT_EQ(contents.sessions[0].facts[1], (Setting{"observer_slope", 3.5}));
+    ASSERT_EQ(contents.trials.size(), 14U);
+    EXPECT_EQ(contents.trials[0].seed, 3185090318772920569U);
+    EXPECT_EQ(contents.trials[0].level_name, "eta_added");
+    EXPECT_EQ(contents.trials[0].response, Response(Chosen{1}));
+    EXPECT_EQ(contents.trials[0].response_time_s, 0.61459644309508520976);
+    EXPECT_EQ(contents.trials[1].response_time_s, 0.58199661392478041488);
+    ASSERT_EQ(contents.notes.size(), 2U);
+    EXPECT_EQ(contents.notes[0].text, "the room is warm");
+    EXPECT_EQ(contents.notes[1].participant, "P02");
+    EXPECT_TRUE(contents.answers.empty()) << "which version 1 had not";
+}
+
+TEST(Migration, TakesAFileThatVersion1Made) {
+    const auto file = file_of_version_1(fresh_folder("migrate_version_1"));
+    const std::string bytes = contents_of(file);
+    const StudyContents before = read_study(file);
+    expect_what_version_1_held(before);
+    EXPECT_EQ(contents_of(file), bytes) << "reading it changes nothing";
+    {
+        StudyStore store(file);
+        EXPECT_EQ(store.contents(), before);
+        EXPECT_EQ(store.add({"P02", 2, "hand", "Which hand?", "left", testing::kStart}),
+                  Appended::now);
+    }
+    expect_what_version_1_held([&] {
+        StudyContents without = read_study(file);
+        EXPECT_EQ(without.answers.size(), 1U);
+        without.answers.clear();
+        return without;
+    }());
+    const Database database(file, file, Access::read, {});
+    EXPECT_EQ(version_of(database), 2);
+    check_structure(database, schema_steps());
+}
+
+/// The other side: what is not as version 1 made it is refused, not migrated.
+TEST(Migration, OfADamagedFileIsRefused) {
+    for (const char *const damage :
+         {"UPDATE trial SET target = 2 WHERE id = 1", "CREATE TABLE answer (id INTEGER) STRICT"}) {
+        const auto file = file_of_version_1(fresh_folder("migrate_damaged"));
+        Database(file, file, Access::write, {}).run(damage);
+        EXPECT_NE(testing::said_on_reading(file), "") << damage;
+        EXPECT_NE(testing::said_on_opening(file), "") << damage;
     }
 }
 
@@ -78,7 +144,7 @@ TEST(Migration, OfNewerVersionsIsRefused) {
     const auto file = file_of_version(present + 1, fresh_folder("migrate_newer"));
     const std::string bytes = contents_of(file);
     const std::string refusal =
-        file.string() + ": is a study of version 2, and this program knows versions up to 1; open "
+        file.string() + ": is a study of version 3, and this program knows versions up to 2; open "
                         "it with a newer springdrive";
     EXPECT_EQ(complaint_of([&] { static_cast<void>(read_study(file)); }), refusal);
     EXPECT_EQ(complaint_of([&] { StudyStore store(file); }), refusal);
@@ -89,11 +155,11 @@ TEST(Migration, OfNewerVersionsIsRefused) {
 TEST(Migration, ThatFailsChangesNothing) {
     auto steps = later_steps();
     steps.back() = "CREATE TABLE other (id INTEGER) STRICT; INSERT INTO nowhere VALUES (1)";
-    const auto file = file_of_version(1, fresh_folder("migrate_fails"));
+    const auto file = file_of_version(schema_steps().size(), fresh_folder("migrate_fails"));
     EXPECT_EQ(complaint_of([&] { static_cast<void>(open_to_write(file, file, {}, steps)); }),
               file.string() + ": no such table: nowhere");
     const Database database(file, file, Access::write, {});
-    EXPECT_EQ(version_of(database), 2); // the steps before are complete
+    EXPECT_EQ(version_of(database), 3); // the steps before are complete
     EXPECT_EQ(database.number("SELECT count(*) FROM sqlite_schema WHERE name = 'other'"), 0);
     steps.pop_back();
     check_structure(database, steps);

@@ -51,7 +51,10 @@ protected:
             std::ofstream(record) << kMarker;
         }
         Session session = sample_session_of_marker();
-        store.end(store.begin(session), SessionEnding::left, kStart);
+        const SessionId begun = store.begin(session);
+        store.add({"P02", begun, "remarks", "Anything else?", kMarker, kStart});
+        store.end(begun, SessionEnding::left, kStart);
+        store.add({"P01", 1, "remarks", "Anything else?", "no", kStart});
         store.append({kStart, "note", kMarker, "P02", std::nullopt});
         store.append({kStart, "note", "the room is warm", std::nullopt, std::nullopt});
     }
@@ -82,6 +85,8 @@ protected:
         EXPECT_TRUE(are_identical(left.trials, sample_trials(1, 1, kTrialsOfEach)));
         EXPECT_EQ(left.participants.size(), 1U);
         EXPECT_EQ(left.sessions.size(), 1U);
+        ASSERT_EQ(left.answers.size(), 1U);
+        EXPECT_EQ(left.answers[0].answer, "no");
         EXPECT_EQ(left.notes.size(), 1U);
         EXPECT_EQ(left.facts.removed_participants, 1);
         EXPECT_EQ(contents_of(folder / "direction.records/P01/block1-position001-attempt1.rec"),

@@ -194,6 +194,59 @@ TEST(StudyStore, HoldsSessionsAndNotes) {
     EXPECT_EQ(read_study(file).notes, notes);
 }
 
+TEST(StudyStore, HoldsAnswers) {
+    const auto file = sample_study(fresh_folder("study_answers"), 2);
+    const std::vector<QuestionnaireAnswer> answers{
+        {"P01", 1, "hand", "Which hand?", "left", kStart},
+        {"P01", 1, "tiring", "How tiring?", "5", kStart + std::chrono::milliseconds(1)},
+        {"P02", 2, "remarks", "Sonst noch etwas?", "two\nlines, \"quoted\"; η", kStart},
+        {"P02", 2, "hand", "Which hand?", "", kStart}};
+    {
+        StudyStore store(file);
+        for (const QuestionnaireAnswer &answer : answers) {
+            EXPECT_EQ(store.add(answer), Appended::now);
+            EXPECT_EQ(read_study(file).answers.back(), answer) << "on the disk at once";
+        }
+        // Again, as after a crash: the time is that of the first.
+        QuestionnaireAnswer again = answers[1];
+        again.at += std::chrono::hours(1);
+        EXPECT_EQ(store.add(again), Appended::before);
+        again.answer = "4";
+        EXPECT_EQ(complaint_of([&] { store.add(again); }),
+                  file.string() + ": has another answer of P01 to 'tiring' already, in session 1");
+        again = answers[1];
+        again.question = "How tiring was it?";
+        EXPECT_NE(complaint_of([&] { store.add(again); }), "");
+        // Another session may be asked the same.
+        QuestionnaireAnswer later = answers[0];
+        later.session = store.begin(sample_session(1));
+        EXPECT_EQ(store.add(later), Appended::now);
+        EXPECT_EQ(store.contents().answers.size(), 5U);
+    }
+    StudyContents contents = StudyStore(file).contents();
+    contents.answers.pop_back();
+    EXPECT_EQ(contents.answers, answers);
+}
+
+TEST(StudyStore, RefusesAnswersThatCannotBe) {
+    const auto file = sample_study(fresh_folder("study_answers_refused"), 2);
+    StudyStore store(file);
+    const auto refusal = [&](const QuestionnaireAnswer &answer) {
+        return complaint_of([&] { store.add(answer); }).substr(file.string().size() + 2);
+    };
+    EXPECT_EQ(refusal({"P03", 1, "hand", "Which hand?", "left", kStart}),
+              "has no participant 'P03'");
+    EXPECT_EQ(refusal({"P01", 2, "hand", "Which hand?", "left", kStart}),
+              "has no session 2 of participant 'P01'");
+    EXPECT_EQ(refusal({"P01", 1, "", "Which hand?", "left", kStart}),
+              "answer of 'P01': '' is no name: letters, digits and _");
+    EXPECT_EQ(refusal({"P01", 1, "a,b", "Which hand?", "left", kStart}),
+              "answer of 'P01': 'a,b' is no name: letters, digits and _");
+    EXPECT_EQ(refusal({"P01", 1, "hand", " \n", "left", kStart}),
+              "answer of 'P01': the question has no text");
+    EXPECT_TRUE(store.contents().answers.empty());
+}
+
 TEST(StudyStore, TellsTheDevicesApart) {
     const auto file = sample_study(fresh_folder("study_devices"), 3);
     StudyStore store(file);

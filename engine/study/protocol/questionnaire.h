@@ -1,0 +1,66 @@
+// What a participant is asked before a session's first trial and after its last, apart from the
+// trials: of tables [[questions]] in protocol files.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace springdrive::study {
+
+enum class QuestionnaireTime : std::uint8_t {
+    before, ///< the session's first trial
+    after   ///< its last
+};
+inline constexpr std::array<std::string_view, 2> kQuestionnaireTimeNames{"before", "after"};
+
+enum class QuestionnaireKind : std::uint8_t {
+    text,  ///< free text
+    scale, ///< whole numbers between two labels
+    choice ///< one of several texts
+};
+inline constexpr std::array<std::string_view, 3> kQuestionnaireKindNames{"text", "scale", "choice"};
+
+/// One question. An answer is a text: what was written, the number in digits, or the choice as it
+/// is in `choices`. A participant need not answer.
+struct QuestionnaireItem {
+    std::string name = {}; ///< in data: a-z, 0-9 and _, beginning with a letter; no other's
+    QuestionnaireTime when = QuestionnaireTime::before;
+    std::string text = {}; ///< what is asked, in the protocol's language
+    QuestionnaireKind kind = QuestionnaireKind::text;
+    int lowest = 1;                 ///< of a scale
+    int highest = 7;                ///< of a scale
+    std::string lowest_label = {};  ///< of a scale: what its lowest number means
+    std::string highest_label = {}; ///< and its highest
+    std::vector<std::string> choices = {};
+
+    friend bool operator==(const QuestionnaireItem &, const QuestionnaireItem &) = default;
+};
+
+/// Of a questionnaire.
+inline constexpr std::size_t kMostQuestions = 100;
+/// Of `QuestionnaireItem::choices`; at least two.
+inline constexpr std::size_t kMostChoices = 20;
+/// A scale has at most so many steps: 0 to 100 is possible.
+inline constexpr int kMostScaleSteps = 100;
+/// Of a free text [bytes].
+inline constexpr std::size_t kLongestAnswer = 10'000;
+
+/// The first that makes the item none: "KEY is VALUE; it must be …". Empty if there is none.
+[[nodiscard]] std::string what_is_wrong_with(const QuestionnaireItem &item);
+
+/// The same of the items together, "questions[2].KEY …", counted from 1.
+[[nodiscard]] std::string what_is_wrong_with(const std::vector<QuestionnaireItem> &items);
+
+/// "answer is VALUE; it must be …" if it is no possible answer; else empty. A free text may be
+/// empty and may have lines.
+[[nodiscard]] std::string what_is_wrong_with_answer(const QuestionnaireItem &item,
+                                                    const std::string &answer);
+
+/// The possible answers of a scale or choice, in order; none of a free text.
+[[nodiscard]] std::vector<std::string> possible_answers(const QuestionnaireItem &item);
+
+} // namespace springdrive::study

@@ -1,0 +1,118 @@
+// Covers engine/study/protocol/questionnaire.cpp: which answers are possible. What items are
+// refused in files is in protocol_file_test.cpp.
+#include "engine/study/protocol/questionnaire.h"
+
+#include "tests/engine/study/protocol/plain_protocol.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace springdrive::study {
+namespace {
+
+QuestionnaireItem scale(int lowest, int highest) {
+    return {.name = "tiring",
+            .when = QuestionnaireTime::after,
+            .text = "How tiring?",
+            .kind = QuestionnaireKind::scale,
+            .lowest = lowest,
+            .highest = highest,
+            .lowest_label = "not",
+            .highest_label = "very"};
+}
+
+QuestionnaireItem choice() {
+    return {.name = "hand",
+            .text = "Which hand?",
+            .kind = QuestionnaireKind::choice,
+            .choices = {"right", "left", "beide, nämlich"}};
+}
+
+TEST(Questionnaire, AScaleTakesItsWholeNumbersAlone) {
+    for (const char *const answer : {"-2", "-1", "0", "1", "2", "3"}) {
+        EXPECT_EQ(what_is_wrong_with_answer(scale(-2, 3), answer), "") << answer;
+    }
+    for (const char *const answer :
+         {"-3", "4", "", " 1", "1 ", "+1", "01", "1.0", "1e0", "-0", "one", "٣", "1\n"}) {
+        const std::string said = what_is_wrong_with_answer(scale(-2, 3), answer);
+        EXPECT_EQ(said.rfind("answer is '", 0), 0U) << answer << ": " << said;
+        EXPECT_NE(said.find("; it must be a whole number from -2 to 3"), std::string::npos) << said;
+    }
+}
+
+TEST(Questionnaire, AChoiceTakesItsTextsToTheLetter) {
+    for (const std::string &answer : choice().choices) {
+        EXPECT_EQ(what_is_wrong_with_answer(choice(), answer), "") << answer;
+    }
+    for (const char *const answer : {"", "Right", "right ", "righ", "1", "beide"}) {
+        EXPECT_NE(what_is_wrong_with_answer(choice(), answer)
+                      .find("'; it must be one of 'right', 'left', 'beide, nämlich'"),
+                  std::string::npos)
+            << answer;
+    }
+}
+
+TEST(Questionnaire, AFreeTextTakesWhatCanBeRead) {
+    const QuestionnaireItem item{.name = "remarks", .text = "Anything else?"};
+    ASSERT_EQ(what_is_wrong_with(item), "");
+    for (const std::string &answer :
+         {std::string(), std::string("two\nlines, \"quoted\"\t;"), std::string("schön – 硬い"),
+          std::string(kLongestAnswer, 'a')}) {
+        EXPECT_EQ(what_is_wrong_with_answer(item, answer), "");
+    }
+    EXPECT_EQ(what_is_wrong_with_answer(item, std::string(kLongestAnswer + 1, 'a')),
+              "answer has 10001 bytes; it must have 0 to 10000");
+    for (const char control : {'\0', '\r', '\x1b', '\x7f'}) {
+        EXPECT_NE(what_is_wrong_with_answer(item, std::string("a") + control + "b")
+                      .find("no control characters"),
+                  std::string::npos);
+    }
+}
+
+TEST(Questionnaire, EveryPossibleAnswerOfAnItemIsOne) {
+    for (const QuestionnaireItem &item :
+         testing::protocol_of(testing::kPlainProtocol).questionnaire) {
+        EXPECT_EQ(what_is_wrong_with(item), "");
+        for (const std::string &answer : possible_answers(item)) {
+            EXPECT_EQ(what_is_wrong_with_answer(item, answer), "");
+        }
+    }
+    EXPECT_EQ(possible_answers(scale(-1, 1)), (std::vector<std::string>{"-1", "0", "1"}));
+    EXPECT_EQ(possible_answers(scale(0, kMostScaleSteps)).size(), 101U);
+    EXPECT_EQ(possible_answers(choice()), choice().choices);
+}
+
+// Values that come from no file are checked all the same.
+TEST(Questionnaire, ItemsAreCheckedTogether) {
+    std::vector<QuestionnaireItem> items{choice(), scale(1, 7)};
+    EXPECT_EQ(what_is_wrong_with(items), "");
+    items[1].name = "hand";
+    EXPECT_EQ(what_is_wrong_with(items),
+              "questions[1].name is \"hand\" like that of another; each must have its own");
+    items[1] = scale(7, 7);
+    EXPECT_EQ(what_is_wrong_with(items),
+              "questions[2].highest is 7; it must be 1 to 100 above lowest, 7");
+    items.assign(kMostQuestions + 1, choice());
+    EXPECT_EQ(what_is_wrong_with(items), "questions has 101; it must have 0 to 100");
+    items[0].choices.assign(kMostChoices + 1, "x");
+    EXPECT_EQ(what_is_wrong_with(items[0]), "choices has 21; it must have 2 to 20");
+    items[0].text = "\n\t ";
+    EXPECT_EQ(what_is_wrong_with(items[0]), "text is blank; it must be what is asked");
+}
+
+TEST(Questionnaire, AProtocolHasTheFaultsOfItsItems) {
+    Protocol protocol = testing::protocol_of(testing::kPlainProtocol);
+    protocol.questionnaire[1].highest = 0;
+    EXPECT_EQ(what_is_wrong_with(protocol),
+              "questions[2].highest is 0; it must be 1 to 100 above lowest, 1");
+    protocol.questionnaire.clear();
+    protocol.noise->level_dBFS = 0.0;
+    EXPECT_EQ(what_is_wrong_with(protocol), "noise.level_dBFS is 0; it must be from -80 to -6");
+    protocol.noise.reset();
+    EXPECT_EQ(what_is_wrong_with(protocol), "");
+}
+
+} // namespace
+} // namespace springdrive::study
