@@ -7,6 +7,7 @@
 #include "engine/control/coupling.h"
 #include "engine/lab/loops/stability_case.h"
 #include "engine/study/protocol/checks.h"
+#include "engine/study/protocol/warm_up_trial.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 
 #include <gtest/gtest.h>
@@ -466,6 +467,33 @@ TEST(ProtocolCheck, TellsThePrecisionToBeExpected) {
     EXPECT_LT(ratio, 2.5);
     protocol.expected.reset();
     EXPECT_EQ(count(check_precision(protocol), Severity::note, "without [expected]"), 1);
+}
+
+/// From the air to the band by the network with constant heat, which is ½ R a² as the monitor sees
+/// it: at the least C ΔT/P, at the most with what housings lose of it to the air.
+TEST(ProtocolCheck, TheWarmUpCountsInTheSession) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.windings = {25.0, 30.0, 60.0};
+    const StudySetting setting = setting_of(protocol);
+    const double warm_up_s = predicted_warm_up_s(protocol, setting);
+    const double most_A = warming_current_A(setting, warming_place_m(protocol, setting)).maxCoeff();
+    const double C_J_per_K = 12.0 / 3.1 + 612.0 / 14.0;
+    const double heat_W = 0.5 * 2.18 * 1.02 * most_A * most_A;
+    const double least_s = 6.5 * C_J_per_K / (1.09 * heat_W); // R rises by up to 9 %
+    EXPECT_GT(warm_up_s, least_s);
+    EXPECT_LT(warm_up_s, 1.3 * 6.5 * C_J_per_K / (heat_W - 6.5 / 14.0));
+    EXPECT_DOUBLE_EQ(session_length(protocol, warm_up_s).fewest_s,
+                     session_length(protocol).fewest_s + warm_up_s);
+    EXPECT_DOUBLE_EQ(session_length(protocol, warm_up_s).most_s,
+                     session_length(protocol).most_s + warm_up_s);
+    CheckOptions options;
+    options.simulates = false;
+    EXPECT_DOUBLE_EQ(check_protocol(protocol, testing::folders(), options).length.warm_up_s,
+                     warm_up_s);
+    protocol.windings = {15.0, 88.0, 90.0};
+    EXPECT_EQ(count(check_protocol(protocol, testing::folders(), options).findings, Severity::error,
+                    "cannot be warmed"),
+              1);
 }
 
 /// A press without a pause, until winding and housing are in balance with the air:
