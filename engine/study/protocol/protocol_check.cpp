@@ -58,6 +58,7 @@ CheckedProtocol check_protocol(const Protocol &protocol, const ProtocolFolders &
     }
     checked.hottest_winding_C = warmth.hottest_C;
     add(findings, std::move(warmth.findings));
+    add(findings, check_marking(protocol, setting, presented));
     add(findings, check_session(protocol, checked.length));
     if (options.simulates && !has_errors(findings)) {
         checked.trials = try_conditions(protocol, setting, usable(extremes(presented), setting));
