@@ -84,55 +84,6 @@ void Sitting::show_until_key(SittingStep step, const ParticipantPicture &picture
     }
 }
 
-/// A break has a shortest time, and ends when the participant wants.
-void Sitting::take_break(double seconds) {
-    state_.step = SittingStep::in_break;
-    since_break_ = 0;
-    ParticipantPicture picture;
-    picture.heading = plan_.protocol.texts.pause;
-    const double until_s = session_.servo().now_s() + seconds;
-    while (session_.servo().now_s() < until_s) {
-        state_.left_s = until_s - session_.servo().now_s();
-        picture.left_share = state_.left_s / seconds;
-        static_cast<void>(show(picture));
-    }
-    picture.left_share = 0.0;
-    picture.text = plan_.protocol.texts.block_begins;
-    show_until_key(SittingStep::in_break, picture);
-}
-
-void Sitting::wait_while_paused() {
-    while (orders_.is_paused) {
-        state_.step = SittingStep::paused;
-        ParticipantPicture picture;
-        picture.heading = plan_.protocol.texts.pause;
-        static_cast<void>(show(picture));
-    }
-}
-
-/// What is said before a trial.
-void Sitting::introduce(const study::PlannedTrial &planned) {
-    const study::Texts &texts = plan_.protocol.texts;
-    const bool is_practice = planned.presented.kind == study::TrialKind::practice;
-    ParticipantPicture picture;
-    if (has_presented_ && planned.place.block != last_block_) {
-        take_break(plan_.protocol.breaks.between_blocks_s);
-    } else if (std::exchange(orders_.skips_to_break, false) ||
-               (plan_.protocol.breaks.every_trials > 0 &&
-                since_break_ >= plan_.protocol.breaks.every_trials)) {
-        take_break(plan_.protocol.breaks.break_s);
-    }
-    if (is_practice && !was_practising_) {
-        picture.heading = texts.practice_begins;
-        show_until_key(SittingStep::practice_begins, picture);
-    } else if (!is_practice && was_practising_) {
-        picture.heading = texts.practice_ends;
-        show_until_key(SittingStep::practice_ends, picture);
-    }
-    was_practising_ = is_practice;
-    last_block_ = planned.place.block;
-}
-
 /// After a stop by hand the experimenter decides; after another it is quiet for a while.
 void Sitting::reset_device_when_calm() {
     const servo::SafetyStatus &safety = session_.latest().safety;
@@ -154,25 +105,36 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
     presenter_.lead_to_start(planned);
     calm_from_s_ = session_.servo().now_s();
     orders_.resets_device = false;
+    bool is_lead_lost = false;
     while (true) {
         wait_while_paused();
         const servo::ServoSample &latest = session_.latest();
         if (latest.safety.state == servo::SafetyState::running) {
-            return;
+            warm_up(planned);
+            if (session_.latest().safety.state == servo::SafetyState::running) {
+                return;
+            }
+            continue;
         }
         ParticipantPicture picture;
         if (latest.health == device::DeviceHealth::lost || !session_.is_zeroed()) {
             state_.step = SittingStep::device_lost;
-            picture.heading = plan_.protocol.texts.pause;
+            picture.text = plan_.protocol.texts.device_lost;
+            picture.is_calm_stop = true;
             calm_from_s_ = session_.servo().now_s();
+            is_lead_lost = true;
         } else if (latest.safety.state == servo::SafetyState::tripped) {
             state_.step = SittingStep::device_stopped;
             picture.text = plan_.protocol.texts.device_stopped;
             picture.is_calm_stop = true;
             reset_device_when_calm();
         } else {
+            if (std::exchange(is_lead_lost, false)) {
+                presenter_.lead_to_start(planned); // of a hand that is simulated anew
+            }
             picture = presenter_.picture(SittingStep::setting_up);
-            picture.text = plan_.protocol.texts.rest_at_spot;
+            picture.text = latest.contact.touching ? plan_.protocol.texts.please_lift
+                                                   : plan_.protocol.texts.rest_at_spot;
             picture.tip_m = latest.tip_m;
         }
         static_cast<void>(show(picture));
@@ -285,6 +247,8 @@ EndedSitting Sitting::run() {
     };
     note_trials();
     try {
+        ask_questions(study::QuestionnaireTime::before);
+        check_noise();
         ParticipantPicture picture;
         picture.text = plan_.protocol.texts.instructions;
         show_until_key(SittingStep::instructions, picture);
@@ -304,6 +268,8 @@ EndedSitting Sitting::run() {
     }
     if (ended.ending == study::SessionEnding::completed) {
         try {
+            noise_.reset();
+            ask_questions(study::QuestionnaireTime::after);
             ParticipantPicture picture;
             picture.heading = plan_.protocol.texts.end;
             state_.progress = 1.0;

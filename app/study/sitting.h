@@ -5,6 +5,7 @@
 // servo's part of a trial for trial_presenter.h.
 #pragma once
 
+#include "app/study/masking_noise.h"
 #include "app/study/sitting_port.h"
 #include "app/study/sitting_state.h"
 #include "app/study/trial_presenter.h"
@@ -26,6 +27,7 @@ struct SittingPlan {
     study::ProtocolFolders folders;
     std::string participant;             ///< in the store
     bool keeps_records = true;           ///< a servo record of each trial
+    bool plays_noise = true;             ///< the protocol's masking noise
     std::vector<study::Setting> facts{}; ///< of the session, besides those of the device
 };
 
@@ -57,16 +59,17 @@ private:
     [[nodiscard]] bool is_answer_key(const std::vector<ParticipantInput> &inputs) const;
 
     [[nodiscard]] std::optional<study::TrialResult> present(const study::PlannedTrial &planned);
-    [[nodiscard]] study::SessionEnding end_of(const Ends &ends) const;
     void introduce(const study::PlannedTrial &planned);
     void take_break(double seconds);
     void wait_while_paused();
+    void warm_up(const study::PlannedTrial &planned);
+    void check_noise();
+    void ask_questions(study::QuestionnaireTime when);
+    [[nodiscard]] std::optional<std::string> answer_to(const study::QuestionnaireItem &item,
+                                                       ParticipantPicture picture);
     void make_ready(const study::PlannedTrial &planned);
     void reset_device_when_calm();
     void tell_of(const study::PlannedTrial &planned, study::TrialResult &result);
-    [[nodiscard]] study::TrialResult recorded(const study::PlannedTrial &planned,
-                                              const std::optional<study::TrialResult> &result);
-    void take_note(const study::PlannedTrial &planned);
     [[nodiscard]] study::Session begun() const;
 
     study::StudyStore &store_;
@@ -81,6 +84,7 @@ private:
     bool has_presented_ = false;
     int last_block_ = 0;
     int since_break_ = 0;
+    std::optional<MaskingNoise> noise_;
     double calm_from_s_ = 0.0; ///< of a tripped device
 };
 

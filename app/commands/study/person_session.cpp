@@ -94,6 +94,8 @@ void TypedSitting::add_to(CLI::App &command) {
         ->type_name("FACTOR");
     command.add_flag("--without-records{false}", keeps_records,
                      "keep no servo record of each trial, which takes about 1 MB a second");
+    command.add_flag("--without-noise{false}", plays_noise,
+                     "do not play the protocol's masking noise, as in a rehearsal");
     command.add_flag("--lockstep", is_in_lockstep,
                      "run the servo by frame time instead of the clock, which is repeatable; not "
                      "on USB");
@@ -113,8 +115,9 @@ study_screen::EndedSitting run_person_session(study::StudyStore &store,
     session.start();
     print_new_remarks(session);
     study_screen::Sitting sitting(
-        store, {protocol, setting, folders, code, typed.keeps_records, window.facts()}, session,
-        window);
+        store,
+        {protocol, setting, folders, code, typed.keeps_records, typed.plays_noise, window.facts()},
+        session, window);
     const study_screen::EndedSitting ended = sitting.run();
     session.stop();
     return ended;

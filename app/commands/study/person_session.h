@@ -24,6 +24,7 @@ struct TypedSitting {
     bool is_in_lockstep = false;
     std::optional<int> cpu;
     bool keeps_records = true;
+    bool plays_noise = true;
     study_screen::StudyWindowOptions window;
 
     void add_to(CLI::App &command);

@@ -6,6 +6,7 @@
 #include "engine/study/observers/simulated_answer.h"
 #include "engine/study/protocol/presented_stimulus.h"
 #include "engine/study/protocol/stimulus_trial.h"
+#include "engine/study/protocol/warm_up_trial.h"
 
 #include <cmath>
 #include <map>
@@ -25,6 +26,19 @@ constexpr double kAside_m = 0.001;    ///< it comes down within so much of the s
 
 constexpr std::uint64_t kHandDraws = 1'000'000; ///< apart from a participant's seeds
 
+/// The mean of what windings and housings would meet at.
+double meeting_C(const device::DeviceDescription &device, const MotorTemperatures &motors) {
+    double sum_C = 0.0;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const device::ThermalParameters &thermal =
+            device.motor[static_cast<std::size_t>(j)].thermal;
+        const double C_w = thermal.winding_time_s / thermal.winding_housing_K_per_W;
+        const double C_h = thermal.motor_time_s / thermal.housing_ambient_K_per_W;
+        sum_C += (C_w * motors.winding_C[j] + C_h * motors.housing_C[j]) / (C_w + C_h);
+    }
+    return sum_C / 3.0;
+}
+
 /// In the contact plane, uniform in a disc; the press is log-normal.
 HandDeviation hand_of(RandomKey key, const TurnFrame &frame) {
     const double radius_m = kAside_m * std::sqrt(uniform(child(key, 0)));
@@ -42,23 +56,31 @@ class SimulatedSitting::Run {
 public:
     Run(const Protocol &protocol, const StudySetting &setting,
         const SimulatedParticipant &participant, FeltStimuli felt)
-        : protocol_(protocol), setting_(setting), participant_(participant), felt_(felt) {}
+        : protocol_(protocol), setting_(setting), participant_(participant), felt_(felt) {
+        const Vector3 air_C = Vector3::Constant(protocol.windings.air_C);
+        motors_ = {air_C, air_C};
+    }
 
     TrialResult present(const PlannedTrial &planned) {
         TrialResult result;
         std::optional<FeltPresentation> comparison;
         std::optional<FeltPresentation> standard;
         double begins_s = 0.0;
+        warm_if_needed(result);
         const std::vector<Interval> intervals = intervals_of(protocol_, planned);
         for (std::size_t i = 0; i < intervals.size(); ++i) {
             const Felt felt = feel(intervals[i], child(child(planned.key, kHandDraws), i));
             add(result, felt, begins_s);
+            pass(felt.duration_s + (i > 0 ? protocol_.timing.pause_s : 0.0), felt);
             begins_s = *result.presentations.back().end_s + protocol_.timing.pause_s;
             (intervals[i].is_comparison ? comparison : standard) = felt.what;
             if (intervals[i].is_comparison) {
                 result.tuning = settings_of(felt.what.condition);
             }
         }
+        result.windings_degC = {motors_.winding_C[0], motors_.winding_C[1], motors_.winding_C[2]};
+        motors_ = cooled(setting_.device, protocol_.windings.air_C, motors_,
+                         protocol_.timing.expected_response_s + protocol_.timing.between_trials_s);
         const double level = delivered_level(protocol_, *comparison, standard);
         const SimulatedAnswer answer = simulated_answer(protocol_, participant_, planned, level);
         result.response = answer.response;
@@ -66,12 +88,16 @@ public:
         return result;
     }
 
+    [[nodiscard]] double warm_up_s() const { return warm_up_s_; }
+
 private:
     struct Felt {
         FeltPresentation what;
         DeliveredStimulus delivered;
         StimulusFailure failure = StimulusFailure::none;
         std::string trip;
+        double duration_s = 0.0;
+        MotorTemperatures rise_K; ///< by its heat
     };
     /// Condition, level or none, and place.
     using Distinct = std::tuple<std::size_t, std::optional<double>, int>;
@@ -91,6 +117,7 @@ private:
     /// @param key  of the hand's deviations; null: none
     [[nodiscard]] Felt simulate(const Presented &presented, const RandomKey *key) const {
         StimulusCircumstances circumstances;
+        circumstances.winding_C = warmed_C_;
         if (key != nullptr) {
             circumstances.hand = hand_of(*key, stimulus_of(protocol_, setting_, presented).frame);
         }
@@ -99,7 +126,34 @@ private:
                  trial.delivered.measures},
                 trial.delivered,
                 trial.failure,
-                trial.trip};
+                trial.trip,
+                trial.duration_s,
+                {trial.winding_rise_K, trial.housing_rise_K}};
+    }
+
+    /// What a participant is presented is simulated from what the first one
+    /// leaves, so that no result depends on the trials before.
+    void warm_if_needed(TrialResult &result) {
+        if (!WarmUp::is_needed(protocol_.windings, motors_.winding_C)) {
+            return;
+        }
+        const WarmUpTrial warm_up = try_warm_up(protocol_, setting_, motors_);
+        motors_ = warm_up.after;
+        warm_up_s_ += warm_up.duration_s;
+        if (!warmed_C_) {
+            warmed_C_ = meeting_C(setting_.device, motors_);
+        }
+        if (!warm_up.trip.empty()) {
+            result.safety_events.push_back({warm_up.duration_s, warm_up.trip});
+        } else if (warm_up.failure != WarmUpFailure::none) {
+            result.marks.emplace_back(description(warm_up.failure));
+        }
+    }
+
+    void pass(double seconds, const Felt &felt) {
+        motors_ = cooled(setting_.device, protocol_.windings.air_C, motors_, seconds);
+        motors_.winding_C += felt.rise_K.winding_C;
+        motors_.housing_C += felt.rise_K.housing_C;
     }
 
     static void add(TrialResult &result, const Felt &felt, double begins_s) {
@@ -112,8 +166,6 @@ private:
             result.marks.emplace_back(description(felt.failure));
         }
         result.missed_deadlines += felt.delivered.missed_deadlines;
-        const Vector3 &winding_C = felt.delivered.winding_C;
-        result.windings_degC = {winding_C[0], winding_C[1], winding_C[2]};
         result.presentations.push_back(std::move(presentation));
     }
 
@@ -121,6 +173,9 @@ private:
     StudySetting setting_;
     SimulatedParticipant participant_;
     FeltStimuli felt_;
+    double warm_up_s_ = 0.0;         ///< of all warm-ups
+    MotorTemperatures motors_;       ///< of the session so far
+    std::optional<double> warmed_C_; ///< by the first warm-up
     std::map<Distinct, Felt> measured_;
 };
 
@@ -130,6 +185,8 @@ SimulatedSitting::SimulatedSitting(const Protocol &protocol, const StudySetting 
 SimulatedSitting::~SimulatedSitting() = default;
 SimulatedSitting::SimulatedSitting(SimulatedSitting &&) noexcept = default;
 SimulatedSitting &SimulatedSitting::operator=(SimulatedSitting &&) noexcept = default;
+
+double SimulatedSitting::warm_up_s() const { return run_->warm_up_s(); }
 
 std::optional<TrialResult> SimulatedSitting::present(const PlannedTrial &planned) {
     return run_->present(planned);

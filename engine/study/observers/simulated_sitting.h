@@ -5,9 +5,15 @@
 // participant judges the delivered level, not the intended one, with a psychometric function that
 // is known: so an analysis can be held against the truth.
 //
-// A trial's result is a function of protocol, setting, participant and planned trial alone. A
-// session that was stopped goes on with what an undisturbed one would have given. Windings are
-// taken to be in the protocol's band, at `WindingBand::from_C`, at the start of each presentation.
+// A session begins with windings as cold as the air, and warms them to the protocol's band before
+// the first trial and before any other for which one is too cold, by `WarmUp` on the simulated device.
+// Their temperatures follow from the heat of all presentations,
+// and the times between.
+//
+// What is presented and answered in a trial is a function of protocol, setting, participant and
+// planned trial alone: each presentation begins with windings and housings as the first warm-up has
+// left them. So a session that was stopped goes on with what an undisturbed one would have given;
+// only warm-ups, times and the temperatures that are stored are its own. Breaks are not simulated.
 #pragma once
 
 #include "engine/study/conduct/conduct.h"
@@ -51,6 +57,9 @@ public:
 
     /// For `Conduct::present`. Times of presentations are within the trial: its start is 0.
     [[nodiscard]] std::optional<TrialResult> present(const PlannedTrial &planned);
+
+    /// How long all warm-ups have taken, each before its trial [s].
+    [[nodiscard]] double warm_up_s() const;
 
 private:
     class Run;

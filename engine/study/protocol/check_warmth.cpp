@@ -1,5 +1,6 @@
 #include "device/core/motor/winding_temperature.h"
 #include "engine/study/protocol/checks.h"
+#include "engine/study/protocol/warm_up_trial.h"
 
 #include <fmt/core.h>
 
@@ -67,13 +68,26 @@ struct Extremes {
     double highest_C = 0.0;
 };
 
+constexpr double kStep_s = 0.05;
+
+/// Warm, when winding and housing have met.
+device::WindingTemperature warmed(const device::MotorParameters &motor, const WindingBand &band,
+                                  double current_A) {
+    constexpr double kTimes = 3.0;
+    device::WindingTemperature temperature =
+        predicted_heating(motor, band, current_A, kStep_s).temperature;
+    temperature.set_period(kTimes * motor.thermal.winding_time_s);
+    temperature.update(0.0);
+    temperature.set_period(kStep_s);
+    return temperature;
+}
+
 /// A winding that is warm at the start and carries the current in every stimulus of a session.
 class WarmWinding {
 public:
-    WarmWinding(const device::MotorParameters &motor, const WindingBand &band, double square_A2)
-        : motor_(motor), temperature_(motor.thermal, band.air_C, kStep_s), square_A2_(square_A2) {
-        warm_to(band.from_C);
-    }
+    WarmWinding(const device::MotorParameters &motor, const device::WindingTemperature &warmed,
+                double square_A2)
+        : motor_(motor), temperature_(warmed), square_A2_(square_A2) {}
 
     Extremes over(const Rhythm &rhythm) {
         Extremes found{temperature_.winding_C(), temperature_.winding_C()};
@@ -92,24 +106,10 @@ public:
     }
 
 private:
-    static constexpr double kStep_s = 0.05;
-
     void pass(double seconds, double square_A2) {
         for (long i = std::lround(seconds / kStep_s); i > 0; --i) {
             temperature_.update(
                 square_A2 * device::winding_resistance_Ohm(motor_, temperature_.winding_C(), 0.0));
-        }
-    }
-
-    /// At the motor's nominal heat, until the winding is there; its housing follows more slowly.
-    void warm_to(double winding_C) {
-        constexpr double kLongest_s = 3600.0;
-        const device::ThermalParameters &thermal = motor_.thermal;
-        const double heat_W = 0.5 * (thermal.max_winding_C - device::kReferenceTemperature_C) /
-                              (thermal.winding_housing_K_per_W + thermal.housing_ambient_K_per_W);
-        for (double now_s = 0.0; temperature_.winding_C() < winding_C && now_s < kLongest_s;
-             now_s += kStep_s) {
-            temperature_.update(heat_W);
         }
     }
 
@@ -142,15 +142,18 @@ SessionWarmth check_warmth(const Protocol &protocol, const StudySetting &setting
     SessionWarmth warmth;
     warmth.hottest_C = band.from_C;
     double coldest_C = band.from_C;
+    const Vector3 current_A = warming_current_A(setting, warming_place_m(protocol, setting));
     for (std::size_t i = 0; i < setting.device.motor.size(); ++i) {
         const device::MotorParameters &motor = setting.device.motor[i];
         double most_A2 = 0.0;
         for (const CurrentSquares &one : all) {
             most_A2 = std::max(most_A2, one[i]);
         }
+        const device::WindingTemperature warm =
+            warmed(motor, band, current_A[static_cast<Eigen::Index>(i)]);
         warmth.hottest_C =
-            std::max(warmth.hottest_C, WarmWinding(motor, band, most_A2).over(rhythm).highest_C);
-        coldest_C = std::min(coldest_C, WarmWinding(motor, band, mean[i]).over(rhythm).lowest_C);
+            std::max(warmth.hottest_C, WarmWinding(motor, warm, most_A2).over(rhythm).highest_C);
+        coldest_C = std::min(coldest_C, WarmWinding(motor, warm, mean[i]).over(rhythm).lowest_C);
     }
     const double max_C = setting.device.motor[0].thermal.max_winding_C;
     if (warmth.hottest_C >= max_C) {
@@ -172,7 +175,7 @@ SessionWarmth check_warmth(const Protocol &protocol, const StudySetting &setting
         warmth.findings.push_back(
             {Severity::note, "windings",
              fmt::format("cool to {:.0f} °C within a session of the mean stimulus, below the {:g} "
-                         "°C to which they are warmed: they are warmed again in breaks",
+                         "°C to which they are warmed: they are warmed again before the next trial",
                          coldest_C, band.from_C),
              ""});
     }

@@ -43,6 +43,23 @@ inline constexpr double kGainMargin = 1.1;
 [[nodiscard]] ProtocolFindings check_limits(const Protocol &protocol, const StudySetting &setting,
                                             const std::vector<Presented> &presented);
 
+/// Bands of `[marking]` in which even a stimulus that is as intended would not be found, see
+/// `count_angle_deg`.
+[[nodiscard]] ProtocolFindings check_marking(const Protocol &protocol, const StudySetting &setting,
+                                             const std::vector<Presented> &presented);
+
+/// By how much an encoder count turns the direction that is measured of a press or a pulse [°], of
+/// the motor whose count turns it most:
+///
+///   pulse   the current that the law alone drives follows k_T θ̇ (11), so a count ε of motor j is
+///           an impulse of J⁻ᵀ e_j k_T² ε/dR. Its part across the pulse, against the pulse's own
+///           impulse, ½ height/frequency.
+///   press   the force is J⁻ᵀ k_T i, and J is that of the angles: turned by a count.
+///
+/// 0 of other stimuli, and where nothing is pressed.
+[[nodiscard]] double count_angle_deg(const Protocol &protocol, const StudySetting &setting,
+                                     const Presented &presented);
+
 /// Trials and minutes, breaks and the balance of orders.
 [[nodiscard]] ProtocolFindings check_session(const Protocol &protocol, const SessionLength &length);
 

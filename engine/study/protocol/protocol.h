@@ -16,6 +16,7 @@
 #include "engine/study/protocol/questionnaire.h"
 #include "engine/study/protocol/texts.h"
 #include "engine/study/stimuli/stimulus.h"
+#include "engine/study/stimuli/winding_band.h"
 
 #include <array>
 #include <cstddef>
@@ -90,15 +91,6 @@ struct Marking {
     int most_marked = 20;        ///< in a block, see block.h
 
     friend bool operator==(const Marking &, const Marking &) = default;
-};
-
-/// The windings are warmed to this band before the first trial and kept in it.
-struct WindingBand {
-    double air_C = 25.0;
-    double from_C = 30.0;
-    double to_C = 60.0;
-
-    friend bool operator==(const WindingBand &, const WindingBand &) = default;
 };
 
 struct StoppingRules {

@@ -1,9 +1,13 @@
 #include "engine/study/protocol/protocol_check.h"
 
 #include "engine/study/protocol/checks.h"
+#include "engine/study/protocol/warm_up_trial.h"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <string_view>
@@ -36,15 +40,25 @@ CheckedProtocol check_protocol(const Protocol &protocol, const ProtocolFolders &
     const StudySetting setting = study_setting(protocol, folders);
     const std::vector<Presented> presented = all_presented(protocol);
     CheckedProtocol checked;
-    checked.length = session_length(protocol);
+    const double warm_up_s = predicted_warm_up_s(protocol, setting);
+    checked.length = session_length(protocol, std::isfinite(warm_up_s) ? warm_up_s : 0.0);
     ProtocolFindings &findings = checked.findings;
     add(findings, check_spots(protocol, setting));
     add(findings, check_free_space(protocol, setting.device));
     add(findings, check_stability(protocol, setting, presented));
     add(findings, check_limits(protocol, setting, presented));
     SessionWarmth warmth = check_warmth(protocol, setting, presented, checked.length);
+    if (!std::isfinite(warm_up_s)) {
+        findings.push_back(
+            {Severity::error, "windings",
+             fmt::format("cannot be warmed to {:g} °C in {:g} min, with air of {:g} °C",
+                         protocol.windings.from_C, WarmUp::kLongest_s / 60.0,
+                         protocol.windings.air_C),
+             "lower windings.from_C, or raise windings.to_C"});
+    }
     checked.hottest_winding_C = warmth.hottest_C;
     add(findings, std::move(warmth.findings));
+    add(findings, check_marking(protocol, setting, presented));
     add(findings, check_session(protocol, checked.length));
     if (options.simulates && !has_errors(findings)) {
         checked.trials = try_conditions(protocol, setting, usable(extremes(presented), setting));

@@ -78,8 +78,9 @@ int fewest_trials(const Method &method) {
         method);
 }
 
-SessionLength session_length(const Protocol &protocol) {
+SessionLength session_length(const Protocol &protocol, double warm_up_s) {
     SessionLength session;
+    session.warm_up_s = warm_up_s;
     const double usual_s = usual_trial_s(protocol);
     const double long_s = long_trial_s(protocol);
     for (std::size_t i = 0; i < protocol.blocks.size(); ++i) {
@@ -108,8 +109,8 @@ SessionLength session_length(const Protocol &protocol) {
     const double between_s =
         protocol.breaks.between_blocks_s *
         static_cast<double>(std::max<std::size_t>(session.blocks.size(), 1) - 1);
-    session.fewest_s += between_s;
-    session.most_s += between_s;
+    session.fewest_s += warm_up_s + between_s;
+    session.most_s += warm_up_s + between_s;
     return session;
 }
 

@@ -20,7 +20,8 @@ struct SessionLength {
     std::vector<BlockLength> blocks; ///< in the protocol's order
     int fewest_trials = 0;
     int most_trials = 0;
-    double fewest_s = 0.0; ///< with all breaks; without instructions and warming
+    double warm_up_s = 0.0; ///< before the first trial
+    double fewest_s = 0.0;  ///< with it and all breaks, without instructions
     double most_s = 0.0;
     double longest_without_break_s = 0.0; ///< when all trials take their longest
 };
@@ -40,6 +41,7 @@ inline constexpr double kRestart_s = 2.0;
 /// Lower bound of a method's trials.
 [[nodiscard]] int fewest_trials(const Method &method);
 
-[[nodiscard]] SessionLength session_length(const Protocol &protocol);
+/// @param warm_up_s  of the windings, before the first trial: see warm_up_trial.h
+[[nodiscard]] SessionLength session_length(const Protocol &protocol, double warm_up_s = 0.0);
 
 } // namespace springdrive::study

@@ -78,6 +78,10 @@ StimulusTrial try_stimulus(const Protocol &protocol, const StudySetting &setting
             circumstances.watch(sample, run.phase());
         }
     }
+    // Windings and housings were as warm as the air.
+    seen.duration_s = rig.last.time_s;
+    seen.winding_rise_K = rig.truth().winding_C - Vector3::Constant(options.ambient_C);
+    seen.housing_rise_K = rig.truth().housing_C - Vector3::Constant(options.ambient_C);
     seen.delivered = meter.delivered();
     seen.failure = run.failure();
     if (rig.has_tripped()) {

@@ -32,6 +32,10 @@ struct StimulusTrial {
     std::string trip;             ///< of the safety monitor, with its numbers; empty: none
     double shaking_m_per_s = 0.0; ///< of the tip at the end of a press, the hand being still
     bool has_touched = false;
+    // Of the windings' heat alone, until the end of it:
+    double duration_s = 0.0;
+    Vector3 winding_rise_K{Vector3::Zero()};
+    Vector3 housing_rise_K{Vector3::Zero()};
 };
 
 /// A presentation is cut to what tells all: a second, of a blow 0.3 s, of a pulse its own time and

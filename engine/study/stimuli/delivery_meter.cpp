@@ -1,6 +1,7 @@
 #include "engine/study/stimuli/delivery_meter.h"
 
 #include "device/core/phantom/kinematics.h"
+#include "engine/study/stimuli/winding_band.h"
 
 #include <Eigen/LU>
 
@@ -120,10 +121,7 @@ void DeliveryMeter::take(const servo::ServoSample &sample, const StimulusRun &ru
     so_far_.missed_deadlines += sample.missed_deadlines;
     so_far_.is_held_back =
         so_far_.is_held_back || sample.held_back.holds_force() || sample.held_back.voltage;
-    for (Eigen::Index j = 0; j < 3; ++j) {
-        const servo::WindingStatus &winding = sample.winding[static_cast<std::size_t>(j)];
-        so_far_.winding_C[j] = 0.5 * (winding.min_C + winding.max_C);
-    }
+    so_far_.winding_C = estimated_windings_C(sample);
     if (run.phase() == StimulusPhase::presenting) {
         take_presented(sample, run.presented_s());
     }

@@ -47,6 +47,8 @@ study::Protocol short_protocol(const std::string &name) {
     method.blocks = 1;
     protocol.method = method;
     protocol.expected.reset();
+    protocol.questionnaire.clear();
+    protocol.windings = {25.0, 24.0, 60.0}; // warm already
     return protocol;
 }
 
@@ -145,7 +147,7 @@ protected:
     }
 
     [[nodiscard]] SittingPlan plan() const {
-        return {protocol_, study::study_setting(protocol_, folders_), folders_, "P01", false};
+        return {protocol_, study::study_setting(protocol_, folders_), folders_, "P01", false, false};
     }
 
     EndedSitting run(const std::function<void(MadeUpPort &, session::Session &)> &prepare = {}) {

@@ -11,6 +11,7 @@
 #include "engine/study/protocol/presented_stimulus.h"
 #include "engine/study/protocol/protocol_file.h"
 #include "engine/study/stimuli/live_stimulus.h"
+#include "engine/study/stimuli/warm_up.h"
 #include "tests/support/devices.h"
 #include "tests/support/real_time_watch.h"
 
@@ -134,6 +135,20 @@ TEST(RealTime, APresentedStimulusAllocatesAndLocksNothing) {
     expect_quiet([&] { servo.advance(static_cast<int>(ticks)); });
     EXPECT_EQ(live.phase(), study::StimulusPhase::done) << description(live.failure());
     EXPECT_NEAR(live.delivered().measures.turn_deg.value(), 30.0, 1.0); // the protocol's band
+}
+
+TEST(RealTime, AWarmUpAllocatesAndLocksNothing) {
+    const device::DeviceDescription device = testing::phantom_1_0();
+    const simulated::SimulationOptions options;
+    rig::ServoRig rig(device, options, {0.0, 0.03, 0.0});
+    rig.run(1.5);
+    study::WarmUp warm_up(device, {25.0, 25.2, 60.0}, options.servo_period_s);
+    expect_quiet([&] {
+        for (long tick = 0; tick < 120'000 && !warm_up.is_over(); ++tick) {
+            warm_up.update(rig.tick(), rig.inputs);
+        }
+    });
+    EXPECT_EQ(warm_up.phase(), study::WarmUpPhase::done) << description(warm_up.failure());
 }
 
 TEST(RealTime, ATickThatSwitchesThePlantAllocatesAndLocksNothing) {

@@ -118,6 +118,32 @@ TEST(SimulatedSitting, ShowsTheStandardFirstWhereTheProtocolWantsIt) {
     EXPECT_TRUE(std::holds_alternative<YesNo>(result.response));
 }
 
+TEST(SimulatedSitting, WarmsTheWindingsFirstAndAgainWhenTheyAreCold) {
+    Protocol protocol = direction_protocol();
+    SimulatedSitting sitting = sitting_of(protocol, FeltStimuli::measured_once);
+    EXPECT_EQ(sitting.warm_up_s(), 0.0);
+    const TrialResult first = sitting.present(trial_at(20.0, 0, 1)).value();
+    const double once_s = sitting.warm_up_s();
+    EXPECT_GT(once_s, 10.0);
+    for (const std::optional<double> &winding_C : first.windings_degC) {
+        EXPECT_GE(winding_C.value(), protocol.windings.from_C);
+        EXPECT_LE(winding_C.value(), protocol.windings.to_C);
+    }
+    static_cast<void>(sitting.present(trial_at(20.0, 0, 2)).value());
+    EXPECT_EQ(sitting.warm_up_s(), once_s) << "still in the band";
+
+    // Half an hour between trials: three times the motors' time constant.
+    protocol.timing.between_trials_s = 1800.0;
+    SimulatedSitting slow = sitting_of(protocol, FeltStimuli::measured_once);
+    static_cast<void>(slow.present(trial_at(20.0, 0, 1)).value());
+    const TrialResult later = slow.present(trial_at(20.0, 0, 2)).value();
+    EXPECT_GT(slow.warm_up_s(), 1.5 * once_s);
+    for (const std::optional<double> &winding_C : later.windings_degC) {
+        EXPECT_GE(winding_C.value(), protocol.windings.from_C);
+    }
+    EXPECT_EQ(later.presentations, first.presentations) << "whatever came before";
+}
+
 TEST(SimulatedSitting, TellsOfATripAsASafetyEvent) {
     const Protocol protocol = direction_protocol();
     StudySetting setting = study_setting(protocol, testing::folders());

@@ -7,8 +7,11 @@
 #include "engine/control/coupling.h"
 #include "engine/lab/loops/stability_case.h"
 #include "engine/study/protocol/checks.h"
+#include "engine/study/protocol/presented_stimulus.h"
+#include "engine/study/protocol/warm_up_trial.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -466,6 +469,106 @@ TEST(ProtocolCheck, TellsThePrecisionToBeExpected) {
     EXPECT_LT(ratio, 2.5);
     protocol.expected.reset();
     EXPECT_EQ(count(check_precision(protocol), Severity::note, "without [expected]"), 1);
+}
+
+/// What a count of one motor adds to the impulse of the law's current, by Euler's steps of (11).
+Vector3 impulse_of_count_Ns(const device::DeviceDescription &device, const Vector3 &q_rad,
+                            double dR_Ohm, Eigen::Index j) {
+    const device::MotorParameters &motor = device.motor[static_cast<std::size_t>(j)];
+    constexpr double kStep_s = 1e-7;
+    constexpr double kTurning_s = 1e-3; // the count is seen as a speed for one tick
+    double i_A = 0.0;
+    double charge_As = 0.0;
+    for (int step = 0; step < 200'000; ++step) {
+        const double rate = step * kStep_s < kTurning_s ? device.rad_per_count() / kTurning_s : 0.0;
+        i_A +=
+            kStep_s / motor.inductance_H * (-dR_Ohm * i_A - motor.torque_constant_Nm_per_A * rate);
+        charge_As += kStep_s * i_A;
+    }
+    const Vector3 torque_Nms = motor.torque_constant_Nm_per_A * charge_As * Vector3::Unit(j);
+    return device::motor_jacobian(device.geometry, q_rad).transpose().inverse() * torque_Nms;
+}
+
+TEST(ProtocolCheck, ABandNarrowerThanAnEncoderCountIsTold) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.stimulus = StimulusForm::pulse;
+    protocol.timing.presentation_s = 1.0;
+    for (Condition &condition : protocol.conditions) {
+        condition.hold = Hold::cup;
+        condition.pulse_N = 1.0;
+        condition.pulse_hz = 100.0;
+    }
+    const StudySetting setting = setting_of(protocol);
+    const std::vector<Presented> presented = all_presented(protocol);
+    const Presented &one = presented.front();
+    const Vector3 q_rad = predicted_press(setting, one, StimulusForm::pulse).value().q_rad;
+    const Vector3 direction = stimulus_of(protocol, setting, one).direction;
+    double expected_deg = 0.0;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const Vector3 count_Ns =
+            impulse_of_count_Ns(setting.device, q_rad, one.parameters.tuning.dR_Ohm, j);
+        const Vector3 across_Ns = count_Ns - count_Ns.dot(direction) * direction;
+        expected_deg = std::max(expected_deg, kDegreesPerRadian *
+                                                  std::atan2(across_Ns.norm(), 0.5 * 1.0 / 100.0));
+    }
+    // Euler's error is the step's share of the winding's time constant, 2e-4.
+    EXPECT_NEAR(count_angle_deg(protocol, setting, one), expected_deg, 1e-3 * expected_deg);
+
+    double widest_deg = 0.0;
+    for (const Presented &each : presented) {
+        widest_deg = std::max(widest_deg, count_angle_deg(protocol, setting, each));
+    }
+    protocol.marking.direction_deg = 1.01 * widest_deg;
+    EXPECT_EQ(count(check_marking(protocol, setting, presented), Severity::warning, "count"), 0);
+    protocol.marking.direction_deg = 0.99 * widest_deg;
+    EXPECT_GT(count(check_marking(protocol, setting, presented), Severity::warning, "count"), 0);
+    // Twice as slow has twice the impulse.
+    for (Condition &condition : protocol.conditions) {
+        condition.pulse_hz = 50.0;
+    }
+    EXPECT_TRUE(check_marking(protocol, setting, all_presented(protocol)).empty());
+}
+
+/// A press is turned by J of the angles alone: no band that a protocol may have is so narrow.
+TEST(ProtocolCheck, ACountHardlyTurnsAPress) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    for (Condition &condition : protocol.conditions) {
+        condition.hold = Hold::cup;
+    }
+    const StudySetting setting = setting_of(protocol);
+    for (const Presented &one : all_presented(protocol)) {
+        const double count_deg = count_angle_deg(protocol, setting, one);
+        EXPECT_GT(count_deg, 0.0);
+        // Two joint angles of a count each: 2 · 360°/4096/11.2.
+        EXPECT_LT(count_deg, 2.0 * 360.0 / 4096.0 / 11.2);
+    }
+}
+
+/// From the air to the band by the network with constant heat, which is ½ R a² as the monitor sees
+/// it: at the least C ΔT/P, at the most with what housings lose of it to the air.
+TEST(ProtocolCheck, TheWarmUpCountsInTheSession) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.windings = {25.0, 30.0, 60.0};
+    const StudySetting setting = setting_of(protocol);
+    const double warm_up_s = predicted_warm_up_s(protocol, setting);
+    const double most_A = warming_current_A(setting, warming_place_m(protocol, setting)).maxCoeff();
+    const double C_J_per_K = 12.0 / 3.1 + 612.0 / 14.0;
+    const double heat_W = 0.5 * 2.18 * 1.02 * most_A * most_A;
+    const double least_s = 6.5 * C_J_per_K / (1.09 * heat_W); // R rises by up to 9 %
+    EXPECT_GT(warm_up_s, least_s);
+    EXPECT_LT(warm_up_s, 1.3 * 6.5 * C_J_per_K / (heat_W - 6.5 / 14.0));
+    EXPECT_DOUBLE_EQ(session_length(protocol, warm_up_s).fewest_s,
+                     session_length(protocol).fewest_s + warm_up_s);
+    EXPECT_DOUBLE_EQ(session_length(protocol, warm_up_s).most_s,
+                     session_length(protocol).most_s + warm_up_s);
+    CheckOptions options;
+    options.simulates = false;
+    EXPECT_DOUBLE_EQ(check_protocol(protocol, testing::folders(), options).length.warm_up_s,
+                     warm_up_s);
+    protocol.windings = {15.0, 88.0, 90.0};
+    EXPECT_EQ(count(check_protocol(protocol, testing::folders(), options).findings, Severity::error,
+                    "cannot be warmed"),
+              1);
 }
 
 /// A press without a pause, until winding and housing are in balance with the air:

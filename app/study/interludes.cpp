@@ -1,0 +1,187 @@
+// What a sitting shows between its trials: questions, the noise, breaks, the warm-up.
+#include "app/study/sitting.h"
+
+#include "base/input_error.h"
+#include "engine/study/stimuli/live_warm_up.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace springdrive::app::study_screen {
+
+/// A break has a shortest time, and ends when the participant wants.
+void Sitting::take_break(double seconds) {
+    state_.step = SittingStep::in_break;
+    since_break_ = 0;
+    ParticipantPicture picture;
+    picture.heading = plan_.protocol.texts.pause;
+    const double until_s = session_.servo().now_s() + seconds;
+    while (session_.servo().now_s() < until_s) {
+        state_.left_s = until_s - session_.servo().now_s();
+        picture.left_share = state_.left_s / seconds;
+        picture.left_text = study::filled(plan_.protocol.texts.break_left, "{}",
+                                          fmt::format("{:.0f}", std::ceil(state_.left_s)));
+        static_cast<void>(show(picture));
+    }
+    picture.left_share = 0.0;
+    picture.text = plan_.protocol.texts.break_over;
+    show_until_key(SittingStep::in_break, picture);
+}
+
+void Sitting::wait_while_paused() {
+    while (orders_.is_paused) {
+        state_.step = SittingStep::paused;
+        ParticipantPicture picture;
+        picture.heading = plan_.protocol.texts.paused;
+        static_cast<void>(show(picture));
+    }
+}
+
+/// What is said before a trial.
+void Sitting::introduce(const study::PlannedTrial &planned) {
+    const study::Texts &texts = plan_.protocol.texts;
+    const bool is_practice = planned.presented.kind == study::TrialKind::practice;
+    ParticipantPicture picture;
+    if (has_presented_ && planned.place.block != last_block_) {
+        take_break(plan_.protocol.breaks.between_blocks_s);
+    } else if (std::exchange(orders_.skips_to_break, false) ||
+               (plan_.protocol.breaks.every_trials > 0 &&
+                since_break_ >= plan_.protocol.breaks.every_trials)) {
+        take_break(plan_.protocol.breaks.break_s);
+    }
+    if (is_practice && !was_practising_) {
+        picture.heading = texts.practice_begins;
+        picture.text = texts.ready;
+        show_until_key(SittingStep::practice_begins, picture);
+    } else if (!is_practice && was_practising_) {
+        picture.heading = texts.practice_ends;
+        picture.text = texts.ready;
+        show_until_key(SittingStep::practice_ends, picture);
+    }
+    was_practising_ = is_practice;
+    last_block_ = planned.place.block;
+}
+
+/// Before the first trial, and whenever they have cooled below the band. A device that is stopped
+/// or lost meanwhile is for make_ready.
+void Sitting::warm_up(const study::PlannedTrial &planned) {
+    const study::WindingBand &band = plan_.protocol.windings;
+    if (!study::WarmUp::is_needed(band, study::estimated_windings_C(session_.latest()))) {
+        return;
+    }
+    study::LiveWarmUp course(session_.description(), band, session_.servo().period_s());
+    session_.servo().follow(&course);
+    // Whatever ends it: the servo must not use the course any more.
+    const auto leave = [&] {
+        session_.servo().follow(nullptr);
+        session_.servo().paused([] {});
+    };
+    ParticipantPicture picture;
+    picture.heading = plan_.protocol.texts.warming_up;
+    try {
+        while (!course.is_over() && session_.latest().safety.state != servo::SafetyState::tripped) {
+            state_.step = SittingStep::warming_up;
+            static_cast<void>(show(picture));
+        }
+    } catch (...) {
+        leave();
+        throw;
+    }
+    leave();
+    if (course.is_over() && course.failure() == study::WarmUpFailure::too_long) {
+        throw InputError(fmt::format("{}: the windings cannot be warmed to {:g} °C: {}; lower "
+                                     "windings.from_C",
+                                     plan_.participant, band.from_C,
+                                     study::description(course.failure())));
+    }
+    presenter_.lead_to_start(planned);
+}
+
+/// Comfortable or not: before the first trial.
+void Sitting::check_noise() {
+    if (!plan_.protocol.noise || !plan_.plays_noise) {
+        return;
+    }
+    noise_.emplace(plan_.protocol.noise->level_dBFS);
+    ParticipantPicture picture;
+    picture.text = plan_.protocol.texts.noise_check;
+    show_until_key(SittingStep::instructions, picture);
+}
+
+/// One after the other; each answer is on the disk before the next question.
+void Sitting::ask_questions(study::QuestionnaireTime when) {
+    const study::Texts &texts = plan_.protocol.texts;
+    const study::StudyContents contents = store_.contents();
+    for (const study::QuestionnaireItem &item : plan_.protocol.questionnaire) {
+        const bool is_answered =
+            std::ranges::any_of(contents.answers, [&](const study::QuestionnaireAnswer &answer) {
+                return answer.participant == plan_.participant && answer.item == item.name;
+            });
+        if (item.when != when || is_answered) { // a resumed session asks only what is missing
+            continue;
+        }
+        state_.step = SittingStep::questionnaire;
+        ParticipantPicture picture;
+        picture.heading = when == study::QuestionnaireTime::before ? texts.questionnaire_before
+                                                                   : texts.questionnaire_after;
+        picture.text = item.text;
+        if (const std::optional<std::string> answer = answer_to(item, std::move(picture))) {
+            static_cast<void>(store_.add({plan_.participant, state_.session, item.name, item.text,
+                                          *answer, study::utc_now()}));
+        }
+    }
+}
+
+/// Nothing if the participant would rather not say.
+std::optional<std::string> Sitting::answer_to(const study::QuestionnaireItem &item,
+                                              ParticipantPicture picture) {
+    const study::Texts &texts = plan_.protocol.texts;
+    const std::vector<std::string> possible = study::possible_answers(item);
+    picture.choices_take_clicks = true;
+    picture.has_text_field = possible.empty();
+    for (std::size_t i = 0; i < possible.size(); ++i) {
+        const bool is_scale = item.kind == study::QuestionnaireKind::scale;
+        const std::string &label = i == 0                     ? item.lowest_label
+                                   : i + 1 == possible.size() ? item.highest_label
+                                                              : std::string();
+        const bool has_key = possible.size() <= 9;
+        picture.choices.push_back(
+            {is_scale && has_key ? label : possible[i], has_key ? fmt::format("{}", i + 1) : ""});
+        if (is_scale && has_key) {
+            picture.choices.back().key = possible[i];
+        }
+    }
+    if (possible.empty()) {
+        picture.choices.push_back({texts.next_question, "enter"});
+    }
+    picture.choices.push_back({texts.no_answer, ""});
+    while (true) {
+        const std::vector<ParticipantInput> inputs = show(picture).inputs;
+        picture.typed = typed_on(picture.typed, inputs, study::kLongestAnswer);
+        for (const ParticipantInput &input : inputs) {
+            if (!input.is_press) {
+                continue;
+            }
+            std::size_t chosen = picture.choices.size();
+            if (input.source == InputSource::choice) {
+                chosen = input.choice;
+            } else if (input.source == InputSource::key) {
+                for (std::size_t i = 0; i < picture.choices.size(); ++i) {
+                    chosen =
+                        !input.name.empty() && picture.choices[i].key == input.name ? i : chosen;
+                }
+            }
+            if (chosen + 1 == picture.choices.size()) {
+                return std::nullopt;
+            }
+            if (chosen < picture.choices.size()) {
+                return possible.empty() ? picture.typed : possible[chosen];
+            }
+        }
+    }
+}
+
+} // namespace springdrive::app::study_screen
