@@ -120,7 +120,7 @@ private:
         }
         if (!picture_.text.empty()) {
             TextLines text = body(column_ - 2 * plate);
-            parts.push_back({text.height_px(), parts.empty() ? plate : gap_ / 2,
+            parts.push_back({text.height_px(), parts.empty() ? plate : 3 * gap_ / 4,
                              [this, text](int top) { layout_.text = centred(text, top); }});
         }
         if (plate > 0 && !parts.empty()) { // lies behind the parts before it
