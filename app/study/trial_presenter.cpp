@@ -43,8 +43,10 @@ TrialPresenter::~TrialPresenter() {
 }
 
 bool TrialPresenter::is_device_lost() const {
-    return it_.session.latest().health == device::DeviceHealth::lost ||
-           it_.session.latest().safety.cause == servo::TripCause::device_lost;
+    const servo::ServoSample &latest = it_.session.latest();
+    return latest.health == device::DeviceHealth::lost ||
+           (latest.safety.state == servo::SafetyState::tripped &&
+            latest.safety.cause == servo::TripCause::device_lost);
 }
 
 ParticipantPicture TrialPresenter::picture(SittingStep step) const {

@@ -72,6 +72,10 @@ public:
 
     SittingFrame show(const ParticipantPicture &picture, const SittingState &state) override {
         session_.advance(kFrame_s);
+        EXPECT_LT(++frames_, 60 * 600) << "stuck: " << description(state.step); // ten minutes
+        if (frames_ >= 60 * 600) {
+            orders.stops = true;
+        }
         steps.insert(state.step);
         if (on_frame) {
             on_frame(picture, state);
@@ -124,6 +128,7 @@ private:
     session::Session &session_;
     const study::Protocol &protocol_;
     double asked_s_ = -1.0;
+    int frames_ = 0;
 };
 
 class StudySitting : public ::testing::Test {
@@ -147,7 +152,8 @@ protected:
     }
 
     [[nodiscard]] SittingPlan plan() const {
-        return {protocol_, study::study_setting(protocol_, folders_), folders_, "P01", false, false};
+        return {protocol_, study::study_setting(protocol_, folders_), folders_, "P01", false,
+                false};
     }
 
     EndedSitting run(const std::function<void(MadeUpPort &, session::Session &)> &prepare = {}) {
@@ -298,24 +304,6 @@ TEST_F(StudySitting, AStopByHandWaitsForTheExperimenter) {
     EXPECT_EQ(study::read_study(file()).sessions.front().ending, SessionEnding::stopped);
 }
 
-TEST_F(StudySitting, ATrialInWhichTheDeviceIsLostBeginsAnew) {
-    Once once(3);
-    int lost = 0;
-    const EndedSitting ended = run([&](MadeUpPort &port, session::Session &session) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            if (once.is_now(state)) {
-                session.device().close(); // as if it had been unplugged
-            }
-            if (state.step == SittingStep::device_lost && ++lost == 60) {
-                session.reconnect_device();
-            }
-        };
-    });
-    EXPECT_GE(lost, 60);
-    EXPECT_EQ(ended.ending, SessionEnding::completed);
-    expect_same_decisions(study::read_study(file()).trials, headless());
-}
-
 TEST_F(StudySitting, GoesOnAfterAStopAsIfUndisturbed) {
     for (const int position : {2, 3}) {
         Once once(position);
@@ -423,7 +411,7 @@ std::vector<ParticipantPicture> pictures_of_first_interval(const study::Protocol
 
 TEST(StudyPictures, AreTheSameOfEachConditionAndLevelUntilTheHandLeaves) {
     const study::ProtocolFolders folders{testing::assets() / "protocols", testing::assets()};
-    for (const char *name : {"direction", "stiffness", "blow", "hardness", "mass"}) {
+    for (const char *name : {"direction", "stiffness"}) {
         SCOPED_TRACE(name);
         study::Protocol protocol = study::read_protocol_file(testing::assets() / "protocols" /
                                                              (std::string(name) + ".toml"));
@@ -453,7 +441,7 @@ TEST(StudyPictures, AreTheSameOfEachConditionAndLevelUntilTheHandLeaves) {
                     for (std::size_t i = 0; i < pictures.size(); ++i) {
                         ASSERT_EQ(pictures[i].tip_m.has_value(), first[i].tip_m.has_value());
                         if (pictures[i].tip_m) {
-                            EXPECT_LE((*pictures[i].tip_m - *first[i].tip_m).norm(), 0.0)
+                            EXPECT_EQ(*pictures[i].tip_m, *first[i].tip_m)
                                 << "frame " << i << " of " << pictures.size();
                         }
                         ParticipantPicture same = pictures[i];

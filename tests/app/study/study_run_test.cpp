@@ -174,8 +174,8 @@ TEST_F(StudyRun, ResumedAfterStopAndKillGivesTheUndisturbedTrials) {
 
 TEST_F(StudyRun, RefusesInOneLineAndLosesNothing) {
     const std::string study_file = file("stiffness.study");
-    testing::expect_refused(study({"run", protocol(), "--participant", "P01"}),
-                            "screens for a person are not there yet");
+    testing::expect_refused(study({"run", protocol(), "--participants", "3"}),
+                            "persons come one at a time");
     testing::expect_refused(run({}), "--participant P01");
     testing::expect_refused(run({"--participant", "Anna"}), "is no participant's code");
     EXPECT_FALSE(fs::exists(study_file)) << "nothing is created before that";
