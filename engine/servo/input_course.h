@@ -14,7 +14,8 @@ public:
     InputCourse(const InputCourse &) = delete;
     InputCourse &operator=(const InputCourse &) = delete;
 
-    /// After a tick: changes what the law is to do in the next one. `next` is as published. RT-safe.
+    /// After a tick: changes what the law is to do in the next one. `next` is as published.
+    /// RT-safe.
     virtual void update(const ServoSample &last, LawInputs &next) noexcept = 0;
 };
 

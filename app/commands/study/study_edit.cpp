@@ -62,9 +62,10 @@ void remove_typed(const TypedRemove &typed) {
     }
     study::StudyStore store(typed.study);
     store.remove_participant(typed.participant);
-    std::cerr << fmt::format("removed: {} with all trials, answers and records; copies and exports of the "
-                             "study are not reached\n",
-                             typed.participant);
+    std::cerr << fmt::format(
+        "removed: {} with all trials, answers and records; copies and exports of the "
+        "study are not reached\n",
+        typed.participant);
 }
 
 void add_remove(CLI::App &study) {

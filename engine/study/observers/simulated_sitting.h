@@ -6,9 +6,8 @@
 // is known: so an analysis can be held against the truth.
 //
 // A session begins with windings as cold as the air, and warms them to the protocol's band before
-// the first trial and before any other for which one is too cold, by `WarmUp` on the simulated device.
-// Their temperatures follow from the heat of all presentations,
-// and the times between.
+// the first trial and before any other for which one is too cold, by `WarmUp` on the simulated
+// device. Their temperatures follow from the heat of all presentations, and the times between.
 //
 // What is presented and answered in a trial is a function of protocol, setting, participant and
 // planned trial alone: each presentation begins with windings and housings as the first warm-up has
