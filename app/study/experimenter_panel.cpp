@@ -130,8 +130,15 @@ ExperimenterActs draw_experimenter_panel(ExperimenterPanelState &panel, const Re
     {
         const ui::Disabled disabled(!is_stopped);
         acts.orders.resets_device = ui::button("Let the device go on", {-1.0F, 0.0F});
-        ui::explain("after a stop by hand; after others it goes on by itself, when it has been "
-                    "quiet for 3 s");
+        ui::explain("after a stop by hand; after others it goes on by itself, 3 s later");
+    }
+    if (!session.is_zeroed()) {
+        acts.zeroes_device = ui::button("It is in its zero pose", {-1.0F, 0.0F});
+        ui::explain("hold the upper arm level and the forearm hanging, the tip at the origin, and "
+                    "press this: the device does not know its angles yet");
+        if (!panel.complaint.empty()) {
+            ui::wrapped(kDanger, "{}", panel.complaint);
+        }
     }
     ImGui::Separator();
     if (ui::button(panel.is_paused ? "Go on###pause" : "Pause###pause")) {

@@ -20,6 +20,7 @@ enum class EndAsked : std::uint8_t { nothing, stop, leave };
 struct ExperimenterPanelState {
     bool is_paused = false;
     bool shows_stimuli = false; ///< condition, level, answers and fit
+    std::string complaint;      ///< why the device could not be zeroed
     std::string note;           ///< being typed
     std::vector<std::string> notes_of_today;
     EndAsked asked = EndAsked::nothing; ///< until it is confirmed
@@ -28,6 +29,7 @@ struct ExperimenterPanelState {
 struct ExperimenterActs {
     ExperimenterOrders orders;
     bool emergency_stop = false;
+    bool zeroes_device = false;      ///< it is held in its zero pose
     std::optional<std::string> note; ///< to be stored
 };
 

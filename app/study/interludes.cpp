@@ -79,8 +79,9 @@ void Sitting::warm_up(const study::PlannedTrial &planned) {
         session_.servo().follow(nullptr);
         session_.servo().paused([] {});
     };
+    const bool is_hot = study::estimated_windings_C(session_.latest()).maxCoeff() > band.to_C;
     ParticipantPicture picture;
-    picture.heading = plan_.protocol.texts.warming_up;
+    picture.heading = is_hot ? plan_.protocol.texts.cooling_down : plan_.protocol.texts.warming_up;
     try {
         while (!course.is_over() && session_.latest().safety.state != servo::SafetyState::tripped) {
             state_.step = SittingStep::warming_up;
@@ -100,15 +101,28 @@ void Sitting::warm_up(const study::PlannedTrial &planned) {
     presenter_.lead_to_start(planned);
 }
 
-/// Comfortable or not: before the first trial.
-void Sitting::check_noise() {
-    if (!plan_.protocol.noise || !plan_.plays_noise) {
-        return;
-    }
-    noise_.emplace(plan_.protocol.noise->level_dBFS);
+/// Before the first trial of the session.
+void Sitting::begin() {
+    ask_questions(study::QuestionnaireTime::before);
     ParticipantPicture picture;
-    picture.text = plan_.protocol.texts.noise_check;
+    if (noise_) {
+        picture.text = plan_.protocol.texts.noise_check;
+        show_until_key(SittingStep::noise_check, picture);
+    }
+    picture.text = plan_.protocol.texts.instructions;
     show_until_key(SittingStep::instructions, picture);
+}
+
+/// After the last one.
+void Sitting::say_goodbye() {
+    try {
+        ask_questions(study::QuestionnaireTime::after);
+        ParticipantPicture picture;
+        picture.heading = plan_.protocol.texts.end;
+        state_.progress = 1.0;
+        show_until_key(SittingStep::over, picture);
+    } catch (const Ends &) { // all trials are done
+    }
 }
 
 /// One after the other; each answer is on the disk before the next question.
@@ -135,50 +149,72 @@ void Sitting::ask_questions(study::QuestionnaireTime when) {
     }
 }
 
+namespace {
+
+/// A way to answer a question: its plate, and what it stands for.
+struct QuestionChoice {
+    AnswerChoice plate;
+    std::string key;                   ///< as inputs name it; empty: by a click only
+    std::optional<std::string> answer; ///< nothing: none is given; of a free text: what is typed
+};
+
+constexpr std::size_t kMostKeys = 9; ///< digits from 1
+
+std::vector<QuestionChoice> choices_of(const study::QuestionnaireItem &item,
+                                       const study::Texts &texts) {
+    std::vector<QuestionChoice> choices;
+    const std::vector<std::string> possible = study::possible_answers(item);
+    for (std::size_t i = 0; i < possible.size(); ++i) {
+        const bool is_scale = item.kind == study::QuestionnaireKind::scale;
+        const std::string number = is_scale ? possible[i] : fmt::format("{}", i + 1);
+        const std::string label = !is_scale                  ? possible[i]
+                                  : i == 0                   ? item.lowest_label
+                                  : i + 1 == possible.size() ? item.highest_label
+                                                             : std::string();
+        const bool has_key = is_scale ? is_key_name(number) : possible.size() <= kMostKeys;
+        const bool shows_number = is_scale || has_key;
+        choices.push_back(
+            {{label, shows_number ? number : ""}, has_key ? number : "", possible[i]});
+    }
+    if (possible.empty()) {
+        choices.push_back({{texts.next_question, shown_key("enter", false)}, "enter", ""});
+    }
+    choices.push_back({{texts.no_answer, ""}, "", std::nullopt});
+    return choices;
+}
+
+const QuestionChoice *chosen_by(const std::vector<QuestionChoice> &choices,
+                                const ParticipantInput &input) {
+    if (!input.is_press) {
+        return nullptr;
+    }
+    if (input.source == InputSource::choice) {
+        return input.choice < choices.size() ? &choices[input.choice] : nullptr;
+    }
+    if (input.source != InputSource::key || input.name.empty()) {
+        return nullptr;
+    }
+    const auto found = std::ranges::find(choices, input.name, &QuestionChoice::key);
+    return found == choices.end() ? nullptr : &*found;
+}
+
+} // namespace
+
 /// Nothing if the participant would rather not say.
 std::optional<std::string> Sitting::answer_to(const study::QuestionnaireItem &item,
                                               ParticipantPicture picture) {
-    const study::Texts &texts = plan_.protocol.texts;
-    const std::vector<std::string> possible = study::possible_answers(item);
+    const std::vector<QuestionChoice> choices = choices_of(item, plan_.protocol.texts);
+    for (const QuestionChoice &choice : choices) {
+        picture.choices.push_back(choice.plate);
+    }
     picture.choices_take_clicks = true;
-    picture.has_text_field = possible.empty();
-    for (std::size_t i = 0; i < possible.size(); ++i) {
-        const bool is_scale = item.kind == study::QuestionnaireKind::scale;
-        const std::string &label = i == 0                     ? item.lowest_label
-                                   : i + 1 == possible.size() ? item.highest_label
-                                                              : std::string();
-        const bool has_key = possible.size() <= 9;
-        picture.choices.push_back(
-            {is_scale && has_key ? label : possible[i], has_key ? fmt::format("{}", i + 1) : ""});
-        if (is_scale && has_key) {
-            picture.choices.back().key = possible[i];
-        }
-    }
-    if (possible.empty()) {
-        picture.choices.push_back({texts.next_question, "enter"});
-    }
-    picture.choices.push_back({texts.no_answer, ""});
+    picture.has_text_field = item.kind == study::QuestionnaireKind::text;
     while (true) {
         const std::vector<ParticipantInput> inputs = show(picture).inputs;
         picture.typed = typed_on(picture.typed, inputs, study::kLongestAnswer);
         for (const ParticipantInput &input : inputs) {
-            if (!input.is_press) {
-                continue;
-            }
-            std::size_t chosen = picture.choices.size();
-            if (input.source == InputSource::choice) {
-                chosen = input.choice;
-            } else if (input.source == InputSource::key) {
-                for (std::size_t i = 0; i < picture.choices.size(); ++i) {
-                    chosen =
-                        !input.name.empty() && picture.choices[i].key == input.name ? i : chosen;
-                }
-            }
-            if (chosen + 1 == picture.choices.size()) {
-                return std::nullopt;
-            }
-            if (chosen < picture.choices.size()) {
-                return possible.empty() ? picture.typed : possible[chosen];
+            if (const QuestionChoice *const chosen = chosen_by(choices, input)) {
+                return picture.has_text_field && chosen->answer ? picture.typed : chosen->answer;
             }
         }
     }

@@ -1,6 +1,7 @@
 #include "app/study/live_charts.h"
 
 #include "app/widgets/widgets.h"
+#include "engine/study/protocol/analysis_plan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,25 +72,16 @@ private:
     ImDrawList &list_;
 };
 
-/// Where a level is on the method's scale.
-double on_scale(const study::Protocol &protocol, double level) {
-    const auto *adjustment = std::get_if<study::Adjustment>(&protocol.method);
-    const auto *quest = std::get_if<study::QuestPlus>(&protocol.method);
-    const bool is_logarithmic =
-        (adjustment != nullptr && adjustment->scale == study::Scale::logarithmic) ||
-        (quest != nullptr && quest->family.scale == study::Scale::logarithmic);
-    return is_logarithmic && level > 0.0 ? std::log(level) : level;
-}
-
 void draw_levels(const study::Protocol &protocol, const study::SeriesResult &result, ImVec2 size) {
+    const study::Scale scale = study::analysis_family(protocol).scale;
     if (result.trace.empty()) {
         return;
     }
-    double low = on_scale(protocol, result.trace.front().level);
+    double low = study::on_scale(scale, result.trace.front().level);
     double high = low;
     for (const study::TracePoint &point : result.trace) {
-        low = std::min(low, on_scale(protocol, point.level));
-        high = std::max(high, on_scale(protocol, point.level));
+        low = std::min(low, study::on_scale(scale, point.level));
+        high = std::max(high, study::on_scale(scale, point.level));
     }
     const double room = std::max(0.1 * (high - low), 1e-6);
     const auto trials = static_cast<double>(result.trace.size());
@@ -97,21 +89,13 @@ void draw_levels(const study::Protocol &protocol, const study::SeriesResult &res
     double x = 0.0;
     for (const study::TracePoint &point : result.trace) {
         x += 1.0;
-        const double y = on_scale(protocol, point.level);
+        const double y = study::on_scale(scale, point.level);
         const ImVec4 &colour = point.outcome.marked ? kWarning : kTransposeMap;
         chart.point(x, y, 0.22F * ImGui::GetFontSize(), colour, point.outcome.positive);
     }
-    const auto level_at = [&](double place) {
-        return std::ranges::min_element(result.trace, {},
-                                        [&](const study::TracePoint &point) {
-                                            return std::abs(on_scale(protocol, point.level) -
-                                                            place);
-                                        })
-            ->level;
-    };
-    chart.label_y(low, ui::formatted("{:.3g}", level_at(low)));
+    chart.label_y(low, ui::formatted("{:.3g}", study::level_from(scale, low)));
     if (high > low) {
-        chart.label_y(high, ui::formatted("{:.3g}", level_at(high)));
+        chart.label_y(high, ui::formatted("{:.3g}", study::level_from(scale, high)));
     }
     chart.label_x(0.5 * trials,
                   ui::formatted("{} trials of this condition; filled: {}", result.trace.size(),
@@ -127,22 +111,23 @@ void show_threshold(const study::FittedFunction &fitted) {
 
 void draw_function(const study::Protocol &protocol, const study::SeriesResult &result,
                    ImVec2 size) {
+    const study::Scale scale = study::analysis_family(protocol).scale;
     const study::FittedFunction &fitted = *result.fitted;
-    const double low = on_scale(protocol, fitted.course.front().level);
-    const double high = on_scale(protocol, fitted.course.back().level);
+    const double low = study::on_scale(scale, fitted.course.front().level);
+    const double high = study::on_scale(scale, fitted.course.back().level);
     Chart chart("function", size, low, high, 0.0, 1.0);
     for (std::size_t i = 0; i + 1 < fitted.course.size(); ++i) {
         const study::FunctionPoint &a = fitted.course[i];
         const study::FunctionPoint &b = fitted.course[i + 1];
-        const double x1 = on_scale(protocol, a.level);
-        const double x2 = on_scale(protocol, b.level);
+        const double x1 = study::on_scale(scale, a.level);
+        const double x2 = study::on_scale(scale, b.level);
         chart.line(x1, a.proportion, x2, b.proportion, kInk);
         chart.line(x1, a.low, x2, b.low, kFaintInk);
         chart.line(x1, a.high, x2, b.high, kFaintInk);
     }
     for (const study::LevelCount &count : result.counts) {
         chart.point(
-            on_scale(protocol, count.level), static_cast<double>(count.positive) / count.trials,
+            study::on_scale(scale, count.level), static_cast<double>(count.positive) / count.trials,
             ImGui::GetFontSize() * std::min(0.5F, 0.12F + 0.03F * static_cast<float>(count.trials)),
             kTransposeMap, true);
     }

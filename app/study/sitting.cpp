@@ -7,6 +7,7 @@
 #include "engine/study/conduct/marking.h"
 #include "engine/study/conduct/stored_trial.h"
 #include "engine/study/protocol/session_length.h"
+#include "engine/study/results/progress.h"
 
 #include <algorithm>
 #include <utility>
@@ -99,6 +100,13 @@ void Sitting::reset_device_when_calm() {
     }
 }
 
+/// A stop between trials belongs to none of them.
+void Sitting::note_stop() {
+    store_.append(study::Note{study::utc_now(), "safety",
+                              servo::description(session_.latest().safety), plan_.participant,
+                              state_.session});
+}
+
 /// Until the motors run.
 void Sitting::make_ready(const study::PlannedTrial &planned) {
     presenter_.set_up(planned);
@@ -110,6 +118,7 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
         wait_while_paused();
         const servo::ServoSample &latest = session_.latest();
         if (latest.safety.state == servo::SafetyState::running) {
+            is_stop_stored_ = false;
             warm_up(planned);
             if (session_.latest().safety.state == servo::SafetyState::running) {
                 return;
@@ -124,6 +133,9 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
             calm_from_s_ = session_.servo().now_s();
             is_lead_lost = true;
         } else if (latest.safety.state == servo::SafetyState::tripped) {
+            if (!std::exchange(is_stop_stored_, true)) {
+                note_stop();
+            }
             state_.step = SittingStep::device_stopped;
             picture.text = plan_.protocol.texts.device_stopped;
             picture.is_calm_stop = true;
@@ -142,7 +154,7 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
 }
 
 /// Feedback, which in the practice tells right from wrong.
-void Sitting::tell_of(const study::PlannedTrial &planned, study::TrialResult &result) {
+void Sitting::tell_of(const study::PlannedTrial &planned, const study::TrialResult &result) {
     const study::Texts &texts = plan_.protocol.texts;
     study::Trial trial = study::before_it_is_run(plan_.protocol, planned);
     trial.response = result.response;
@@ -191,6 +203,7 @@ std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &pl
                 result->record = store_.link_to(session_.recording().file());
             }
             has_presented_ = true;
+            is_stop_stored_ = !result->safety_events.empty();
             ++since_break_;
             return result;
         }
@@ -207,77 +220,57 @@ study::Session Sitting::begun() const {
     begun.started = study::utc_now();
     begun.device = kind_of(session_.device_choice().kind);
     begun.device_name = session_.description().name;
-    begun.device_serial = session_.device_choice().serial;
+    begun.device_serial = session_.device().identity().serial;
     begun.software = SPRINGDRIVE_VERSION;
     begun.host = machine_name();
     begun.facts = plan_.facts;
     return begun;
 }
 
-EndedSitting Sitting::run() {
+void Sitting::note_trials() {
+    state_.trials = study::trials_of(store_.contents(), plan_.participant);
+    const double most = std::max(1, study::session_length(plan_.protocol).most_trials);
+    state_.progress = std::min(1.0, static_cast<double>(state_.trials.size()) / most);
+}
+
+/// For `Conduct::ends`: what is shown before the first trial, and between two.
+std::optional<study::SessionEnding> Sitting::ending_before_next() {
+    if (ending_) {
+        return ending_;
+    }
+    note_trials();
+    try {
+        if (!std::exchange(has_begun_, true)) {
+            begin();
+        } else if (has_presented_) {
+            state_.step = SittingStep::after_response;
+            show_for(plan_.protocol.timing.between_trials_s, {});
+        }
+    } catch (const Ends &ends) {
+        ending_ = ends.how;
+    }
+    return ending_;
+}
+
+study::SessionEnding Sitting::run() {
+    if (plan_.protocol.noise && plan_.plays_noise) {
+        noise_.emplace(plan_.protocol.noise->level_dBFS); // or there is no session
+    }
     study::Session session = begun();
     session.id = store_.begin(session);
     state_.participant = plan_.participant;
     state_.session = session.id;
-    const double most_trials = std::max(1, study::session_length(plan_.protocol).most_trials);
-    const auto note_trials = [&] {
-        state_.trials.clear();
-        for (study::Trial &trial : store_.contents().trials) {
-            if (trial.participant == plan_.participant) {
-                state_.trials.push_back(std::move(trial));
-            }
-        }
-        state_.progress = std::min(1.0, static_cast<double>(state_.trials.size()) / most_trials);
-    };
     study::Conduct how;
     how.present = [this](const study::PlannedTrial &planned) { return present(planned); };
-    how.ends = [&]() -> std::optional<study::SessionEnding> {
-        if (!ending_) {
-            note_trials();
-            try {
-                if (has_presented_) {
-                    state_.step = SittingStep::after_response;
-                    show_for(plan_.protocol.timing.between_trials_s, {});
-                }
-            } catch (const Ends &ends) {
-                ending_ = ends.how;
-            }
-        }
-        return ending_;
-    };
-    note_trials();
-    try {
-        ask_questions(study::QuestionnaireTime::before);
-        check_noise();
-        ParticipantPicture picture;
-        picture.text = plan_.protocol.texts.instructions;
-        show_until_key(SittingStep::instructions, picture);
-    } catch (const Ends &ends) {
-        ending_ = ends.how;
-    }
-    EndedSitting ended;
-    ended.session = session.id;
-    ended.ending = study::conduct(store_, plan_.protocol, session, how);
+    how.ends = [this] { return ending_before_next(); };
+    const study::SessionEnding ending = study::conduct(store_, plan_.protocol, session, how);
     session_.servo().release(true);
-    note_trials();
-    for (const study::Trial &trial : state_.trials) {
-        if (trial.session == session.id) {
-            ++ended.trials;
-            ended.marked += trial.marks.empty() ? 0 : 1;
-        }
+    noise_.reset();
+    if (ending == study::SessionEnding::completed) {
+        note_trials();
+        say_goodbye();
     }
-    if (ended.ending == study::SessionEnding::completed) {
-        try {
-            noise_.reset();
-            ask_questions(study::QuestionnaireTime::after);
-            ParticipantPicture picture;
-            picture.heading = plan_.protocol.texts.end;
-            state_.progress = 1.0;
-            show_until_key(SittingStep::over, picture);
-        } catch (const Ends &) { // also an end
-        }
-    }
-    return ended;
+    return ending;
 }
 
 } // namespace springdrive::app::study_screen

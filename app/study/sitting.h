@@ -31,13 +31,6 @@ struct SittingPlan {
     std::vector<study::Setting> facts{}; ///< of the session, besides those of the device
 };
 
-struct EndedSitting {
-    study::SessionId session = 0;
-    study::SessionEnding ending = study::SessionEnding::completed;
-    std::size_t trials = 0; ///< of this session
-    std::size_t marked = 0;
-};
-
 class Sitting {
 public:
     /// @param session  started; with the protocol's device and the scene of a condition
@@ -45,8 +38,9 @@ public:
     Sitting(study::StudyStore &store, SittingPlan plan, session::Session &session,
             SittingPort &port);
 
-    /// @throw InputError from the store; the session is then ended as failed, if that is possible
-    EndedSitting run();
+    /// @throw InputError if the masking noise cannot be played: there is then no session; from the
+    ///        store, or for windings that cannot be warmed: it is then ended as failed, if possible
+    study::SessionEnding run();
 
 private:
     struct Ends { ///< thrown out of whatever is shown
@@ -63,13 +57,17 @@ private:
     void take_break(double seconds);
     void wait_while_paused();
     void warm_up(const study::PlannedTrial &planned);
-    void check_noise();
+    void begin();
+    void say_goodbye();
     void ask_questions(study::QuestionnaireTime when);
     [[nodiscard]] std::optional<std::string> answer_to(const study::QuestionnaireItem &item,
                                                        ParticipantPicture picture);
     void make_ready(const study::PlannedTrial &planned);
     void reset_device_when_calm();
-    void tell_of(const study::PlannedTrial &planned, study::TrialResult &result);
+    void note_stop();
+    void tell_of(const study::PlannedTrial &planned, const study::TrialResult &result);
+    void note_trials();
+    [[nodiscard]] std::optional<study::SessionEnding> ending_before_next();
     [[nodiscard]] study::Session begun() const;
 
     study::StudyStore &store_;
@@ -80,12 +78,14 @@ private:
     TrialPresenter presenter_;
     std::optional<study::SessionEnding> ending_;
     ExperimenterOrders orders_; ///< those that wait to be obeyed
+    bool has_begun_ = false;
     bool was_practising_ = false;
     bool has_presented_ = false;
     int last_block_ = 0;
     int since_break_ = 0;
     std::optional<MaskingNoise> noise_;
-    double calm_from_s_ = 0.0; ///< of a tripped device
+    bool is_stop_stored_ = false; ///< the present one, as a note or with its trial
+    double calm_from_s_ = 0.0;    ///< of a tripped device
 };
 
 } // namespace springdrive::app::study_screen

@@ -35,8 +35,8 @@ public:
     /// Shows this for a frame, and advances the session by it.
     virtual SittingFrame show(const ParticipantPicture &picture, const SittingState &state) = 0;
 
-    /// The scene of the pictures from now on; null: none.
-    virtual void show_scene(const scene::Scene *scene, const scene::TouchSpot &spot) = 0;
+    /// The scene of the pictures that show one, and the spot marked in it, from now on.
+    virtual void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) = 0;
 };
 
 } // namespace springdrive::app::study_screen

@@ -6,10 +6,12 @@ std::string_view description(SittingStep step) {
     switch (step) {
     case SittingStep::questionnaire:
         return "answers the questionnaire";
+    case SittingStep::noise_check:
+        return "listens to the noise";
     case SittingStep::instructions:
         return "reads the instructions";
     case SittingStep::warming_up:
-        return "the windings are being warmed";
+        return "waits until the windings are warm, or cool, enough";
     case SittingStep::practice_begins:
         return "is told that the practice begins";
     case SittingStep::practice_ends:

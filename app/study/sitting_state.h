@@ -16,6 +16,7 @@ namespace springdrive::app::study_screen {
 
 enum class SittingStep : std::uint8_t {
     questionnaire,
+    noise_check,
     instructions,
     warming_up,
     practice_begins,

@@ -4,6 +4,7 @@
 #include "app/open_session.h"
 #include "app/view/pick.h"
 #include "app/widgets/widgets.h"
+#include "base/complaint.h"
 #include "device/core/phantom/kinematics.h"
 
 #include <algorithm>
@@ -63,12 +64,10 @@ std::vector<study::Setting> StudyWindow::facts() const {
              std::string(participant_window_.is_full_screen() ? "yes" : "no")}};
 }
 
-void StudyWindow::show_scene(const scene::Scene *scene, const scene::TouchSpot &spot) {
-    if (scene != nullptr) {
-        const device::Workspace &workspace = session_.description().workspace;
-        participant_view_.set_scene(*scene, {spot.point_m, spot.normal},
-                                    workspace.centre_m.y() - 0.5 * workspace.size_m.y());
-    }
+void StudyWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) {
+    const device::Workspace &workspace = session_.description().workspace;
+    participant_view_.set_scene(scene, {spot.point_m, spot.normal},
+                                workspace.centre_m.y() - 0.5 * workspace.size_m.y());
 }
 
 /// Their times by the servo's clock.
@@ -156,6 +155,9 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
     const bool by_participant = participant_window_.take_emergency_stop();
     if (acts.emergency_stop || by_experimenter || by_participant) {
         session_.servo().emergency_stop();
+    }
+    if (acts.zeroes_device) {
+        panel_.complaint = complaint_of([this] { session_.zero_device(Vector3::Zero()); });
     }
     if (acts.note) {
         store_note(state, *acts.note);

@@ -37,7 +37,7 @@ public:
 
     /// @throw InputError if a note cannot be stored
     SittingFrame show(const ParticipantPicture &picture, const SittingState &state) override;
-    void show_scene(const scene::Scene *scene, const scene::TouchSpot &spot) override;
+    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) override;
 
     /// What a session should keep of its screens.
     [[nodiscard]] std::vector<study::Setting> facts() const;

@@ -9,7 +9,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <variant>
 
@@ -64,6 +63,20 @@ void TrialPresenter::wait(double seconds, const ParticipantPicture &shown) {
     }
 }
 
+void TrialPresenter::load(const std::filesystem::path &scene) {
+    session::Session &session = it_.session;
+    if (session.scenes().now().scene.file == scene) {
+        return;
+    }
+    session.request_scene(scene);
+    while (session.scenes().now().scene.file != scene) {
+        if (!session.scenes().error().empty()) {
+            throw InputError(session.scenes().error());
+        }
+        static_cast<void>(it_.show(picture(SittingStep::setting_up)));
+    }
+}
+
 void TrialPresenter::set_up(const study::PlannedTrial &planned) {
     set_up(study::intervals_of(it_.protocol, planned).front());
 }
@@ -78,32 +91,25 @@ void TrialPresenter::set_up(const study::Interval &interval) {
         session.simulation().delay_periods != condition.delay_periods) {
         session.set_delay(condition.delay_periods);
     }
-    if (shown_scene_ != condition.scene) {
-        if (has_scene(condition)) {
-            const std::filesystem::path file = study::scene_file_of(condition, it_.folders);
-            if (session.scenes().now().scene.file != file) {
-                session.request_scene(file);
-                while (session.scenes().now().scene.file != file) {
-                    if (!session.scenes().error().empty()) {
-                        throw InputError(session.scenes().error());
-                    }
-                    static_cast<void>(it_.show(picture(SittingStep::setting_up)));
-                }
-            }
-            shown_scene_ = condition.scene;
-        } else {
-            shown_scene_.clear();
-        }
-        it_.port.show_scene(shown_scene_.empty() ? nullptr : &session.scenes().now().scene,
-                            it_.setting.conditions[interval.presented.condition].spot);
-    }
-    if (has_scene(condition)) {
-        session.servo().touch(session.scenes().now().surface, session.scenes().id(),
-                              interval.presented.free_space);
-    } else {
+    const scene::TouchSpot &spot = it_.setting.conditions[interval.presented.condition].spot;
+    if (!has_scene(condition)) {
+        shown_scene_.clear();
         session.servo().touch_nothing();
         session.servo().tune(interval.presented.free_space);
+        return;
     }
+    if (shown_scene_ != condition.scene) {
+        load(study::scene_file_of(condition, it_.folders));
+        shown_scene_ = condition.scene;
+        shown_spot_.reset();
+    }
+    if (!shown_spot_ || shown_spot_->point_m != spot.point_m ||
+        shown_spot_->normal != spot.normal) {
+        shown_spot_ = spot;
+        it_.port.show_scene(session.scenes().now().scene, spot);
+    }
+    session.servo().touch(session.scenes().now().surface, session.scenes().id(),
+                          interval.presented.free_space);
 }
 
 void TrialPresenter::lead_to_start(const study::PlannedTrial &planned) {
@@ -115,12 +121,8 @@ void TrialPresenter::lead_to_start(const study::PlannedTrial &planned) {
     it_.session.follow_path(simulated::HandPath({{0.0, start_m}}));
 }
 
-bool TrialPresenter::is_last_interval() const {
-    return it_.state.interval + 1 == it_.state.intervals;
-}
-
-/// The same for every condition and level: in contact the ball stays at the spot, wherever the tip
-/// yields to.
+/// The same for every condition and level: from the touch until the hand has left, the ball stays
+/// at the spot, wherever the tip yields to. A stroke is in free space.
 ParticipantPicture TrialPresenter::interval_picture() const {
     ParticipantPicture shown = picture(SittingStep::interval);
     const study::Texts &texts = it_.protocol.texts;
@@ -134,7 +136,9 @@ ParticipantPicture TrialPresenter::interval_picture() const {
         shown.text = texts.rest_at_spot;
     }
     const bool is_in_contact =
-        phase == study::StimulusPhase::presenting || phase == study::StimulusPhase::gliding_back;
+        it_.protocol.stimulus != study::StimulusForm::stroke &&
+        (phase == study::StimulusPhase::presenting || phase == study::StimulusPhase::gliding_back ||
+         phase == study::StimulusPhase::leaving);
     if (shown.scene == SceneShown::scene) {
         const std::size_t condition = it_.state.trial->condition;
         shown.tip_m = is_in_contact ? it_.setting.conditions[condition].spot.point_m
@@ -147,11 +151,8 @@ ParticipantPicture TrialPresenter::interval_picture() const {
 void TrialPresenter::adjust(study::LiveStimulus &live, const study::PlannedTrial &planned,
                             const std::vector<ParticipantInput> &inputs) {
     const auto &method = std::get<study::Adjustment>(it_.protocol.method);
-    const auto on_scale = [&](double level) {
-        return method.scale == study::Scale::logarithmic ? std::log(level) : level;
-    };
-    const double least = on_scale(method.minimum_level);
-    const double most = on_scale(method.maximum_level);
+    const double least = study::on_scale(method.scale, method.minimum_level);
+    const double most = study::on_scale(method.scale, method.maximum_level);
     for (const ParticipantInput &input : inputs) {
         const std::optional<std::size_t> key = alternative_of(it_.protocol.responses, input);
         if (!key || live.phase() != study::StimulusPhase::presenting) {
@@ -163,8 +164,9 @@ void TrialPresenter::adjust(study::LiveStimulus &live, const study::PlannedTrial
             return;
         }
         const double step = (*key == 0 ? -1.0 : 1.0) * (most - least) / kAdjustingSteps;
-        const double next = std::clamp(on_scale(*adjusted_) + step, least, most);
-        adjusted_ = method.scale == study::Scale::logarithmic ? std::exp(next) : next;
+        adjusted_ = study::level_from(
+            method.scale,
+            std::clamp(study::on_scale(method.scale, *adjusted_) + step, least, most));
         live.set_contact(
             study::comparison_at(it_.protocol, planned, *adjusted_).presented.parameters.tuning);
     }
@@ -177,7 +179,7 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
     session::Session &session = it_.session;
     const study::Stimulus stimulus =
         study::stimulus_of(it_.protocol, it_.setting, interval.presented);
-    before_ = std::move(live_);
+    retired_.push_back(std::move(live_));
     live_ = std::make_unique<study::LiveStimulus>(session.description(), stimulus,
                                                   session.servo().period_s());
     early_.clear();
@@ -200,7 +202,7 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
             return false;
         }
     }
-    before_.reset(); // the servo has taken up the new one
+    retired_.clear(); // the servo has taken up the last one
     const study::DeliveredStimulus delivered = live_->delivered();
     study::Presentation presentation = study::presentation_of(
         study::intended_measures(it_.protocol, it_.setting, interval.presented), delivered);

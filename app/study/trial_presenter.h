@@ -16,6 +16,7 @@
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/stimuli/live_stimulus.h"
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -61,23 +62,23 @@ private:
         std::optional<double> time_s;
     };
 
+    void load(const std::filesystem::path &scene);
     void set_up(const study::Interval &interval);
     [[nodiscard]] bool feel(const study::PlannedTrial &planned, const study::Interval &interval,
                             study::TrialResult &result);
-    void wait_for(study::LiveStimulus &live, const study::PlannedTrial &planned,
-                  std::optional<double> adjusted);
     [[nodiscard]] ParticipantPicture interval_picture() const;
     [[nodiscard]] Answer ask();
     void adjust(study::LiveStimulus &live, const study::PlannedTrial &planned,
                 const std::vector<ParticipantInput> &inputs);
-    [[nodiscard]] bool is_last_interval() const;
     [[nodiscard]] bool is_device_lost() const;
     void wait(double seconds, const ParticipantPicture &shown);
 
     Presenting it_;
-    std::unique_ptr<study::LiveStimulus> live_;   ///< the last one
-    std::unique_ptr<study::LiveStimulus> before_; ///< until the servo has taken the last one up
-    std::string shown_scene_;
+    std::unique_ptr<study::LiveStimulus> live_; ///< the last one
+    /// Those before, which the servo may use until it has taken the last one up.
+    std::vector<std::unique_ptr<study::LiveStimulus>> retired_;
+    std::string shown_scene_; ///< a condition's; empty: none
+    std::optional<scene::TouchSpot> shown_spot_;
     double ended_s_ = 0.0;                ///< of the last presentation
     std::vector<ParticipantInput> early_; ///< since its end
     std::optional<double> adjusted_;      ///< level set so far

@@ -43,7 +43,7 @@ session::SessionOptions options_of(const study::Protocol &protocol,
     options.tuning = study::free_space_tuning(protocol, first).value_or(first.tuning);
     options.servo_hz = first.servo_hz;
     options.delay_periods = first.delay_periods;
-    options.starts_at_zero = typed.starts_at_zero;
+    options.starts_at_zero = typed.starts_at_zero || named.kind == factory::DeviceKind::emulated;
     options.lockstep = typed.is_in_lockstep;
     options.cpu = typed.cpu;
     options.program_version = SPRINGDRIVE_VERSION;
@@ -104,11 +104,9 @@ void TypedSitting::add_to(CLI::App &command) {
                      "window shows as a line of JSON");
 }
 
-study_screen::EndedSitting run_person_session(study::StudyStore &store,
-                                              const study::Protocol &protocol,
-                                              const study::StudySetting &setting,
-                                              const study::ProtocolFolders &folders,
-                                              const std::string &code, const TypedSitting &typed) {
+void run_person_session(study::StudyStore &store, const study::Protocol &protocol,
+                        const study::StudySetting &setting, const study::ProtocolFolders &folders,
+                        const std::string &code, const TypedSitting &typed) {
     session::Session session = open_session(options_of(protocol, folders, typed));
     say_what_it_is(session);
     study_screen::StudyWindow window(typed.window, session, store, protocol);
@@ -118,9 +116,8 @@ study_screen::EndedSitting run_person_session(study::StudyStore &store,
         store,
         {protocol, setting, folders, code, typed.keeps_records, typed.plays_noise, window.facts()},
         session, window);
-    const study_screen::EndedSitting ended = sitting.run();
+    sitting.run();
     session.stop();
-    return ended;
 }
 
 } // namespace springdrive::app

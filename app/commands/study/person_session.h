@@ -33,9 +33,8 @@ struct TypedSitting {
 /// Runs it from the first word on the screen to the last.
 /// @param code  a participant of the store
 /// @throw InputError if device or windows cannot be opened, or as Sitting::run does
-[[nodiscard]] study_screen::EndedSitting
-run_person_session(study::StudyStore &store, const study::Protocol &protocol,
-                   const study::StudySetting &setting, const study::ProtocolFolders &folders,
-                   const std::string &code, const TypedSitting &typed);
+void run_person_session(study::StudyStore &store, const study::Protocol &protocol,
+                        const study::StudySetting &setting, const study::ProtocolFolders &folders,
+                        const std::string &code, const TypedSitting &typed);
 
 } // namespace springdrive::app

@@ -26,7 +26,7 @@ std::optional<study::SessionEnding> if_asked_to_end() {
 
 } // namespace
 
-EndedSession run_simulated_session(study::StudyStore &store, const SessionPlan &plan) {
+void run_simulated_session(study::StudyStore &store, const SessionPlan &plan) {
     study::SimulatedParticipant participant;
     participant.function = plan.observer.function;
     participant.seed = plan.observer.seed;
@@ -39,17 +39,7 @@ EndedSession run_simulated_session(study::StudyStore &store, const SessionPlan &
         plan.before_trial();
         return if_asked_to_end();
     };
-    const study::Session session = begun_session(store, plan);
-    EndedSession ended;
-    ended.id = session.id;
-    ended.ending = study::conduct(store, plan.protocol, session, how);
-    for (const study::Trial &trial : store.contents().trials) {
-        if (trial.session == session.id) {
-            ++ended.trials;
-            ended.marked += trial.marks.empty() ? 0 : 1;
-        }
-    }
-    return ended;
+    study::conduct(store, plan.protocol, begun_session(store, plan), how);
 }
 
 } // namespace springdrive::app

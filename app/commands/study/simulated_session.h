@@ -18,16 +18,9 @@ struct SessionPlan {
     std::function<void()> before_trial; ///< for the progress
 };
 
-struct EndedSession {
-    study::SessionId id = 0;
-    study::SessionEnding ending = study::SessionEnding::completed;
-    int trials = 0;
-    int marked = 0;
-};
-
 /// Runs it until the participant is through, the program is asked to end (after the present trial),
 /// or something else ends it. It is stored as one on a simulated device.
 /// @throw InputError as `study::conduct` does
-EndedSession run_simulated_session(study::StudyStore &store, const SessionPlan &plan);
+void run_simulated_session(study::StudyStore &store, const SessionPlan &plan);
 
 } // namespace springdrive::app

@@ -1,0 +1,163 @@
+#include "app/commands/study/study_turns.h"
+
+#include "app/commands/progress_line.h"
+#include "app/commands/study/opened_study.h"
+#include "app/commands/study/simulated_session.h"
+#include "base/input_error.h"
+#include "engine/study/protocol/session_length.h"
+
+#include <CLI/CLI.hpp>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <iostream>
+
+namespace springdrive::app {
+
+namespace {
+
+const study::Progress *progress_named(const std::vector<study::Progress> &all,
+                                      const std::string &code) {
+    const auto found = std::ranges::find(all, code, &study::Progress::participant);
+    return found == all.end() ? nullptr : &*found;
+}
+
+} // namespace
+
+StudyTurns::StudyTurns(const std::filesystem::path &file, const TypedRun &typed)
+    : typed_(typed), store_(file), protocol_(protocol_in(store_.contents(), file)),
+      setting_(study::study_setting(protocol_, folders_beside(file))) {
+    for (std::size_t i = 0; i < protocol_.conditions.size(); ++i) {
+        if (const std::string &problem = setting_.conditions[i].problem; !problem.empty()) {
+            throw InputError(fmt::format("{}: condition \"{}\": {}", file.string(),
+                                         protocol_.conditions[i].name, problem));
+        }
+    }
+}
+
+std::vector<study::Progress> StudyTurns::progress() const {
+    return study::progress_of(protocol_, store_.contents());
+}
+
+bool StudyTurns::is_through(const std::string &code) const {
+    const std::vector<study::Progress> all = progress();
+    const study::Progress *const one = progress_named(all, code);
+    return one != nullptr && !one->next;
+}
+
+std::string StudyTurns::next_code() const {
+    const std::vector<study::Progress> all = progress();
+    const auto waiting = std::ranges::find(all, 0, &study::Progress::sessions);
+    if (waiting != all.end()) {
+        return waiting->participant;
+    }
+    int number = study::next_participant_number(store_.contents());
+    while (progress_named(all, code_of(number)) != nullptr) {
+        ++number;
+    }
+    return code_of(number);
+}
+
+std::string StudyTurns::code_of(int number) { return fmt::format("P{:02}", number); }
+
+void StudyTurns::run(const std::string &code) {
+    if (progress_named(progress(), code) == nullptr) {
+        store_.add({code, study::next_participant_number(store_.contents()), study::utc_now()});
+    }
+    const study::Progress before = *progress_named(progress(), code);
+    if (!before.next) {
+        throw InputError(fmt::format("{}: participant {} has done all {} trials",
+                                     store_.file().string(), code, before.trials));
+    }
+    if (!is_person(code)) {
+        run_simulated(before);
+    } else if (typed_.is_simulated()) {
+        throw InputError(fmt::format("{}: participant {} is a person, whose sessions cannot go on "
+                                     "with a simulated observer",
+                                     store_.file().string(), code));
+    } else {
+        run_person_session(store_, protocol_, setting_, folders_beside(store_.file()), code,
+                           typed_.sitting);
+    }
+    tell(code);
+}
+
+void StudyTurns::run_person(const std::string &code) {
+    if (!is_person(code)) {
+        throw InputError(fmt::format("{}: participant {} is a simulated observer, with which "
+                                     "springdrive study resume goes on; name another one",
+                                     store_.file().string(), code));
+    }
+    run(code);
+}
+
+std::optional<study::Session> StudyTurns::last_session(const std::string &code) const {
+    const study::StudyContents contents = store_.contents();
+    const auto last = std::ranges::find(contents.sessions.rbegin(), contents.sessions.rend(), code,
+                                        &study::Session::participant);
+    return last == contents.sessions.rend() ? std::nullopt : std::optional(*last);
+}
+
+/// Sessions of one participant are all a person's, or all a simulated observer's.
+bool StudyTurns::is_person(const std::string &code) const {
+    const std::optional<study::Session> last = last_session(code);
+    return last ? !observer_in(*last).has_value() : !typed_.is_simulated();
+}
+
+void StudyTurns::run_simulated(const study::Progress &before) {
+    ProgressLine line;
+    const int most = study::session_length(protocol_).most_trials;
+    int trials = before.trials;
+    run_simulated_session(
+        store_, {protocol_, setting_, before.participant, observer_of_participant(before),
+                 [&] { line.show(before.participant, std::min(1.0, 1.0 * trials++ / most)); }});
+}
+
+/// The one who answered before; else the one that was typed.
+SimulatedObserver StudyTurns::observer_of_participant(const study::Progress &progress) const {
+    const std::optional<study::Session> last = last_session(progress.participant);
+    if (!last) {
+        SimulatedObserver drawn = participant_of_group(
+            observer_of(typed_.truth, protocol_), typed_.spread,
+            static_cast<std::uint64_t>(typed_.seed.value_or(protocol_.seed)), progress.number);
+        drawn.felt = typed_.felt;
+        return drawn;
+    }
+    if (typed_.truth.is_typed() || typed_.seed) {
+        std::cerr << fmt::format("springdrive: {} keeps the observer of the first session; what is "
+                                 "typed is for new participants\n",
+                                 progress.participant);
+    }
+    return observer_in(*last).value(); // see is_person
+}
+
+/// Of the last session; one that is no success ends the command.
+void StudyTurns::tell(const std::string &code) const {
+    const study::Session session = last_session(code).value();
+    const study::SessionEnding ending = session.ending.value();
+    int trials = 0;
+    int marked = 0;
+    for (const study::Trial &trial : store_.contents().trials) {
+        if (trial.session == session.id) {
+            ++trials;
+            marked += trial.marks.empty() ? 0 : 1;
+        }
+    }
+    std::cout << fmt::format("{}: session {}, {} trials, {} marked: {}\n", code, session.id, trials,
+                             marked, study::name_of(ending))
+              << std::flush;
+    if (ending == study::SessionEnding::completed) {
+        return;
+    }
+    std::cerr << fmt::format("springdrive: {} is not through; to go on: springdrive study resume "
+                             "{}\n",
+                             code, store_.file().string());
+    if (ending != study::SessionEnding::stopped && ending != study::SessionEnding::left) {
+        throw CLI::RuntimeError(EXIT_FAILURE);
+    }
+}
+
+} // namespace springdrive::app

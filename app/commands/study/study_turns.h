@@ -1,0 +1,68 @@
+// A study that is open, while its participants take their turns: people and simulated observers.
+#pragma once
+
+#include "app/commands/study/observer_options.h"
+#include "app/commands/study/person_session.h"
+#include "engine/study/protocol/study_setting.h"
+#include "engine/study/results/progress.h"
+#include "engine/study/store/study_store.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive::app {
+
+struct TypedRun {
+    std::filesystem::path file;  ///< a protocol or a study
+    std::filesystem::path study; ///< with a protocol; empty: its name, with another ending
+    std::string participant;
+    int participants = 0; ///< 0: the one above
+    std::string observer; ///< empty: a person
+    TypedObserver truth;
+    double spread = 0.0;
+    std::optional<int> seed; ///< nothing: the protocol's
+    study::FeltStimuli felt = study::FeltStimuli::each_simulated;
+    TypedSitting sitting; ///< of a person
+
+    [[nodiscard]] bool is_simulated() const { return !observer.empty(); }
+};
+
+class StudyTurns {
+public:
+    /// @param typed  must outlive it
+    /// @throw InputError if the study cannot be opened, or a condition cannot be used
+    StudyTurns(const std::filesystem::path &file, const TypedRun &typed);
+
+    [[nodiscard]] std::vector<study::Progress> progress() const;
+    [[nodiscard]] bool is_through(const std::string &code) const;
+
+    /// Who comes next if nobody is named: added already but not begun, or new.
+    [[nodiscard]] std::string next_code() const;
+    /// "P07"
+    [[nodiscard]] static std::string code_of(int number);
+
+    /// The participant's session, of the kind of the first one, else as typed; added to the study
+    /// if they are new. Tells of it on standard output.
+    /// @throw InputError if all trials are done; as `run_simulated_session` and
+    ///        `run_person_session` do
+    /// @throw CLI::RuntimeError for an end that is no success
+    void run(const std::string &code);
+    /// The same, which must be a person's. @throw InputError if it is a simulated observer
+    void run_person(const std::string &code);
+
+private:
+    [[nodiscard]] std::optional<study::Session> last_session(const std::string &code) const;
+    [[nodiscard]] bool is_person(const std::string &code) const;
+    void run_simulated(const study::Progress &before);
+    [[nodiscard]] SimulatedObserver observer_of_participant(const study::Progress &progress) const;
+    void tell(const std::string &code) const;
+
+    const TypedRun &typed_;
+    study::StudyStore store_;
+    study::Protocol protocol_;
+    study::StudySetting setting_;
+};
+
+} // namespace springdrive::app
