@@ -230,6 +230,8 @@ bool Window::is_closing() const {
     return !is_kiosk_ && glfwWindowShouldClose(window_) != GLFW_FALSE;
 }
 
+bool Window::has_focus() const { return glfwGetWindowAttrib(window_, GLFW_FOCUSED) != GLFW_FALSE; }
+
 void Window::begin_frame() {
     glfwPollEvents();
     if (is_kiosk_) {

@@ -54,6 +54,7 @@ public:
     Window &operator=(const Window &) = delete;
 
     [[nodiscard]] bool is_closing() const; ///< never of a kiosk
+    [[nodiscard]] bool has_focus() const;  ///< whether keys arrive here
 
     /// Whether the processor does what a graphics card would do.
     [[nodiscard]] static bool draws_in_software();

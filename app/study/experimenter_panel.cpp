@@ -17,8 +17,8 @@ void show_course(const SittingState &state) {
     ui::text(kInk, "{}, session {}", state.participant, state.session);
     ui::wrapped(kFaintInk, "{} {}.", state.participant, description(state.step));
     ui::progress("progress", state.progress,
-                 ui::formatted("{:.0f} % at the most", 100.0 * state.progress));
-    ui::explain("trials done, of the most that the protocol may take");
+                 ui::formatted("{:.0f} % done", 100.0 * state.progress));
+    ui::explain("trials stored, of the most that the protocol may take");
     if (state.trial) {
         ui::text(kInk, "{}", text_of(state.trial->place));
         if (state.intervals > 1) {
@@ -219,7 +219,7 @@ void draw_stimuli(ExperimenterPanelState &panel, const Rectangle &place, const S
         return;
     }
     ImGui::TableSetupColumn("trial", ImGuiTableColumnFlags_WidthFixed,
-                            22.0F * ImGui::GetFontSize());
+                            27.0F * ImGui::GetFontSize());
     ImGui::TableSetupColumn("charts", ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableNextColumn();
     if (state.trial) {

@@ -81,6 +81,16 @@ std::vector<ParticipantInput> StudyWindow::taken_inputs() {
     return inputs;
 }
 
+/// There is one keyboard: a click of the experimenter takes it, and what the participant then
+/// types would be lost. Only where the participant's window covers nothing of this one.
+void StudyWindow::give_keys_back() {
+    const bool is_typing = ImGui::GetIO().WantTextInput;
+    const bool is_clicking = ImGui::IsMouseDown(ImGuiMouseButton_Left);
+    if (participant_window_.is_full_screen() && window_.has_focus() && !is_typing && !is_clicking) {
+        participant_window_.take_focus();
+    }
+}
+
 void StudyWindow::store_note(const SittingState &state, const std::string &text) {
     store_.append(study::Note{study::utc_now(), "note", text, state.participant, state.session});
 }
@@ -101,7 +111,10 @@ void StudyWindow::draw_view(const Rectangle &place) {
         renderer_.upload(std::numeric_limits<double>::infinity());
     }
     const ViewState state = view_of(session_);
-    view_control_.update(session_, state, place, place, false);
+    const ImVec2 margin{0.04F * place.size.x, 0.04F * place.size.y};
+    const Rectangle free{{place.corner.x + margin.x, place.corner.y + margin.y},
+                         {place.size.x - 2.0F * margin.x, place.size.y - 2.0F * margin.y}};
+    view_control_.update(session_, state, place, free, false);
     const Window::Size pixels = window_.framebuffer();
     const float pixel_scale =
         static_cast<float>(pixels.width) / static_cast<float>(std::max(1, window_.size().width));
@@ -150,6 +163,7 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
     ExperimenterActs acts;
     draw_experimenter(state, picture, acts);
     participant_window_.show(participant_view_, picture);
+    give_keys_back();
     window_.end_frame();
     const bool by_experimenter = window_.take_emergency_stop();
     const bool by_participant = participant_window_.take_emergency_stop();

@@ -51,6 +51,7 @@ private:
     void draw_view(const Rectangle &place);
     void renew_fit(const SittingState &state);
     [[nodiscard]] std::vector<ParticipantInput> taken_inputs();
+    void give_keys_back();
     void store_note(const SittingState &state, const std::string &text);
 
     session::Session &session_;

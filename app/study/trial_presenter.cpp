@@ -203,7 +203,10 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
         }
     }
     retired_.clear(); // the servo has taken up the last one
-    const study::DeliveredStimulus delivered = live_->delivered();
+    study::DeliveredStimulus delivered = live_->delivered();
+    if (session.device().device().clock() == device::DeviceClock::servo) {
+        delivered.lateness_s = 0.0; // it waits for the servo: the stimulus is none the later
+    }
     study::Presentation presentation = study::presentation_of(
         study::intended_measures(it_.protocol, it_.setting, interval.presented), delivered);
     presentation.start_s = live_->began_s();
