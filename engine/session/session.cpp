@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace springdrive::session {
@@ -172,8 +173,16 @@ RunDevice Session::device_of_run() const {
 }
 
 void Session::forget_old_past() {
-    while (past_.size() > 1 && past_[1].from_row <= servo_->history().store().begin()) {
+    const std::uint64_t begin = servo_->history().store().begin();
+    while (past_.size() > 1 && past_[1].from_row <= begin) {
         past_.pop_front();
+    }
+    Past &oldest = past_.front();
+    const auto kept = std::ranges::find_if(
+        oldest.notes, [&](const Past::Note &noted) { return noted.note.before_row > begin; });
+    if (kept != oldest.notes.begin()) {
+        oldest.header = std::move(std::prev(kept)->header);
+        oldest.notes.erase(oldest.notes.begin(), kept);
     }
 }
 

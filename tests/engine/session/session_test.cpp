@@ -16,6 +16,8 @@
 #include <string>
 #include <thread>
 
+#include <malloc.h>
+
 namespace springdrive::session {
 namespace {
 
@@ -262,6 +264,35 @@ TEST(Session, LimitsAreLoweredAndNeverRaised) {
     testing::run(session, 0.1); // it still waits, so there is no force step
     EXPECT_EQ(session.latest().limits.tip_force_N, 3.0);
     EXPECT_EQ(session.latest().limits.current_A, device.current_A);
+    session.stop();
+}
+
+/// Of what is noted, only that of ticks in memory is kept, however long a session lasts.
+TEST(Session, ForgetsWhatWasNotedOfTicksThatAreGone) {
+    SessionOptions options = headless();
+    options.history_bytes = 1; // the newest 1024 to 2047 ticks
+    Session session(options);
+    session.start();
+    const auto note_and_run = [&](int times) {
+        for (int i = 0; i < times; ++i) {
+            session.set_servo_rate(i % 2 == 0 ? 500.0 : 1000.0);
+            testing::run(session, 0.1);
+        }
+    };
+    const auto in_use = [] { return static_cast<double>(mallinfo2().uordblks); };
+    note_and_run(60);
+    const double before = in_use();
+    note_and_run(200);
+    // A header takes more than 10 KiB, and fewer than 40 of the notes are of ticks in memory.
+    EXPECT_LT(in_use() - before, 40 * 10 * 1024.0);
+
+    const std::vector<PastRecord> past = session.past();
+    ASSERT_EQ(past.size(), 1U);
+    const record::ChannelStore &store = session.servo().history().store();
+    EXPECT_EQ(past[0].from_row, store.begin());
+    ASSERT_GT(past[0].notes.size(), 5U);
+    EXPECT_LT(past[0].notes.size(), 40U);
+    EXPECT_GT(past[0].notes.front().before_row, store.begin());
     session.stop();
 }
 
