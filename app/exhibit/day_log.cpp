@@ -33,9 +33,13 @@ std::string counted(std::size_t count, std::string_view what) {
 } // namespace
 
 std::string summary_of(const DayFigures &figures) {
-    std::string text = fmt::format("{}, {}; {}, {} healed", counted(figures.visitors, "visitor"),
-                                   counted(figures.scenes, "scene"), counted(figures.trips, "stop"),
-                                   figures.healed);
+    std::string text =
+        fmt::format("{}, {}; {}", counted(figures.visitors, "visitor"),
+                    counted(figures.scenes, "scene"), counted(figures.trips, "stop"));
+    if (figures.trips_while_healing > 0) {
+        text += fmt::format(" ({} while healing)", figures.trips_while_healing);
+    }
+    text += fmt::format(", {} healed", figures.healed);
     if (figures.healed > 0) {
         text += fmt::format(", the longest after {:.0f} s", figures.longest_healing_s);
     }

@@ -60,7 +60,9 @@ void DayWatch::watch_safety(const record::ChannelStore &store, std::uint64_t row
     if (now == SafetyState::tripped) {
         ++figures.trips;
         events.push_back(stop_text(store, row));
-        if (!std::exchange(is_stopped_, true)) {
+        if (std::exchange(is_stopped_, true)) {
+            ++figures.trips_while_healing;
+        } else {
             stopped_s_ = store.time_s(row);
         }
     } else if (now == SafetyState::running && is_stopped_) {

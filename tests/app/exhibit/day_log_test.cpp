@@ -103,6 +103,24 @@ TEST(ExhibitDayWatch, FindsStopsAndThePeaksOfWhatIsDriven) {
     EXPECT_GT(peak_N, 0.5);
     EXPECT_DOUBLE_EQ(figures.peak_force_N, peak_N);
     EXPECT_DOUBLE_EQ(figures.peak_voltage_V, peak_V);
+
+    // A stop before the motors ran again: both are healed at once.
+    events.clear();
+    session.servo().emergency_stop();
+    run(1.0);
+    session.servo().reset_safety();
+    run(0.2);
+    session.servo().emergency_stop();
+    run(1.0);
+    session.servo().reset_safety();
+    run(3.0);
+    ASSERT_EQ(events.size(), 3U);
+    EXPECT_EQ(events[0], "stopped: emergency stop");
+    EXPECT_EQ(events[1], "stopped: emergency stop");
+    EXPECT_TRUE(events[2].starts_with("running again after ")) << events[2];
+    EXPECT_EQ(figures.trips, 3U);
+    EXPECT_EQ(figures.trips_while_healing, 1U);
+    EXPECT_EQ(figures.healed, 2U);
     session.stop();
 }
 
@@ -114,6 +132,14 @@ TEST(ExhibitDayLog, SumsUp) {
     EXPECT_EQ(summary_of(figures),
               "40 visitors, 112 scenes; 0 stops, 0 healed; the device was lost 0 times; "
               "peak force 3.46 N, peak voltage 0.00 V; longest frame 0 ms");
+    figures.trips = 4;
+    figures.trips_while_healing = 1;
+    figures.healed = 3;
+    figures.longest_healing_s = 11.2;
+    EXPECT_TRUE(
+        summary_of(figures).starts_with("40 visitors, 112 scenes; 4 stops (1 while healing), "
+                                        "3 healed, the longest after 11 s; "))
+        << summary_of(figures);
 }
 
 } // namespace
