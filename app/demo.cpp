@@ -60,6 +60,11 @@ void print_frames(const servo::DurationHistogram &frames) {
           1e3 * frames.longest_s());
 }
 
+void print_load(const FrameLoad &load) {
+    print(std::cout, "view: {} draw calls, {} triangles and lines, {} samples drawn in a frame\n",
+          load.draw_calls, load.primitives, load.samples);
+}
+
 /// Whether it is to be started again.
 bool finish_kiosk(Screen &screen) {
     exhibit::Kiosk *const kiosk = screen.kiosk();
@@ -112,6 +117,7 @@ int run_demo(const DemoOptions &options) {
     if (options.unattended()) {
         session::write_session_report(std::cout, session);
         print_frames(screen.frame_durations());
+        print_load(screen.frame_load());
         if (!options.screenshot.empty()) {
             std::cout << "screenshot: " << options.screenshot.string() << '\n';
         }

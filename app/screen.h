@@ -52,6 +52,8 @@ public:
     [[nodiscard]] const servo::DurationHistogram &frame_durations() const {
         return frame_durations_;
     }
+    /// Of the view.
+    [[nodiscard]] const FrameLoad &frame_load() const { return renderer_.load(); }
 
 private:
     void draw_contents();
@@ -89,6 +91,7 @@ private:
     void obey_on_record(const std::string &key);
 
     WindowHabits habits_;
+    float legend_width_ = 0.0F; ///< of its plate in the last frame
     Window window_;
     session::Session &session_;
     Renderer renderer_;

@@ -166,7 +166,7 @@ void ParticipantWindow::show(ParticipantView &view, const ParticipantPicture &pi
         glActiveTexture(GL_TEXTURE0);
         glBindTexture(GL_TEXTURE_2D, view.texture());
         glBindVertexArray(presenter_->no_vertices.name());
-        glDrawArrays(GL_TRIANGLES, 0, 3);
+        draw_arrays(GL_TRIANGLES, 3);
         auto taken = std::make_unique<Fence>();
         glfwSwapBuffers(window_);
         return taken;

@@ -35,7 +35,7 @@ void FlatPainter::draw(const glm::mat4 &view_projection, float opacity) const {
     program_.set("view_projection", view_projection);
     program_.set("opacity", opacity);
     glBindVertexArray(array_.name());
-    glDrawArrays(GL_TRIANGLES, 0, count_);
+    draw_arrays(GL_TRIANGLES, count_);
 }
 
 } // namespace springdrive::app

@@ -63,7 +63,7 @@ void Floor::draw(const glm::mat4 &view_projection, const Vector3 &eye_m, double 
     moving_shadow_.texture().bind(1);
     program_.set("moving_shadow", 1);
     glBindVertexArray(no_vertices_.name());
-    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    draw_arrays(GL_TRIANGLE_STRIP, 4);
 }
 
 } // namespace springdrive::app

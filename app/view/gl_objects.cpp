@@ -114,6 +114,31 @@ GLuint BufferKind::create() {
 }
 void BufferKind::destroy(GLuint name) noexcept { glDeleteBuffers(1, &name); }
 
+GLuint QueryKind::create() {
+    GLuint name = 0;
+    glGenQueries(1, &name);
+    return name;
+}
+void QueryKind::destroy(GLuint name) noexcept { glDeleteQueries(1, &name); }
+
+namespace {
+
+thread_local int calls_of_thread = 0;
+
+} // namespace
+
+void draw_arrays(GLenum mode, GLsizei count) {
+    ++calls_of_thread;
+    glDrawArrays(mode, 0, count);
+}
+
+void draw_elements(GLenum mode, GLsizei count) {
+    ++calls_of_thread;
+    glDrawElements(mode, count, GL_UNSIGNED_INT, nullptr);
+}
+
+int draw_calls() { return calls_of_thread; }
+
 GLuint VertexArrayKind::create() {
     GLuint name = 0;
     glGenVertexArrays(1, &name);

@@ -65,6 +65,10 @@ struct RenderbufferKind {
     static GLuint create();
     static void destroy(GLuint name) noexcept;
 };
+struct QueryKind {
+    static GLuint create();
+    static void destroy(GLuint name) noexcept;
+};
 struct ProgramKind {
     static GLuint create();
     static void destroy(GLuint name) noexcept;
@@ -74,6 +78,12 @@ using Buffer = GlName<BufferKind>;
 using VertexArray = GlName<VertexArrayKind>;
 using Framebuffer = GlName<FramebufferKind>;
 using Renderbuffer = GlName<RenderbufferKind>;
+using Query = GlName<QueryKind>;
+
+// As OpenGL's own, and counted.
+void draw_arrays(GLenum mode, GLsizei count);
+void draw_elements(GLenum mode, GLsizei count); ///< of the bound indices, all from the first
+[[nodiscard]] int draw_calls();                 ///< of this thread so far
 
 /// A vertex and a fragment shader, linked.
 class Program {

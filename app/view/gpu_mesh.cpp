@@ -6,7 +6,7 @@ namespace springdrive::app {
 
 namespace {
 
-/// The locations are those of shaders/lit.vert.
+/// The locations are those of shaders/lit.vert; creases.vert has the first.
 void describe_attribute(GLuint location, GLint components, std::size_t offset,
                         std::size_t stride = sizeof(scene::VisualVertex)) {
     glEnableVertexAttribArray(location);
@@ -44,7 +44,22 @@ GpuMesh::GpuMesh(std::span<const scene::VisualVertex> vertices,
 
 void GpuMesh::draw() const {
     glBindVertexArray(array_.name());
-    glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+    draw_elements(GL_TRIANGLES, index_count_);
+}
+
+GpuLines::GpuLines(std::span<const scene::LineSegment> lines)
+    : vertex_count_(static_cast<GLsizei>(2 * lines.size())) {
+    glBindVertexArray(array_.name());
+    glBindBuffer(GL_ARRAY_BUFFER, vertices_.name());
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(lines.size_bytes()), lines.data(),
+                 GL_STATIC_DRAW);
+    describe_attribute(0, 3, 0, sizeof(scene::LineSegment) / 2);
+    glBindVertexArray(0);
+}
+
+void GpuLines::draw() const {
+    glBindVertexArray(array_.name());
+    draw_arrays(GL_LINES, vertex_count_);
 }
 
 } // namespace springdrive::app

@@ -1,4 +1,4 @@
-// Triangles on the graphics card, uploaded once.
+// Triangles and lines on the graphics card, uploaded once.
 #pragma once
 
 #include "app/view/gl_objects.h"
@@ -24,6 +24,18 @@ private:
     Buffer indices_;
     Buffer tangents_;
     GLsizei index_count_;
+};
+
+class GpuLines {
+public:
+    explicit GpuLines(std::span<const scene::LineSegment> lines);
+
+    void draw() const; ///< with the program in use
+
+private:
+    VertexArray array_;
+    Buffer vertices_;
+    GLsizei vertex_count_;
 };
 
 } // namespace springdrive::app

@@ -50,7 +50,7 @@ void PlatePainter::draw(std::span<const Plate> plates, const glm::vec2 &viewport
     program_.use();
     program_.set("viewport_px", viewport_px);
     glBindVertexArray(array_.name());
-    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(quads_.size()));
+    draw_arrays(GL_TRIANGLES, static_cast<GLsizei>(quads_.size()));
     glBindVertexArray(0);
 }
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr float kHiddenOpacity = 0.50F; // of markers behind or inside something
 constexpr float kHiddenFlatOpacity = 0.25F;
+constexpr float kCreaseOpacity = 0.5F;
 constexpr float kSatin = 0.5F;       // roughness of linkage and markers
 constexpr float kMarkerGlow = 0.55F; // they keep their colour on the unlit side
 
@@ -45,6 +46,7 @@ Renderer::Renderer(int samples)
     : background_("background", shaders::fullscreen_vert, shaders::background_frag),
       depth_("depth", shaders::depth_vert, shaders::depth_frag),
       depth_masked_("depth, masked", shaders::depth_vert, shaders::depth_frag, kMaskedDepth),
+      creases_("creases", shaders::creases_vert, shaders::flat_frag),
       scene_shadow_(kSceneShadow_px), moving_shadow_(kMovingShadow_px), target_(samples) {
     check_gl("setting up the renderer");
 }
@@ -93,6 +95,7 @@ void Renderer::draw(const Camera &camera, const ViewportPixels &viewport, const 
                   static_cast<int>(frame.tip.ghost.size() + frame.bodies.size()) +
                   2 * flat_.calls();
 
+    meter_.begin();
     GLint target = 0;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
     cast_shadows(frame, state);
@@ -108,6 +111,7 @@ void Renderer::draw(const Camera &camera, const ViewportPixels &viewport, const 
     // The framebuffer's own alpha stays 1.
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     glDepthMask(GL_FALSE);
+    draw_creases(frame);
     floor_.draw(frame.view_projection, frame.eye_m, pixel_scale);
     draw_markers(frame);
     draw_translucent(frame);
@@ -116,6 +120,7 @@ void Renderer::draw(const Camera &camera, const ViewportPixels &viewport, const 
     glDisable(GL_DEPTH_TEST);
     glBindVertexArray(0);
     target_.end(static_cast<GLuint>(target), viewport.x, viewport.y);
+    meter_.end();
     check_gl("drawing the view");
 }
 
@@ -165,7 +170,7 @@ const Program &Renderer::begin(const LitVariant &variant, const Frame &frame) {
 void Renderer::draw_background() const {
     background_.use();
     glBindVertexArray(no_vertices_.name());
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    draw_arrays(GL_TRIANGLES, 3);
 }
 
 void Renderer::draw_scene_and_linkage(const Frame &frame) {
@@ -174,6 +179,14 @@ void Renderer::draw_scene_and_linkage(const Frame &frame) {
     const Program &lit = begin({}, frame);
     draw_ghost(lit, frame);
     painter_.draw(lit, frame.linkage);
+}
+
+void Renderer::draw_creases(const Frame &frame) const {
+    creases_.use();
+    creases_.set("view_projection", frame.view_projection);
+    creases_.set("eye_m", to_glm(frame.eye_m));
+    creases_.set("opacity", kCreaseOpacity);
+    scene_.draw_creases();
 }
 
 /// Where the scene hides the tip; the linkage, which is not there yet, does not count.

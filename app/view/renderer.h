@@ -5,6 +5,7 @@
 #include "app/view/camera.h"
 #include "app/view/flat_painter.h"
 #include "app/view/floor.h"
+#include "app/view/frame_load.h"
 #include "app/view/gl_objects.h"
 #include "app/view/lit_programs.h"
 #include "app/view/multisampled_target.h"
@@ -60,6 +61,9 @@ public:
                " flat triangles";
     }
 
+    /// Measured of a recent frame.
+    [[nodiscard]] const FrameLoad &load() const { return meter_.latest(); }
+
 private:
     struct Frame;
 
@@ -69,6 +73,7 @@ private:
     const Program &begin(const LitVariant &variant, const Frame &frame);
     void draw_background() const;
     void draw_scene_and_linkage(const Frame &frame);
+    void draw_creases(const Frame &frame) const;
     void draw_ghost(const Program &lit, const Frame &frame) const;
     void draw_flat(const Frame &frame) const;
     void draw_markers(const Frame &frame);
@@ -85,12 +90,14 @@ private:
     Floor floor_;
     Program depth_;
     Program depth_masked_;
+    Program creases_;
     glm::mat4 light_{0.0F};   ///< of the shadow maps
     ShadowMap scene_shadow_;  ///< the scene is static: cast once
     ShadowMap moving_shadow_; ///< of linkage and tip
     bool scene_cast_ = false;
     MultisampledTarget target_;
     VertexArray no_vertices_;
+    FrameLoadMeter meter_;
 };
 
 } // namespace springdrive::app

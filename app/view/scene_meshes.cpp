@@ -76,6 +76,9 @@ void SceneMeshes::upload_next() {
         upload_mesh(scene.meshes[items_.size()]);
     } else {
         std::ranges::stable_sort(items_, {}, &Item::variant);
+        if (!scene.creases.empty()) {
+            creases_.emplace(scene.creases);
+        }
         uploading_ = nullptr;
     }
 }
@@ -171,6 +174,12 @@ void SceneMeshes::draw_translucent(const Begin &begin, const Vector3 &forward) c
         }
     }
     glDisable(GL_CULL_FACE);
+}
+
+void SceneMeshes::draw_creases() const {
+    if (creases_) {
+        creases_->draw();
+    }
 }
 
 void SceneMeshes::draw_solid_casters() const {

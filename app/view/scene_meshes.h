@@ -9,6 +9,7 @@
 #include <glm/vec3.hpp>
 
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -41,6 +42,8 @@ public:
     /// @param forward unit, from the eye into the scene
     void draw_translucent(const Begin &begin, const Vector3 &forward) const;
 
+    void draw_creases() const; ///< with shaders/creases.vert active
+
     void draw_solid_casters() const;       ///< what is neither translucent nor masked
     void draw_translucent_casters() const; ///< without textures
     /// With an active program that has MASK defined, whose uniforms of the mask it sets.
@@ -67,6 +70,7 @@ private:
     const scene::Scene *uploading_ = nullptr; ///< until upload is complete
     std::vector<Texture2D> textures_;         ///< the scene's, then a white one
     std::vector<Item> items_;                 ///< once uploaded, of one variant after the other
+    std::optional<GpuLines> creases_;
     std::vector<std::string> remarks_;
 };
 

@@ -77,7 +77,7 @@ void ShadowMask::blur_into(const Target &to, const Target &from, const Program &
     from.texture.bind(0);
     blur.set("step", step);
     glBindVertexArray(no_vertices_.name());
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    draw_arrays(GL_TRIANGLES, 3);
 }
 
 } // namespace springdrive::app

@@ -137,7 +137,7 @@ void TextPainter::draw(const TextLines &text, int x_px, int y_px, const glm::vec
     program_.set("letters", 0);
     atlas_->bind(0);
     glBindVertexArray(array_.name());
-    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(quads_.size()));
+    draw_arrays(GL_TRIANGLES, static_cast<GLsizei>(quads_.size()));
     glBindVertexArray(0);
 }
 

@@ -3,6 +3,7 @@
 #include "base/input_error.h"
 #include "base/one_line.h"
 #include "base/wanted.h"
+#include "engine/scene/creases.h"
 #include "engine/scene/fit.h"
 #include "engine/scene/gltf_file.h"
 #include "engine/scene/gltf_material.h"
@@ -328,6 +329,7 @@ void build_meshes(Scene &scene, std::vector<PlacedPrimitive> primitives, const F
         progress.advance_to(static_cast<double>(i + 1) / static_cast<double>(primitives.size()));
     }
     scene.textures = textures.take();
+    scene.creases = creases_of(scene.meshes);
 }
 
 Scene load(const std::filesystem::path &file, const device::Workspace &workspace,

@@ -54,6 +54,9 @@ struct VisualMesh {
     Vector3 centre_m{Vector3::Zero()}; ///< of its vertices
 };
 
+/// Its two ends, device frame.
+using LineSegment = std::array<std::array<float, 3>, 2>;
+
 struct Texture {
     enum class Wrap : std::uint8_t { repeat, mirror, clamp };
     int width = 0;
@@ -69,7 +72,8 @@ struct Scene {
     std::filesystem::path file;
     std::vector<VisualMesh> meshes;
     std::vector<Texture> textures;
-    contact::TriangleSoup surface; ///< the triangles that can be touched
+    std::vector<LineSegment> creases; ///< drawn as lines over `meshes`
+    contact::TriangleSoup surface;    ///< the triangles that can be touched
     std::vector<contact::AnalyticShape>
         shapes; ///< touched too; their materials are those of `surface`
     /// `surface` with the file's own flat triangles where nodes are smooth; empty where none is.

@@ -1,6 +1,6 @@
-// Covers shaders/lit.*, depth.*, shadow.* and app/view/scene_meshes.cpp: how materials are drawn,
-// as seen in pictures. What a picture ought to show is drawn a second time without the feature
-// under test, with other geometry, or follows from the light's arithmetic.
+// Covers shaders/lit.*, depth.*, shadow.*, creases.vert and app/view/scene_meshes.cpp: how
+// materials are drawn, as seen in pictures. What a picture ought to show is drawn a second time
+// without the feature under test, with other geometry, or follows from the light's arithmetic.
 #include "app/view/renderer.h"
 
 #include "device/core/phantom/kinematics.h"
@@ -478,6 +478,42 @@ TEST_F(Materials, WhiteKeepsItsShading) {
         }
         EXPECT_LT(brightest, 250) << metallic;
         EXPECT_GT(brightest, 200) << metallic;
+    }
+}
+
+/// A crease is a dark line where it is, hidden by what is nearer, and nothing elsewhere.
+TEST_F(Materials, CreasesAreDarkLinesBeforeTheTrianglesThatMeetThere) {
+    const auto shown = [](bool has_crease, bool is_covered) {
+        std::vector<scene::VisualMesh> meshes{square(kRight, kUp)};
+        if (is_covered) { // its right half, 10 mm before it
+            meshes.push_back(
+                square(kRight, kUp, {0.5F, 0.5F, 0.5F, 1.0F}, kHalf_m * kRight + 0.01 * kNear));
+        }
+        scene::Scene scene = scene_of(std::move(meshes));
+        if (has_crease) {
+            scene.creases = {{floats(kStage_m - 0.9 * kHalf_m * kRight),
+                              floats(kStage_m + 0.9 * kHalf_m * kRight)}};
+        }
+        return draw(scene);
+    };
+    for (const bool is_covered : {false, true}) {
+        const Picture plain = shown(false, is_covered);
+        const Picture lined = shown(true, is_covered);
+        int left = 0;
+        int right = 0;
+        for (int column = 0; column < kSide_px; ++column) {
+            for (int row = 0; row < kSide_px; ++row) {
+                const Rgb before = plain.in(column, row);
+                const Rgb after = lined.in(column, row);
+                if (after != before) {
+                    EXPECT_LE(std::abs(row - kSide_px / 2), 1) << column;
+                    EXPECT_LT(after.green, 3 * before.green / 4);
+                    (column < kSide_px / 2 ? left : right) += 1;
+                }
+            }
+        }
+        EXPECT_GT(left, kSide_px / 8);
+        EXPECT_EQ(right > 0, !is_covered) << right;
     }
 }
 

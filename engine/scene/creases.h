@@ -1,0 +1,24 @@
+// The lines in which a drawn surface turns sharply or ends, so that steps are seen from above, too.
+#pragma once
+
+#include "engine/scene/scene.h"
+
+#include <span>
+#include <vector>
+
+namespace springdrive::scene {
+
+/// An edge is a crease where the drawn normals of its triangles differ by more at either end.
+inline constexpr double kCrease_deg = 30.0;
+
+/// A mesh with more triangles, or a scene with more creases, has none: its edges lie too close for
+/// lines to explain them, and a software renderer takes long.
+inline constexpr std::size_t kMaxCreasedTriangles = 100'000;
+inline constexpr std::size_t kMaxCreases = 4'000;
+
+/// Creases and borders of all meshes that are opaque and have no texture or mask, which would show
+/// their own edges. Vertices at the same place, to the last bit, count as one, whichever mesh they
+/// are of.
+[[nodiscard]] std::vector<LineSegment> creases_of(std::span<const VisualMesh> meshes);
+
+} // namespace springdrive::scene

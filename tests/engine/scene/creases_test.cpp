@@ -1,0 +1,146 @@
+#include "engine/scene/creases.h"
+
+#include "engine/scene/visual_pieces.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace springdrive::scene {
+namespace {
+
+using Point = std::array<float, 3>;
+
+void add_triangle(VisualMesh &mesh, const std::array<Point, 3> &corners,
+                  const std::array<Point, 3> &normals) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        mesh.indices.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
+        mesh.vertices.push_back({corners[i], normals[i], {}, {}});
+    }
+}
+
+/// Two triangles.
+void add_quad(VisualMesh &mesh, const std::array<Point, 4> &corners,
+              const std::array<Point, 4> &normals) {
+    add_triangle(mesh, {corners[0], corners[1], corners[2]}, {normals[0], normals[1], normals[2]});
+    add_triangle(mesh, {corners[0], corners[2], corners[3]}, {normals[0], normals[2], normals[3]});
+}
+
+/// The closed wall and both ends of a prism over a regular polygon.
+/// @param smooth  whether the wall's normals are those of a cylinder, or of its faces
+VisualMesh prism(int sides, bool smooth) {
+    VisualMesh mesh;
+    const auto at = [&](double turn, float height) {
+        const double angle = 2.0 * std::numbers::pi * std::fmod(turn, sides) / sides;
+        return Point{static_cast<float>(std::cos(angle)), height,
+                     static_cast<float>(std::sin(angle))};
+    };
+    for (int i = 0; i < sides; ++i) {
+        const Point facing = at(i + 0.5, 0.0F);
+        const Point from = smooth ? at(i, 0.0F) : facing;
+        const Point to = smooth ? at(i + 1, 0.0F) : facing;
+        add_quad(mesh, {at(i, 0.0F), at(i + 1, 0.0F), at(i + 1, 1.0F), at(i, 1.0F)},
+                 {from, to, to, from});
+        for (const float height : {0.0F, 1.0F}) {
+            const Point up{0.0F, height > 0.5F ? 1.0F : -1.0F, 0.0F};
+            add_triangle(mesh, {Point{0.0F, height, 0.0F}, at(i, height), at(i + 1, height)},
+                         {up, up, up});
+        }
+    }
+    return mesh;
+}
+
+std::vector<LineSegment> creases(const VisualMesh &mesh) { return creases_of({&mesh, 1}); }
+
+/// Neighbouring faces of a prism over n sides meet at 360°/n, wall and ends at 90°.
+TEST(Creases, OfPrismsAreTheEdgesThatTurnByMoreThanTheirAngle) {
+    for (int sides = 3; sides <= 40; ++sides) {
+        const bool has_edges = 360.0 / sides > kCrease_deg;
+        if (360.0 / sides == kCrease_deg) {
+            continue; // round-off decides
+        }
+        const auto rims = static_cast<std::size_t>(2 * sides);
+        EXPECT_EQ(creases(prism(sides, false)).size(),
+                  rims + (has_edges ? static_cast<std::size_t>(sides) : 0))
+            << sides;
+        EXPECT_EQ(creases(prism(sides, true)).size(), rims) << sides; // drawn round
+    }
+}
+
+TEST(Creases, AreTheBorderOfAQuadButNotItsDiagonal) {
+    const Point up{0.0F, 1.0F, 0.0F};
+    VisualMesh mesh;
+    add_quad(mesh, {Point{0, 0, 0}, Point{0, 0, 1}, Point{1, 0, 1}, Point{1, 0, 0}},
+             {up, up, up, up});
+    const std::vector<LineSegment> found = creases(mesh);
+    EXPECT_EQ(found.size(), 4U);
+    EXPECT_EQ(std::ranges::count(found, LineSegment{Point{0, 0, 0}, Point{1, 0, 1}}), 0);
+}
+
+TEST(Creases, AreNotOfWhatHasATextureAMaskOrIsSeenThrough) {
+    const VisualMesh plain = prism(4, false);
+    EXPECT_EQ(creases(plain).size(), 12U);
+    VisualMesh textured = plain;
+    textured.texture = 0;
+    EXPECT_TRUE(creases(textured).empty());
+    VisualMesh bumped = plain;
+    bumped.finish.normal_texture = 0;
+    EXPECT_TRUE(creases(bumped).empty());
+    VisualMesh glass = plain;
+    glass.translucent = true;
+    EXPECT_TRUE(creases(glass).empty());
+    VisualMesh masked = plain;
+    masked.alpha_cutoff = 0.5F;
+    EXPECT_TRUE(creases(masked).empty());
+}
+
+/// Neither the order of the triangles nor the meshes that they are in matter.
+TEST(Creases, AreTheSameOfAMeshInPieces) {
+    std::mt19937_64 dice(7);
+    VisualMesh mesh = prism(24, false);
+    const std::vector<LineSegment> whole = creases(mesh);
+    ASSERT_EQ(whole.size(), 48U);
+    for (const std::size_t vertices : {3U, 9U, 30U, 100U}) {
+        std::vector<std::size_t> order(mesh.indices.size() / 3);
+        for (std::size_t i = 0; i < order.size(); ++i) {
+            order[i] = i;
+        }
+        std::ranges::shuffle(order, dice);
+        VisualMesh shuffled = mesh;
+        for (std::size_t i = 0; i < order.size(); ++i) {
+            std::copy_n(mesh.indices.begin() + static_cast<std::ptrdiff_t>(3 * order[i]), 3,
+                        shuffled.indices.begin() + static_cast<std::ptrdiff_t>(3 * i));
+        }
+        EXPECT_EQ(creases_of(in_pieces(shuffled, vertices)), whole) << vertices;
+    }
+}
+
+TEST(Creases, AreLeftOutWhereTheyAreTooMany) {
+    const auto open_triangles = [](std::size_t count) { // of three creases each
+        VisualMesh mesh;
+        const Point up{0.0F, 1.0F, 0.0F};
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto x = static_cast<float>(2 * i);
+            add_triangle(mesh, {Point{x, 0, 0}, Point{x, 0, 1}, Point{x + 1.0F, 0, 0}},
+                         {up, up, up});
+        }
+        return mesh;
+    };
+    constexpr std::size_t kMost = kMaxCreases / 3;
+    EXPECT_EQ(creases(open_triangles(kMost)).size(), 3 * kMost);
+    EXPECT_TRUE(creases(open_triangles(kMost + 1)).empty());
+    VisualMesh closed = prism(4, false);
+    const std::vector<std::uint32_t> once = closed.indices;
+    while (closed.indices.size() <= 3 * kMaxCreasedTriangles - once.size()) {
+        closed.indices.insert(closed.indices.end(), once.begin(), once.end());
+    }
+    EXPECT_EQ(creases(closed).size(), 12U);
+    closed.indices.insert(closed.indices.end(), once.begin(), once.end());
+    EXPECT_TRUE(creases(closed).empty());
+}
+
+} // namespace
+} // namespace springdrive::scene
