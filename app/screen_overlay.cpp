@@ -56,11 +56,14 @@ Rectangle Screen::free_part(const Rectangle &view) const {
     if (kiosk_) {
         return exhibit::free_in_kiosk(view);
     }
-    const float plate =
-        shows_lesson() && has_room_for_plates(view)
-            ? width_of_scene_plate(session_, scene_panel_.plate, view, window_.scale())
-            : 0.0F;
-    Rectangle free = free_of_overlays(view, plate, opened_.is_shown(), window_.scale());
+    SidePlates plates;
+    if (has_room_for_plates(view)) {
+        plates.left = shows_lesson() ? width_of_scene_plate(session_, scene_panel_.plate, view,
+                                                            window_.scale())
+                                     : 0.0F;
+        plates.right = legend_width_;
+    }
+    Rectangle free = free_of_overlays(view, plates, opened_.is_shown(), window_.scale());
     if (!has_panels()) {
         free.size.y -= height_of_read_outs(view);
     }
@@ -113,9 +116,9 @@ void Screen::draw_over_scene(const Rectangle &view) {
         if (const auto viewpoint = draw_view_buttons(view, window_.scale())) {
             view_control_.look_from(*viewpoint);
         }
-        draw_legend(habits_.shown(), habits_.opens_legend(), shown_values_.last(), view,
-                    bottom_of_view_buttons(view, window_.scale()), width_of_view_buttons(),
-                    window_.scale());
+        legend_width_ = draw_legend(habits_.shown(), habits_.opens_legend(), shown_values_.last(),
+                                    view, bottom_of_view_buttons(view, window_.scale()),
+                                    width_of_view_buttons(), window_.scale());
     }
     const WindowMenuChoice choice = draw_window_menu(habits_, view, window_.scale());
     obey(choice.order);

@@ -89,7 +89,7 @@ public:
         for (std::size_t i = 0; i < kMotions.size(); ++i) {
             const double moved_deg = in_degrees(q_rad_ - from_rad_, i);
             report.bars.push_back({kMotions[i].name, moved_deg, -kShown_deg, kShown_deg,
-                                   fmt::format("{:+.0f}°", moved_deg)});
+                                   fmt::format("{:+.0f}°", std::round(moved_deg) + 0.0)}); // no −0
         }
         for (std::size_t i = 0; i < joint_; ++i) {
             report.seen.push_back(

@@ -84,8 +84,8 @@ void draw_row(ShownThings &shown, const ThingLook &look, const TouchValues &valu
 
 } // namespace
 
-void draw_legend(ShownThings &shown, bool &is_open, const TouchValues &values,
-                 const Rectangle &view, float top, float width, float scale) {
+float draw_legend(ShownThings &shown, bool &is_open, const TouchValues &values,
+                  const Rectangle &view, float top, float width, float scale) {
     const float margin = 10.0F * scale;
     const ui::Scope scope("legend");
     ImGui::SetNextWindowPos({view.corner.x + view.size.x - margin, top}, ImGuiCond_Always,
@@ -115,9 +115,11 @@ void draw_legend(ShownThings &shown, bool &is_open, const TouchValues &values,
         }
         ImGui::PopStyleVar(2);
     }
+    const float plate_width = is_open ? ImGui::GetWindowWidth() : 0.0F;
     ImGui::End();
     ImGui::PopStyleVar(2);
     ImGui::PopStyleColor();
+    return plate_width;
 }
 
 } // namespace springdrive::app

@@ -12,7 +12,8 @@ namespace springdrive::app {
 /// @param top     of the button or plate
 /// @param width   of the button
 /// @param values  that are drawn now, whose ranges stand in the rows
-void draw_legend(ShownThings &shown, bool &is_open, const TouchValues &values,
-                 const Rectangle &view, float top, float width, float scale);
+/// @return the plate's width, 0 for a button
+float draw_legend(ShownThings &shown, bool &is_open, const TouchValues &values,
+                  const Rectangle &view, float top, float width, float scale);
 
 } // namespace springdrive::app

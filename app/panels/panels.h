@@ -225,10 +225,16 @@ struct WindowMenuChoice {
 [[nodiscard]] float width_of_view_buttons();
 [[nodiscard]] float bottom_of_view_buttons(const Rectangle &view, float scale);
 
+/// Widths of the plates at the edges of the scene, 0 where there is none.
+struct SidePlates {
+    float left = 0.0F;
+    float right = 0.0F; ///< beside the buttons of views
+};
+
 /// The part of the scene over which none of these is drawn, a message of two lines included: for
-/// what must be seen whole. All of the scene where it is too small for both.
-/// @param plate  width of what stands at its left edge
-[[nodiscard]] Rectangle free_of_overlays(const Rectangle &view, float plate, bool is_record,
-                                         float scale);
+/// what must be seen whole. Where the scene is too small for it, the right plate, and then the
+/// rest, is not left out.
+[[nodiscard]] Rectangle free_of_overlays(const Rectangle &view, const SidePlates &plates,
+                                         bool is_record, float scale);
 
 } // namespace springdrive::app
