@@ -233,7 +233,7 @@ std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale) {
 
 Rectangle free_of_overlays(const Rectangle &view, const SidePlates &plates, bool is_record,
                            float scale) {
-    constexpr float kLeast = 0.35F; // of the view's width and height
+    constexpr float kLeast = 0.3F; // of the view's width and height
     const float left = plates.left + 2.0F * margin(scale);
     const float right = std::max(width_of_view_buttons(), plates.right) + 2.0F * margin(scale);
     const float top = margin(scale) + (1.0F + kMessageFont) * ImGui::GetTextLineHeight() +
