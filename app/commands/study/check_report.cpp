@@ -17,6 +17,10 @@ void write_length(std::ostream &out, const study::Protocol &protocol,
         print(out, "{:<24} {:>6}-{:<6} {:>6.1f}-{:<6.1f}\n", protocol.blocks[i].name,
               block.fewest_trials, block.most_trials, block.fewest_s / 60.0, block.most_s / 60.0);
     }
+    if (!protocol.questionnaire.empty()) {
+        print(out, "{:<24} {:>13} {:>6.1f}-{:<6.1f}\n", "questions", "",
+              length.fewest_questions_s / 60.0, length.most_questions_s / 60.0);
+    }
     print(out, "{:<24} {:>6}-{:<6} {:>6.1f}-{:<6.1f}\n", "session, with breaks",
           length.fewest_trials, length.most_trials, length.fewest_s / 60.0, length.most_s / 60.0);
 }

@@ -52,25 +52,38 @@ std::optional<double> presented_s(const Trial &trial) {
     return std::max(0.0, *trial.presentations.back().end_s - *trial.presentations.front().start_s);
 }
 
-/// The columns that BIDS defines.
+/// Of the trials of one session [s]. A trial does not begin before the one before was answered,
+/// whatever the wall clock says: it may be set while a session runs, and knows nothing of the time
+/// that passes in a simulated one.
+std::vector<double> onsets_s(const std::vector<TrialInStudy> &trials) {
+    constexpr double kPerSecond = 1000.0; // of the wall clock
+    std::vector<double> onsets_s;
+    double answered_s = 0.0;
+    for (const TrialInStudy &row : trials) {
+        const double lasted_s =
+            presented_s(row.trial).value_or(0.0) + row.trial.response_time_s.value_or(0.0);
+        const double onset_s =
+            std::max(answered_s, seconds(row.trial.at - row.session.started) - lasted_s);
+        onsets_s.push_back(std::round(onset_s * kPerSecond) / kPerSecond);
+        answered_s = onset_s + lasted_s;
+    }
+    return onsets_s;
+}
+
+constexpr const char *kOnset = "onset";
+constexpr const char *kOnsetDescription =
+    "from the start of the session to that of the first presentation, by the wall clock: the end "
+    "of the trial less response time and presentations, but not before the trial before was "
+    "answered. A simulated session, which passes faster than the clock, is thus a sum of "
+    "presentations and response times, without pauses and breaks. Exact times by the servo's clock "
+    "are in presentation1_start_s and its like";
+
+/// The columns that BIDS defines, after the onset.
 std::vector<TrialColumn> bids_columns() {
     const auto text = [](std::optional<double> number) {
         return number ? shortest_text(*number) : std::string();
     };
     return {
-        {"onset",
-         "from the start of the session to that of the first presentation, by the wall clock: the "
-         "end of the trial less response time and presentations; exact times by the servo's clock "
-         "are in presentation1_start_s and its like",
-         "s",
-         {},
-         [](const TrialInStudy &row) {
-             const double end_s = seconds(row.trial.at - row.session.started);
-             const double onset_s = end_s - row.trial.response_time_s.value_or(0.0) -
-                                    presented_s(row.trial).value_or(0.0);
-             constexpr double kPerSecond = 1000.0; // of the wall clock
-             return shortest_text(std::round(onset_s * kPerSecond) / kPerSecond);
-         }},
         {"duration",
          "from the start of the first presentation to the end of the last",
          "s",
@@ -201,7 +214,7 @@ std::string readme(const StudyContents &contents, const BidsOptions &options) {
                        devices, contents.facts.protocol_sha256, contents.facts.protocol);
 }
 
-/// The columns of BIDS, then all others.
+/// The columns of BIDS after the onset, then all others.
 std::vector<TrialColumn> all_columns(const StudyContents &contents) {
     std::vector<TrialColumn> columns = bids_columns();
     std::ranges::move(trial_columns(contents), std::back_inserter(columns));
@@ -210,16 +223,18 @@ std::vector<TrialColumn> all_columns(const StudyContents &contents) {
 
 std::string events_text(const std::vector<TrialColumn> &columns,
                         const std::vector<TrialInStudy> &trials) {
-    std::string text;
+    std::string text = kOnset;
     for (const TrialColumn &column : columns) {
-        text += column.name + '\t';
+        text += '\t' + column.name;
     }
-    text.back() = '\n';
-    for (const TrialInStudy &trial : trials) {
+    text += '\n';
+    const std::vector<double> onsets = onsets_s(trials);
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+        text += shortest_text(onsets[i]);
         for (const TrialColumn &column : columns) {
-            text += tsv_cell(column.cell(trial)) + '\t';
+            text += '\t' + tsv_cell(column.cell(trials[i]));
         }
-        text.back() = '\n';
+        text += '\n';
     }
     return text;
 }
@@ -246,7 +261,8 @@ void write_bids(const StudyContents &contents, const std::filesystem::path &fold
     const NewFolder created(folder);
     created.write("dataset_description.json", dataset_description(contents, options));
     created.write("README", readme(contents, options));
-    Json sidecar{{"TaskName", contents.facts.title}};
+    Json sidecar{{"TaskName", contents.facts.title},
+                 {kOnset, {{"Description", kOnsetDescription}, {"Units", "s"}}}};
     for (const TrialColumn &column : columns) {
         sidecar[column.name] = description_of(column);
     }

@@ -3,15 +3,11 @@
 #include "engine/study/methods/wrong_value.h"
 
 #include <cstdint>
-#include <limits>
 
 namespace springdrive::study {
 
 std::string what_is_wrong_with(const Adjustment &method) {
-    constexpr double kMost = std::numeric_limits<double>::max();
-    return first_of({method.scale == Scale::logarithmic
-                         ? unless_above("minimum_level", method.minimum_level, 0.0)
-                         : unless_from_to("minimum_level", method.minimum_level, -kMost, kMost),
+    return first_of({unless_level("minimum_level", method.minimum_level, method.scale),
                      unless_above("maximum_level", method.maximum_level, method.minimum_level),
                      unless_from_to("minimum_start", method.minimum_start, method.minimum_level,
                                     method.maximum_level),

@@ -27,10 +27,8 @@ double normal_argument(double proportion) {
 } // namespace
 
 std::string what_is_wrong_with(const PsychometricFunction &function) {
-    std::string complaint = function.family.scale == Scale::logarithmic
-                                ? unless_above("threshold", function.threshold, 0.0)
-                                : unless_finite("threshold", std::span(&function.threshold, 1));
-    return first_of({complaint, unless_above("slope", function.slope, 0.0),
+    return first_of({unless_level("threshold", function.threshold, function.family.scale),
+                     unless_level("slope", function.slope, Scale::logarithmic),
                      unless_from_to("guess", function.guess, 0.0, 1.0),
                      unless_from_to("lapse", function.lapse, 0.0, 1.0 - function.guess)});
 }

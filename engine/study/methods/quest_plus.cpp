@@ -25,12 +25,15 @@ FunctionPriors priors_of(const QuestPlus &method) {
 
 std::string what_is_wrong_with(const QuestPlus &method) {
     constexpr double kMostPoints = 1000.0;
-    const bool has_ratios = method.family.scale == Scale::logarithmic && !method.levels.empty();
     const double cells = static_cast<double>(method.levels.size()) * method.threshold.points *
                          method.slope.points * method.guess.points * method.lapse.points;
     return first_of(
         {unless_rising("levels", method.levels, 2),
-         has_ratios ? unless_above("levels (each)", method.levels.front(), 0.0) : std::string(),
+         method.levels.empty()
+             ? std::string()
+             : unless_level("levels (each)", method.levels.front(), method.family.scale),
+         unless_level("threshold.minimum", method.threshold.prior.minimum, method.family.scale),
+         unless_level("slope.minimum", method.slope.prior.minimum, Scale::logarithmic),
          what_is_wrong_with(priors_of(method)),
          unless_from_to("threshold.points", method.threshold.points, 2, kMostPoints),
          unless_from_to("slope.points", method.slope.points, 1, kMostPoints),

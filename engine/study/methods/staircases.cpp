@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 
 namespace springdrive::study {
 
@@ -38,11 +37,8 @@ std::string what_is_wrong_with_steps(const Staircases &method) {
 } // namespace
 
 std::string what_is_wrong_with(const Staircases &method) {
-    constexpr double kMost = std::numeric_limits<double>::max();
     if (std::string complaint = first_of(
-            {method.scale == Scale::logarithmic
-                 ? unless_above("minimum_level", method.minimum_level, 0.0)
-                 : unless_from_to("minimum_level", method.minimum_level, -kMost, kMost),
+            {unless_level("minimum_level", method.minimum_level, method.scale),
              unless_above("maximum_level", method.maximum_level, method.minimum_level),
              unless_from_to("correct_for_down", method.correct_for_down, 1, 10),
              unless_from_to("up_to_down", method.up_to_down, 0.01, 100.0),

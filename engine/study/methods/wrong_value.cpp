@@ -14,10 +14,17 @@ std::string unless_from_to(std::string_view key, double value, double minimum, d
                              maximum);
 }
 
+std::string unless_level(std::string_view key, double value, Scale scale) {
+    return unless_from_to(key, value,
+                          scale == Scale::logarithmic ? kSmallestRatioTyped : -kLargestTyped,
+                          kLargestTyped);
+}
+
 std::string unless_above(std::string_view key, double value, double minimum) {
     return value > minimum && std::isfinite(value)
                ? std::string()
-               : fmt::format("{} is {:g}; it must be above {:g}", key, value, minimum);
+               : fmt::format("{} is {:g}; it must be a finite number above {:g}", key, value,
+                             minimum);
 }
 
 std::string unless_finite(std::string_view key, std::span<const double> values) {

@@ -1,6 +1,8 @@
 // The lines in which a specification is refused: key, value and range.
 #pragma once
 
+#include "engine/study/methods/scale.h"
+
 #include <cstddef>
 #include <initializer_list>
 #include <span>
@@ -13,7 +15,17 @@ namespace springdrive::study {
 [[nodiscard]] std::string unless_from_to(std::string_view key, double value, double minimum,
                                          double maximum);
 
-/// "KEY is VALUE; it must be above MINIMUM" if it is not, or not finite; else empty.
+/// Levels and slopes that people type: what lies beyond is a slip of the keyboard in every unit
+/// that a protocol has.
+inline constexpr double kLargestTyped = 1e6;
+inline constexpr double kSmallestRatioTyped = 1e-6; ///< of what must be above 0
+
+/// "KEY is VALUE; it must be from …" unless it can be a typed level: within `kLargestTyped`, and on
+/// a logarithmic scale not below `kSmallestRatioTyped`.
+[[nodiscard]] std::string unless_level(std::string_view key, double value, Scale scale);
+
+/// "KEY is VALUE; it must be a finite number above MINIMUM" if it is not, or not finite; else
+/// empty.
 [[nodiscard]] std::string unless_above(std::string_view key, double value, double minimum);
 
 /// Refuses levels that are fewer than `fewest`, not finite or not rising; else empty.

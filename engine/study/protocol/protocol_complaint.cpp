@@ -1,4 +1,5 @@
 #include "engine/study/methods/wrong_value.h"
+#include "engine/study/protocol/analysis_plan.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/protocol_keys.h"
 
@@ -207,6 +208,12 @@ std::string wrong_responses(const Protocol &protocol) {
     return {};
 }
 
+std::string wrong_expectation(const Protocol &protocol) {
+    const std::string wrong =
+        protocol.expected ? what_is_wrong_with(expected_observer(protocol)) : std::string();
+    return wrong.empty() ? wrong : "expected." + wrong;
+}
+
 } // namespace
 
 std::string what_is_wrong_with(const Protocol &protocol) {
@@ -225,7 +232,7 @@ std::string what_is_wrong_with(const Protocol &protocol) {
     if (std::string wrong = what_is_wrong_with(protocol.method, protocol.task); !wrong.empty()) {
         return "method." + wrong;
     }
-    for (const auto check : {wrong_variable, wrong_blocks, wrong_responses}) {
+    for (const auto check : {wrong_variable, wrong_blocks, wrong_responses, wrong_expectation}) {
         if (std::string wrong = check(protocol); !wrong.empty()) {
             return wrong;
         }

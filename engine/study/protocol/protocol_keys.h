@@ -2,6 +2,7 @@
 // documentation read these lists.
 #pragma once
 
+#include "engine/study/methods/wrong_value.h"
 #include "engine/study/protocol/protocol.h"
 
 #include <array>
@@ -135,7 +136,7 @@ inline constexpr std::array<NumberKey<CatchTrials>, 1> kCatchTrialKeys{{
 
 // Of [method], by its kind. Levels are in the variable's unit.
 
-inline constexpr double kLargestLevel = 1e6;
+inline constexpr double kLargestLevel = kLargestTyped;
 
 inline constexpr std::array<NumberKey<ConstantStimuli>, 2> kConstantStimuliKeys{{
     {"repetitions", "–", nullptr, &ConstantStimuli::repetitions, 1.0, 1000.0,
@@ -204,9 +205,10 @@ inline constexpr std::array<NumberKey<Adjustment>, 5> kAdjustmentKeys{{
 }};
 
 inline constexpr std::array<NumberKey<Expectation>, 3> kExpectationKeys{{
-    {"threshold", "–", &Expectation::threshold, nullptr, -1e6, 1e6,
+    {"threshold", "–", &Expectation::threshold, nullptr, -kLargestLevel, kLargestLevel,
      "α, a level; in the variable's unit"},
-    {"slope", "–", &Expectation::slope, nullptr, 1e-6, 1e6, "β, per unit of the scale"},
+    {"slope", "–", &Expectation::slope, nullptr, kSmallestRatioTyped, kLargestTyped,
+     "β, per unit of the scale"},
     {"lapse", "–", &Expectation::lapse, nullptr, 0.0, 0.2,
      "λ: wrong answers however strong the stimulus"},
 }};

@@ -109,8 +109,13 @@ SessionLength session_length(const Protocol &protocol, double warm_up_s) {
     const double between_s =
         protocol.breaks.between_blocks_s *
         static_cast<double>(std::max<std::size_t>(session.blocks.size(), 1) - 1);
-    session.fewest_s += warm_up_s + between_s;
-    session.most_s += warm_up_s + between_s;
+    for (const QuestionnaireItem &item : protocol.questionnaire) {
+        session.fewest_questions_s += kShortQuestion_s;
+        session.most_questions_s +=
+            item.kind == QuestionnaireKind::text ? kLongText_s : kLongChoice_s;
+    }
+    session.fewest_s += warm_up_s + between_s + session.fewest_questions_s;
+    session.most_s += warm_up_s + between_s + session.most_questions_s;
     return session;
 }
 

@@ -20,8 +20,10 @@ struct SessionLength {
     std::vector<BlockLength> blocks; ///< in the protocol's order
     int fewest_trials = 0;
     int most_trials = 0;
-    double warm_up_s = 0.0; ///< before the first trial
-    double fewest_s = 0.0;  ///< with it and all breaks, without instructions
+    double warm_up_s = 0.0;          ///< before the first trial
+    double fewest_questions_s = 0.0; ///< the protocol's own, before and after the trials
+    double most_questions_s = 0.0;
+    double fewest_s = 0.0; ///< with all of this and all breaks, without instructions
     double most_s = 0.0;
     double longest_without_break_s = 0.0; ///< when all trials take their longest
 };
@@ -31,6 +33,11 @@ struct SessionLength {
 
 /// The same with the whole of `approach_s` each.
 [[nodiscard]] double long_trial_s(const Protocol &protocol);
+
+/// That a question takes [s]: to leave it out, to choose an answer, to write one.
+inline constexpr double kShortQuestion_s = 5.0;
+inline constexpr double kLongChoice_s = 20.0;
+inline constexpr double kLongText_s = 60.0;
 
 /// To stop the servo, change its rate and start it again at the spot [s]: in the pause of a trial
 /// whose standard has another servo rate, delay or scene than the comparison.

@@ -43,6 +43,11 @@ std::string meaning_of(int code, const std::string &system, const std::string &s
         return "was left in the midst of a write, which cannot be undone while it is "
                "write-protected; copy it to another folder, with its journal";
     }
+    if (code == SQLITE_READONLY_DBMOVED) {
+        return "was moved or deleted while it was open: nothing of this was stored; put it back, "
+               "or "
+               "a copy of it, and repeat";
+    }
     switch (code & 0xff) {
     case SQLITE_NOTADB:
         return "is no study: it is not an SQLite database; name a study file";

@@ -150,6 +150,8 @@ template void update(const Database &, const Numbered<StudyRow> &);
 template void update(const Database &, const Numbered<ParticipantRow> &);
 template void update(const Database &, const Numbered<Session> &);
 template void update(const Database &, const Numbered<TrialRow> &);
+template void update(const Database &, const Numbered<QuestionnaireAnswer> &);
+template void update(const Database &, const Numbered<Note> &);
 template std::vector<Numbered<StudyRow>> rows(const Database &, std::optional<std::int64_t>);
 template std::vector<Numbered<ParticipantRow>> rows(const Database &, std::optional<std::int64_t>);
 template std::vector<Numbered<Session>> rows(const Database &, std::optional<std::int64_t>);

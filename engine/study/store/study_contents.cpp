@@ -10,28 +10,9 @@
 
 namespace springdrive::study {
 
-namespace {
-
-bool is_capital(char c) { return c >= 'A' && c <= 'Z'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-} // namespace
-
 std::string text_of(const TrialPlace &place) {
     return fmt::format("block {}, position {}, attempt {}", place.block, place.position,
                        place.attempt);
-}
-
-std::string what_is_wrong_with_code(std::string_view code) {
-    const auto digits = std::ranges::find_if_not(code, is_capital);
-    const auto letters_count = digits - code.begin();
-    const auto digits_count = code.end() - digits;
-    const bool is_code = letters_count >= 1 && letters_count <= 3 && digits_count >= 1 &&
-                         digits_count <= 4 && std::all_of(digits, code.end(), is_digit);
-    return is_code
-               ? std::string()
-               : in_quotes(code) + " is no participant's code: one to three capital letters and "
-                                   "one to four digits, as P01; names are not stored";
 }
 
 int next_participant_number(const StudyContents &contents) {
@@ -42,10 +23,14 @@ int next_participant_number(const StudyContents &contents) {
     return highest + 1;
 }
 
+std::string no_participant_text(std::string_view code) {
+    return "has no participant " + in_quotes(code) + "; springdrive study status lists them";
+}
+
 const Participant &participant_of(const StudyContents &contents, std::string_view code) {
     const auto found = std::ranges::find(contents.participants, code, &Participant::code);
     if (found == contents.participants.end()) {
-        throw InputError("the study has no participant " + in_quotes(code));
+        throw InputError("the study " + no_participant_text(code));
     }
     return *found;
 }

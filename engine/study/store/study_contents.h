@@ -5,6 +5,8 @@
 // back bit for bit.
 #pragma once
 
+#include "engine/study/store/participant_code.h"
+
 #include "engine/study/store/utc_time.h"
 
 #include <array>
@@ -204,6 +206,9 @@ struct QuestionnaireAnswer {
     friend bool operator==(const QuestionnaireAnswer &, const QuestionnaireAnswer &) = default;
 };
 
+/// The longest note or answer that is stored.
+inline constexpr std::size_t kMostBytesOfText = 10'000;
+
 /// Something that happened outside a trial.
 struct Note {
     UtcTime at{};
@@ -227,12 +232,11 @@ struct StudyContents {
     friend bool operator==(const StudyContents &, const StudyContents &) = default;
 };
 
-/// Why a text is no participant's code; empty when it is one. A code is one to three capital
-/// letters, one to four digits and nothing else, such as P01: a name cannot be typed by mistake.
-[[nodiscard]] std::string what_is_wrong_with_code(std::string_view code);
-
 /// One more than the highest number so far.
 [[nodiscard]] int next_participant_number(const StudyContents &contents);
+
+/// "has no participant 'P04'; springdrive study status lists them"
+[[nodiscard]] std::string no_participant_text(std::string_view code);
 
 /// @throw InputError if there is no such participant or session.
 [[nodiscard]] const Participant &participant_of(const StudyContents &contents,

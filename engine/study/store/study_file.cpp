@@ -59,6 +59,9 @@ std::filesystem::path name_of_existing(const std::filesystem::path &file) {
     if (!std::filesystem::exists(file, ignored)) {
         throw InputError(file.string() + ": does not exist; name a study file");
     }
+    if (std::filesystem::file_size(file, ignored) == 0) {
+        throw InputError(file.string() + ": is empty, no study; name a study file");
+    }
     return resolved_name(file);
 }
 
@@ -111,7 +114,12 @@ void create_study(const std::filesystem::path &file, const NewStudy &study, UtcT
         insert(database, row);
         transaction.commit();
     }
-    created.publish(Existing::keep);
+    try {
+        created.publish(Existing::keep);
+    } catch (const InputError &) {
+        check_name_of_new(file); // another program was faster
+        throw;
+    }
     sync(resolved_name(file).parent_path());
 }
 

@@ -8,6 +8,7 @@
 #include "engine/study/store/trial_checks.h"
 
 #include "base/input_error.h"
+#include "base/new_file.h"
 #include "base/one_line.h"
 #include "base/sha256.h"
 
@@ -33,7 +34,7 @@ struct StudyStore::Parts {
     }
     void check_participant(const std::string &code) const {
         if (!participant_row(database, code)) {
-            database.refuse("has no participant " + in_quotes(code));
+            database.refuse(no_participant_text(code));
         }
     }
     void check_session(SessionId id, const std::string &participant) const {
@@ -211,9 +212,16 @@ void StudyStore::append(const Note &note) {
     transaction.commit();
 }
 
-void StudyStore::remove_participant(std::string_view code) {
-    mark_as_being_removed(parts_->database, std::string(code));
-    complete_removals(parts_->database, parts_->top());
+Removed StudyStore::remove_participant(std::string_view code) {
+    const Database &database = parts_->database;
+    mark_as_being_removed(database, std::string(code));
+    Removed removed;
+    removed.redacted = complete_removals(database, parts_->top());
+    const StudyFacts facts = study_row(database).row.facts;
+    for (const std::string &text : {facts.title, facts.protocol, facts.records_folder}) {
+        removed.is_in_study = removed.is_in_study || has_code(text, code);
+    }
+    return removed;
 }
 
 std::filesystem::path StudyStore::new_record_file(std::string_view participant,

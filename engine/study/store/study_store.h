@@ -41,6 +41,14 @@ enum class Appended : std::uint8_t {
     before, ///< the same one was there already
 };
 
+/// What a deletion did beyond the participant's own data.
+struct Removed {
+    /// Notes, answers and trials' marks of others and of the study, in which the code was replaced.
+    int redacted = 0;
+    /// The study's own title, protocol or name has the code, and is as it was.
+    bool is_in_study = false;
+};
+
 /// A study file opened for writing, by one program at a time. For one thread.
 class StudyStore {
 public:
@@ -89,10 +97,11 @@ public:
     void append(const Note &note);
 
     /// Deletes a participant: servo records, then all rows, which are overwritten with zeros; the
-    /// file is then rebuilt. One that was interrupted is completed when the study is opened next.
-    /// Until then the participant's trials are not shown.
+    /// code in texts of others and of the study is replaced, and the file rebuilt. A deletion that
+    /// was interrupted is completed when the study is opened next. Until then the participant's
+    /// trials are not shown.
     /// @throw InputError if there is no such participant, or a record cannot be deleted.
-    void remove_participant(std::string_view code);
+    Removed remove_participant(std::string_view code);
 
     /// Where the servo record of a trial is to be written, in its participant's folder, which is
     /// created: "STUDY.records/P01/block1-position017-attempt1.rec".

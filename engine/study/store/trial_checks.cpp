@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace springdrive::study {
@@ -84,6 +85,46 @@ std::string first_of(std::initializer_list<std::string> problems) {
 
 bool is_blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") == text.npos; }
 
+/// Whether each byte is part of a character as Unicode defines UTF-8 (its table 3-7): none is cut,
+/// longer than need be, one half of a pair, or beyond the last.
+bool is_utf8(std::string_view text) {
+    constexpr std::array<unsigned, 5> kFirstOfLength{0, 0, 0x80, 0x800, 0x10000};
+    for (std::size_t i = 0; i < text.size();) {
+        const auto lead = static_cast<unsigned char>(text[i]);
+        const std::size_t length = lead < 0x80 ? 1 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
+        if ((lead >= 0x80 && lead < 0xc2) || lead > 0xf4 || i + length > text.size()) {
+            return false;
+        }
+        unsigned character = length == 1 ? lead : lead & (0x7fU >> length);
+        for (std::size_t k = 1; k < length; ++k) {
+            const auto next = static_cast<unsigned char>(text[i + k]);
+            if ((next & 0xc0U) != 0x80U) {
+                return false;
+            }
+            character = character << 6U | (next & 0x3fU);
+        }
+        const bool is_half_of_pair = character >= 0xd800 && character <= 0xdfff;
+        if (character < kFirstOfLength.at(length) || is_half_of_pair || character > 0x10ffff) {
+            return false;
+        }
+        i += length;
+    }
+    return true;
+}
+
+/// Of what people type.
+std::string what_is_wrong_with_text(std::string_view what, std::string_view text) {
+    if (text.size() > kMostBytesOfText) {
+        return fmt::format("{} of {} bytes is longer than {}; shorten it, and keep long texts "
+                           "outside of the study",
+                           what, text.size(), kMostBytesOfText);
+    }
+    return is_utf8(text) ? std::string()
+                         : fmt::format("{} is no text in UTF-8; type it anew, in a terminal or "
+                                       "program that is set to UTF-8",
+                                       what);
+}
+
 } // namespace
 
 std::string what_is_wrong_with(const Participant &participant) {
@@ -117,7 +158,8 @@ std::string what_is_wrong_with(const Trial &trial, std::string_view records_fold
 std::string what_is_wrong_with(const QuestionnaireAnswer &answer) {
     const std::string problem = first_of(
         {is_name(answer.item) ? "" : in_quotes(answer.item) + " is no name: letters, digits and _",
-         is_blank(answer.question) ? "the question has no text" : ""});
+         is_blank(answer.question) ? "the question has no text" : "",
+         what_is_wrong_with_text("an answer", answer.answer)});
     return problem.empty()
                ? problem
                : fmt::format("answer of {}: {}", in_quotes(answer.participant), problem);
@@ -126,7 +168,8 @@ std::string what_is_wrong_with(const QuestionnaireAnswer &answer) {
 std::string what_is_wrong_with(const Note &note) {
     return first_of(
         {note.kind.empty() ? "a note has no kind" : "",
-         is_blank(note.text) ? "a note has no text" : "",
+         is_blank(note.text) ? "a note has no text; type some" : "",
+         what_is_wrong_with_text("a note", note.text),
          note.session && !note.participant ? "a note of a session needs its participant" : ""});
 }
 

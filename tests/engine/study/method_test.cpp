@@ -196,7 +196,7 @@ TEST(Methods, SayWhatIsWrongWithThem) {
     EXPECT_EQ(complaint(staircases), "steps[1].from_reversal is 0; it must be from 1 to 1000");
     staircases = two_tracks();
     staircases.steps[0].size = 1.0;
-    EXPECT_EQ(complaint(staircases), "steps[0].size is 1; it must be above 1");
+    EXPECT_EQ(complaint(staircases), "steps[0].size is 1; it must be a finite number above 1");
     staircases = two_tracks();
     staircases.steps.clear();
     EXPECT_EQ(complaint(staircases), "steps is empty; it must have at least one");
@@ -226,6 +226,12 @@ TEST(Methods, SayWhatIsWrongWithThem) {
     quest.lapse = {{Scale::linear, 0.0, 0.6}, 3};
     EXPECT_EQ(complaint(quest), "lapse.maximum is 0.6; it must be from 0 to 0.5");
     quest = quest_of_two();
+    quest.threshold.prior.minimum = 1e-300;
+    EXPECT_EQ(complaint(quest), "threshold.minimum is 1e-300; it must be from 1e-06 to 1e+06");
+    quest = quest_of_two();
+    quest.slope.prior.minimum = 1e-300;
+    EXPECT_EQ(complaint(quest), "slope.minimum is 1e-300; it must be from 1e-06 to 1e+06");
+    quest = quest_of_two();
     quest.fewest_trials = 26;
     EXPECT_EQ(complaint(quest), "fewest_trials is 26; it must be from 1 to 25");
 
@@ -235,7 +241,7 @@ TEST(Methods, SayWhatIsWrongWithThem) {
     EXPECT_EQ(adjusted({Scale::linear, 0.0, 2.0, 0.0, 1.0, 5}),
               "maximum_start is 2; it must be from 0 to 1");
     EXPECT_EQ(adjusted({Scale::logarithmic, 0.5, 1.0, 0.0, 1.0, 5}),
-              "minimum_level is 0; it must be above 0");
+              "minimum_level is 0; it must be from 1e-06 to 1e+06");
     EXPECT_EQ(adjusted({Scale::linear, 0.0, 1.0, 0.0, 1.0, 0}),
               "settings is 0; it must be from 1 to 1000");
 }

@@ -113,7 +113,8 @@ TEST(Precision, SaysWhatIsWrongWithTheQuestion) {
               "trials (each) is 1; it must be from 2 to 10000");
     question = question_of_constant_stimuli();
     question.analysis.slope.minimum = 0.0;
-    EXPECT_EQ(what_is_wrong_with(question, Task{}), "slope.minimum is 0; it must be above 0");
+    EXPECT_EQ(what_is_wrong_with(question, Task{}),
+              "slope.minimum is 0; it must be a finite number above 0");
 }
 
 } // namespace

@@ -56,7 +56,8 @@ TEST(Prior, SaysWhatIsWrongWithIt) {
     EXPECT_EQ(what_is_wrong_with(kNormal, "threshold"), "");
     Prior bad = kUniform;
     bad.minimum = 0.0;
-    EXPECT_EQ(what_is_wrong_with(bad, "slope"), "slope.minimum is 0; it must be above 0");
+    EXPECT_EQ(what_is_wrong_with(bad, "slope"),
+              "slope.minimum is 0; it must be a finite number above 0");
     bad = kUniform;
     bad.maximum = 0.25;
     EXPECT_EQ(what_is_wrong_with(bad, "slope").find("slope.maximum is 0.25; it must be from 0.5"),
@@ -66,7 +67,8 @@ TEST(Prior, SaysWhatIsWrongWithIt) {
     EXPECT_EQ(what_is_wrong_with(bad, "threshold"), "threshold.mean is 5; it must be from -1 to 4");
     bad = kNormal;
     bad.deviation = 0.0;
-    EXPECT_EQ(what_is_wrong_with(bad, "threshold"), "threshold.deviation is 0; it must be above 0");
+    EXPECT_EQ(what_is_wrong_with(bad, "threshold"),
+              "threshold.deviation is 0; it must be a finite number above 0");
 }
 
 } // namespace

@@ -192,6 +192,31 @@ TEST(Bids, IsADataset) {
     EXPECT_EQ(sidecar["device_kind"]["Levels"].size(), 3U);
 }
 
+/// Trials of a session of which the wall clock says nothing, or what cannot be.
+TEST(Bids, HasOnsetsThatRiseFromTheSessionsStart) {
+    using namespace std::chrono_literals;
+    StudyContents contents = plain_contents();
+    contents.trials.resize(1);
+    contents.trials[0].response_time_s = 0.75;
+    contents.trials[0].presentations = {{20.0, 21.0, {}}, {22.0, 23.0, {}}};
+    for (const auto after : {1ms, 2ms, 2ms, 100'000ms, 60'000ms}) { // simulated, awake, set back
+        contents.trials.push_back(contents.trials[0]);
+        contents.trials.back().at = contents.sessions[0].started + after;
+        contents.trials.back().place.position = static_cast<int>(contents.trials.size());
+    }
+    contents.trials.erase(contents.trials.begin());
+    const auto folder = fresh_folder("bids_onsets") / "out";
+    write_bids(contents, folder, {.software = "0.2.0"});
+    std::istringstream lines(
+        contents_of(folder / "sub-P01/ses-01/beh/sub-P01_ses-01_task-Directionofablow_events.tsv"));
+    std::vector<std::string> onsets;
+    for (std::string line; std::getline(lines, line);) {
+        onsets.push_back(line.substr(0, line.find('\t')));
+    }
+    // Each lasts 3 s and is answered 0.75 s later; the fourth as by the clock, 100 - 3.75.
+    EXPECT_EQ(onsets, (std::vector<std::string>{"onset", "0", "3.75", "7.5", "96.25", "100"}));
+}
+
 const std::vector<QuestionnaireItem> kQuestions{
     {.name = "hand",
      .when = QuestionnaireTime::before,

@@ -408,6 +408,19 @@ TEST(ProtocolCheck, FindsSessionsThatAreTooLong) {
               1);
 }
 
+/// Of the plain protocol: a choice, a scale and a free text.
+TEST(ProtocolCheck, QuestionsCountInTheSession) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    ASSERT_EQ(protocol.questionnaire.size(), 3U);
+    const SessionLength with = session_length(protocol);
+    protocol.questionnaire.clear();
+    const SessionLength without = session_length(protocol);
+    EXPECT_DOUBLE_EQ(with.fewest_s - without.fewest_s, 15.0);
+    EXPECT_DOUBLE_EQ(with.most_s - without.most_s, 100.0);
+    EXPECT_EQ(with.fewest_questions_s, 15.0);
+    EXPECT_EQ(with.most_questions_s, 100.0);
+}
+
 TEST(ProtocolCheck, FindsHandsWithoutARestAndOrdersOutOfBalance) {
     Protocol protocol = protocol_of(kPlainProtocol);
     const auto warnings = [&](const std::string &part) {

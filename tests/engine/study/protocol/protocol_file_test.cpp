@@ -177,6 +177,10 @@ const std::vector<Malformed> &malformed() {
         {"name = \"a\"", "", {"condition[1].name is missing"}},
         {"point_m = [0.0, -0.005, -0.015]\n", "", {"common.point_m is missing"}},
         {"source = \"a guess\"", "", {"expected.source is missing"}},
+        // A slip of the keyboard.
+        {"threshold = 0.2", "threshold = 1e-300", {"expected.threshold is 1e-300", "1e-06"}},
+        {"threshold = 0.2", "threshold = 1e308", {"expected.threshold is 1e+308", "1e+06"}},
+        {"threshold = 0.2", "threshold = inf", {"expected.threshold is inf", "1e+06"}},
         // Wrong types.
         {"seed = 7", "seed = \"seven\"", {"seed", "seven", "0 to 2.14748e+09"}},
         {"seed = 7", "seed = 7.5", {"seed is 7.5", "whole number"}},

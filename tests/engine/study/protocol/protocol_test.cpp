@@ -197,6 +197,7 @@ TEST(Presented, AreTheStandardAndAllLevelsOfConditionsInUse) {
 TEST(SessionLength, AddsUpTrialsAndBreaks) {
     Protocol protocol = protocol_of(kPlainProtocol);
     protocol.timing = {0.5, 1.0, 1.0, 0.5, 5.0, 1.0, 1.0};
+    protocol.questionnaire.clear(); // see ProtocolCheck.QuestionsCountInTheSession
     // rest 0.5, two intervals of (0.5 to 1) + 1, pause 0.5, response 1, between trials 1
     EXPECT_DOUBLE_EQ(usual_trial_s(protocol), 6.0);
     EXPECT_DOUBLE_EQ(long_trial_s(protocol), 7.0);

@@ -30,6 +30,7 @@ using testing::sample_trial;
 using testing::sample_trials;
 
 constexpr int kTrialsOfEach = 10;
+constexpr TrialPlace kMarkedPlace{1, 1, 1};
 constexpr const char *kMarker = "left-handed violinist";
 
 /// A study with the participants P01 and P02, and servo records of both.
@@ -55,8 +56,14 @@ protected:
         store.add({"P02", begun, "remarks", "Anything else?", kMarker, kStart});
         store.end(begun, SessionEnding::left, kStart);
         store.add({"P01", 1, "remarks", "Anything else?", "no", kStart});
+        store.mark("P01", kMarkedPlace, "P02 came in");
         store.append({kStart, "note", kMarker, "P02", std::nullopt});
         store.append({kStart, "note", "the room is warm", std::nullopt, std::nullopt});
+        // What others' rows and those of the study say of them.
+        store.append(
+            {kStart, "note", "P02 came late, p02's pen broke", std::nullopt, std::nullopt});
+        store.append({kStart, "note", "swapped with P02", "P01", std::nullopt});
+        store.add({"P01", 1, "who", "Who told you of it?", "P02.", kStart});
     }
 
     static Session sample_session_of_marker() {
@@ -78,16 +85,27 @@ protected:
         return count;
     }
 
+    static std::vector<Trial> trials_of_the_other(const std::string &mark) {
+        std::vector<Trial> trials = sample_trials(1, 1, kTrialsOfEach);
+        trials.front().marks.push_back(mark);
+        return trials;
+    }
+
     void expect_only_the_other_is_left() const {
-        EXPECT_EQ(files_with(kMarker), 0);
-        EXPECT_EQ(files_with("P02"), 0);
+        for (const char *const bytes : {kMarker, "P02", "p02"}) {
+            EXPECT_EQ(files_with(bytes), 0) << bytes;
+        }
         const StudyContents left = read_study(file);
-        EXPECT_TRUE(are_identical(left.trials, sample_trials(1, 1, kTrialsOfEach)));
+        EXPECT_TRUE(are_identical(left.trials, trials_of_the_other("[removed] came in")));
         EXPECT_EQ(left.participants.size(), 1U);
         EXPECT_EQ(left.sessions.size(), 1U);
-        ASSERT_EQ(left.answers.size(), 1U);
+        ASSERT_EQ(left.answers.size(), 2U);
         EXPECT_EQ(left.answers[0].answer, "no");
-        EXPECT_EQ(left.notes.size(), 1U);
+        EXPECT_EQ(left.answers[1].answer, "[removed].");
+        ASSERT_EQ(left.notes.size(), 3U);
+        EXPECT_EQ(left.notes[0].text, "the room is warm");
+        EXPECT_EQ(left.notes[1].text, "[removed] came late, [removed]'s pen broke");
+        EXPECT_EQ(left.notes[2].text, "swapped with [removed]");
         EXPECT_EQ(left.facts.removed_participants, 1);
         EXPECT_EQ(contents_of(folder / "direction.records/P01/block1-position001-attempt1.rec"),
                   kMarker);
@@ -103,11 +121,15 @@ TEST_F(Removal, LeavesNoByte) {
     {
         StudyStore store(file);
         EXPECT_EQ(complaint_of([&] { store.remove_participant("P03"); }),
-                  file.string() + ": has no participant 'P03'");
-        store.remove_participant("P02");
+                  file.string() +
+                      ": has no participant 'P03'; springdrive study status lists them");
+        const Removed removed = store.remove_participant("P02");
+        EXPECT_EQ(removed.redacted, 4); // two notes, an answer, a mark
+        EXPECT_FALSE(removed.is_in_study);
         expect_only_the_other_is_left();
         EXPECT_EQ(complaint_of([&] { store.remove_participant("P02"); }),
-                  file.string() + ": has no participant 'P02'");
+                  file.string() +
+                      ": has no participant 'P02'; springdrive study status lists them");
         // Code and number can be given anew.
         store.add({"P02", 2, kStart});
         EXPECT_EQ(store.contents().facts.removed_participants, 1);
@@ -145,11 +167,21 @@ TEST_F(Removal, ThatCannotRemoveARecordGoesOnLater) {
                                 "repeat";
     EXPECT_EQ(in_child([&] { StudyStore(file).remove_participant("P02"); }), refusal);
     EXPECT_EQ(read_study(file).participants.size(), 1U); // not seen any more
-    EXPECT_TRUE(are_identical(read_study(file).trials, sample_trials(1, 1, kTrialsOfEach)));
+    EXPECT_TRUE(are_identical(read_study(file).trials, trials_of_the_other("P02 came in")));
     EXPECT_EQ(in_child([&] { StudyStore store(file); }), refusal);
     std::filesystem::permissions(stuck, std::filesystem::perms(0777));
     EXPECT_EQ(in_child([&] { StudyStore store(file); }), "");
     expect_only_the_other_is_left();
+}
+
+/// Its protocol is what its sessions go by.
+TEST_F(Removal, SaysThatTheStudyItselfNamesTheCode) {
+    EXPECT_FALSE(StudyStore(file).remove_participant("P01").is_in_study);
+    const auto named = fresh_folder("removal_named") / "P01.study";
+    create_study(named, {"Direction", "", "1.0"}, kStart);
+    StudyStore store(named);
+    store.add({"P01", 1, kStart});
+    EXPECT_TRUE(store.remove_participant("P01").is_in_study);
 }
 
 TEST_F(Removal, DoesNotFollowLinksOutOfTheFolder) {

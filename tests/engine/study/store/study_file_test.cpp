@@ -1,6 +1,7 @@
 // Covers engine/study/store/study_file.cpp and database.cpp: files that are no studies, or damaged.
 #include "engine/study/store/study_file.h"
 
+#include "base/parallel.h"
 #include "engine/study/store/rows.h"
 #include "engine/study/store/study_store.h"
 #include "tests/engine/study/store/sample_study.h"
@@ -13,12 +14,15 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <array>
 #include <fstream>
 #include <functional>
 
 namespace springdrive::study {
 namespace {
 
+using testing::are_identical;
 using testing::complaint_of;
 using testing::contents_of;
 using testing::fresh_folder;
@@ -53,7 +57,7 @@ TEST(StudyFile, ThatIsNoneIsRefused) {
     put(folder / "text", "[study]\ntitle = \"direction\"\n" + std::string(2000, '#'));
     expect_refused(folder / "text", no_database);
     put(folder / "empty", "");
-    expect_refused(folder / "empty", no_study);
+    expect_refused(folder / "empty", "is empty, no study; name a study file");
     {
         const Database other(folder / "other", folder / "other", Access::create, {});
         other.run("CREATE TABLE trial (id INTEGER)");
@@ -65,6 +69,39 @@ TEST(StudyFile, ThatIsNoneIsRefused) {
         other.run("PRAGMA user_version = 1");
     }
     expect_refused(folder / "other", no_study);
+}
+
+TEST(StudyFile, ThatIsDeletedMeanwhileIsMissed) {
+    const auto folder = fresh_folder("file_deleted");
+    const auto file = sample_study(folder);
+    const auto kept = folder / "kept";
+    StudyStore store(file);
+    store.append(sample_trial(1, 1, 1));
+    std::filesystem::rename(file, kept);
+    const auto append = [&] { store.append(sample_trial(1, 1, 2)); };
+    EXPECT_EQ(complaint_of(append),
+              file.string() + ": was moved or deleted while it was open: nothing of this was "
+                              "stored; put it back, or a copy of it, and repeat");
+    std::filesystem::rename(kept, file);
+    EXPECT_EQ(complaint_of(append), "");
+    EXPECT_TRUE(are_identical(read_study(file).trials, sample_trials(1, 1, 2)));
+}
+
+TEST(StudyFile, IsCreatedByOneOfManyAtOnce) {
+    const auto file = fresh_folder("file_creators") / "a.study";
+    constexpr std::size_t kCreators = 8;
+    std::array<std::string, kCreators> said;
+    in_chunks(kCreators, kCreators, [&](unsigned creator, std::size_t, std::size_t) {
+        said[creator] = complaint_of([&] {
+            create_study(file, {std::to_string(creator), "", "1.0"}, testing::kStart);
+        });
+    });
+    const std::string refusal =
+        file.string() + ": exists already; a study is never replaced: give another name";
+    EXPECT_EQ(std::ranges::count(said, std::string()), 1);
+    EXPECT_EQ(std::ranges::count(said, refusal), kCreators - 1);
+    const auto first = std::ranges::find(said, std::string()) - said.begin();
+    EXPECT_EQ(read_study(file).facts.title, std::to_string(first)) << "and keeps what it wrote";
 }
 
 /// A study with trials, closed.

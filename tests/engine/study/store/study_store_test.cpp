@@ -180,7 +180,8 @@ TEST(StudyStore, HoldsSessionsAndNotes) {
         EXPECT_EQ(complaint_of([&] { store.end(1, SessionEnding::stopped, kStart); }),
                   file.string() + ": has no session 1 that runs");
         EXPECT_EQ(complaint_of([&] { static_cast<void>(store.begin(sample_session(2))); }),
-                  file.string() + ": has no participant 'P02'");
+                  file.string() +
+                      ": has no participant 'P02'; springdrive study status lists them");
         expected.push_back(sample_session(1));
         expected.back().id = store.begin(expected.back());
         for (const Note &note : notes) {
@@ -235,7 +236,7 @@ TEST(StudyStore, RefusesAnswersThatCannotBe) {
         return complaint_of([&] { store.add(answer); }).substr(file.string().size() + 2);
     };
     EXPECT_EQ(refusal({"P03", 1, "hand", "Which hand?", "left", kStart}),
-              "has no participant 'P03'");
+              "has no participant 'P03'; springdrive study status lists them");
     EXPECT_EQ(refusal({"P01", 2, "hand", "Which hand?", "left", kStart}),
               "has no session 2 of participant 'P01'");
     EXPECT_EQ(refusal({"P01", 1, "", "Which hand?", "left", kStart}),
@@ -244,7 +245,42 @@ TEST(StudyStore, RefusesAnswersThatCannotBe) {
               "answer of 'P01': 'a,b' is no name: letters, digits and _");
     EXPECT_EQ(refusal({"P01", 1, "hand", " \n", "left", kStart}),
               "answer of 'P01': the question has no text");
+    EXPECT_EQ(refusal({"P01", 1, "hand", "Which hand?", "l\xff", kStart}),
+              "answer of 'P01': an answer is no text in UTF-8; type it anew, in a terminal or "
+              "program that is set to UTF-8");
     EXPECT_TRUE(store.contents().answers.empty());
+}
+
+TEST(StudyStore, TakesNotesOfSensibleTextOnly) {
+    const auto file = sample_study(fresh_folder("study_notes"), 1);
+    StudyStore store(file);
+    const auto refusal = [&](const std::string &text) {
+        const std::string said = complaint_of([&] {
+            store.append({kStart, "note", text, std::nullopt, std::nullopt});
+        });
+        return said.empty() ? said : said.substr(file.string().size() + 2);
+    };
+    // What Unicode's table 3-7 leaves out: cut, longer than need be, half of a pair, too large.
+    for (const char *const text :
+         {"\x80", "a\xc3", "\xc3(", "\xc0\xaf", "\xc1\xbf", "\xe0\x9f\xbf", "\xed\xa0\x80",
+          "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xff", "\xe2\x82"}) {
+        EXPECT_EQ(refusal(text),
+                  "a note is no text in UTF-8; type it anew, in a terminal or program "
+                  "that is set to UTF-8")
+            << text;
+    }
+    EXPECT_EQ(refusal(std::string(10'001, 'a')),
+              "a note of 10001 bytes is longer than 10000; shorten it, and keep long texts outside "
+              "of the study");
+    EXPECT_TRUE(store.contents().notes.empty());
+    // The first and last characters of each length, and those beside the pairs.
+    const std::vector<std::string> sound{
+        "a\x7f", "\xc2\x80 \xdf\xbf", "\xe0\xa0\x80 \xed\x9f\xbf \xee\x80\x80 \xef\xbf\xbf",
+        "\xf0\x90\x80\x80 \xf4\x8f\xbf\xbf", std::string(10'000, 'a')};
+    for (const std::string &text : sound) {
+        EXPECT_EQ(refusal(text), "");
+        EXPECT_EQ(store.contents().notes.back().text, text);
+    }
 }
 
 TEST(StudyStore, TellsTheDevicesApart) {
@@ -262,9 +298,27 @@ TEST(StudyStore, TellsTheDevicesApart) {
     EXPECT_EQ(participant_of(contents, "P02").number, 2);
     EXPECT_EQ(next_participant_number(contents), 4);
     EXPECT_EQ(complaint_of([&] { static_cast<void>(participant_of(contents, "P04")); }),
-              "the study has no participant 'P04'");
+              "the study has no participant 'P04'; springdrive study status lists them");
     EXPECT_EQ(complaint_of([&] { static_cast<void>(session_of(contents, 4)); }),
               "the study has no session 4");
+}
+
+TEST(StudyStore, FindsCodesInTexts) {
+    for (const auto &[text, redacted] : std::vector<std::pair<std::string, std::string>>{
+             {"P01", "[removed]"},
+             {"p01 and P01's hand", "[removed] and [removed]'s hand"},
+             {"P01P01", "[removed][removed]"},
+             {"handP01_left", "hand[removed]_left"},
+             {"CONTACTP01", "CONTACT[removed]"}, // no code: too many letters
+             {"P01234", "[removed]234"},         // too many digits
+             {"P012 XP01 P0 01 P 01", "P012 XP01 P0 01 P 01"},
+             {"P012P01", "P012[removed]"},
+             {"", ""}}) {
+        std::string text_left = text;
+        EXPECT_EQ(redact_code(text_left, "P01"), text != redacted) << text;
+        EXPECT_EQ(text_left, redacted);
+        EXPECT_EQ(has_code(text, "P01"), text != redacted) << text;
+    }
 }
 
 TEST(StudyStore, TakesCodesOnly) {
@@ -315,7 +369,7 @@ TEST(StudyStore, RefusesTrialsThatCannotBe) {
                   trial.participant = "P03";
                   trial.record.reset();
               }),
-              "has no participant 'P03'");
+              "has no participant 'P03'; springdrive study status lists them");
     EXPECT_EQ(refusal([](Trial &trial) { trial.session = 2; }),
               "has no session 2 of participant 'P01'");
     EXPECT_EQ(refusal([](Trial &trial) { trial.session = 9; }),
@@ -386,7 +440,7 @@ TEST(StudyStore, LinksServoRecords) {
     const auto record = store.new_record_file("P01", {2, 17, 1});
     EXPECT_EQ(record, folder / "direction.records/P01/block2-position017-attempt1.rec");
     EXPECT_EQ(complaint_of([&] { static_cast<void>(store.new_record_file("P09", {})); }),
-              file.string() + ": has no participant 'P09'");
+              file.string() + ": has no participant 'P09'; springdrive study status lists them");
     std::ofstream(record) << "abc";
     Trial trial = sample_trial(1, 1, 1);
     trial.record = store.link_to(record);
