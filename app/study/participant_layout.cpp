@@ -62,10 +62,17 @@ public:
         const int bottom = place_foot();
         const std::vector<Part> upper = words();
         std::vector<Part> lower = answers();
-        if (picture_.scene == SceneShown::scene) {
+        if (picture_.scene == SceneShown::scene || picture_.curve) {
             const int scene_top = rounded_px(kSceneTop * height_);
             const int scene_bottom = rounded_px(kSceneBottom * height_);
-            layout_.scene = {0, scene_top, width_, scene_bottom - scene_top};
+            if (picture_.curve) {
+                layout_.curve =
+                    arranged(*picture_.curve,
+                             {(width_ - column_) / 2, scene_top, column_, scene_bottom - scene_top},
+                             small_text_px(), typeface_);
+            } else {
+                layout_.scene = {0, scene_top, width_, scene_bottom - scene_top};
+            }
             fits_ = fits_ && place(upper, margin_ / 2, scene_top - gap_ / 2) &&
                     place(lower, scene_bottom + gap_ / 2, bottom);
         } else {
@@ -89,10 +96,12 @@ private:
         return {{(width_ - wide) / 2, top, wide, high}, std::move(text)};
     }
 
+    [[nodiscard]] double small_text_px() const {
+        return std::min(attempt_.text_px, std::round(1.05 * kLeastTextPerHeight * height_));
+    }
+
     /// Footer and progress. @return where everything else must end
     int place_foot() {
-        const double small_px =
-            std::min(attempt_.text_px, std::round(1.05 * kLeastTextPerHeight * height_));
         int bottom = height_ - margin_ / 2;
         if (picture_.progress) {
             const int high = std::max(3, rounded_px(kProgress * height_));
@@ -100,7 +109,7 @@ private:
             bottom -= high + margin_ / 4;
         }
         if (!picture_.footer.empty()) {
-            TextLines text = lines(picture_.footer, small_px, width_ - 2 * margin_);
+            TextLines text = lines(picture_.footer, small_text_px(), width_ - 2 * margin_);
             bottom -= text.height_px();
             layout_.footer = centred(std::move(text), bottom);
         }

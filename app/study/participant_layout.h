@@ -10,6 +10,7 @@
 #pragma once
 
 #include "app/study/choice_plates.h"
+#include "app/study/curve_chart.h"
 #include "app/study/participant_picture.h"
 #include "app/study/pixel_box.h"
 
@@ -24,6 +25,7 @@ struct ParticipantLayout {
     PlacedText heading;
     PlacedText text;
     PixelBox scene;
+    CurveChart curve;
     PixelBox left_bar; ///< all of it, however much is left
     PlacedText left_text;
     PixelBox field;

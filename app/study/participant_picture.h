@@ -3,6 +3,7 @@
 // of the size in pixels alone.
 #pragma once
 
+#include "app/study/own_curve.h"
 #include "base/vector.h"
 
 #include <cstddef>
@@ -40,6 +41,8 @@ struct ParticipantPicture {
     SceneShown scene = SceneShown::nothing;
     /// Centre of the ball; where the sitting says, which in contact is not where the tip is.
     std::optional<Vector3> tip_m;
+    /// In place of a scene, at the end of a visitor's task; never in a study.
+    std::optional<OwnCurve> curve;
     bool is_calm_stop = false; ///< the device stopped itself: the text is on a calm plate
 
     friend bool operator==(const ParticipantPicture &, const ParticipantPicture &) = default;

@@ -1,5 +1,6 @@
 #include "app/study/participant_view.h"
 
+#include "app/study/participant_palette.h"
 #include "base/assertions.h"
 
 #include <algorithm>
@@ -9,16 +10,6 @@
 namespace springdrive::app::study_screen {
 
 namespace {
-
-// Dark and neutral, with one accent. Contrasts by WCAG 2.1 on the ground: ink 14, dim ink 7.
-const glm::vec3 kGround{0.105F, 0.115F, 0.130F};
-const glm::vec4 kInk{0.925F, 0.935F, 0.945F, 1.0F};
-const glm::vec4 kDimInk{0.655F, 0.680F, 0.710F, 1.0F};
-const glm::vec4 kAccent{0.530F, 0.770F, 0.945F, 1.0F};
-const glm::vec4 kPlate{0.170F, 0.187F, 0.212F, 1.0F};
-const glm::vec4 kPlateRim{0.300F, 0.325F, 0.360F, 1.0F};
-const glm::vec4 kChosenPlate{0.180F, 0.275F, 0.345F, 1.0F};
-const glm::vec4 kTrough{0.200F, 0.218F, 0.245F, 1.0F}; // of bars
 
 glm::vec2 corner_of(const PixelBox &box) {
     return {static_cast<float>(box.x), static_cast<float>(box.y)};
@@ -92,10 +83,11 @@ void ParticipantView::draw(const ParticipantPicture &picture, int width, int hei
     glDisable(GL_SCISSOR_TEST);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
-    glClearColor(kGround.r, kGround.g, kGround.b, 1.0F);
+    glClearColor(palette::kGround.r, palette::kGround.g, palette::kGround.b, 1.0F);
     glClear(GL_COLOR_BUFFER_BIT);
     if (!layout_.scene.is_empty()) {
-        scene_.draw(target_->framebuffer.name(), layout_.scene, height, picture.tip_m, kGround);
+        scene_.draw(target_->framebuffer.name(), layout_.scene, height, picture.tip_m,
+                    palette::kGround);
         glViewport(0, 0, width, height);
     }
     glEnable(GL_BLEND);
@@ -119,27 +111,28 @@ void ParticipantView::draw_plates() {
     };
     const auto add_bar = [&](const PixelBox &bar, double share) {
         const float half_px = 0.5F * static_cast<float>(bar.height);
-        add(bar, kTrough, half_px);
+        add(bar, palette::kTrough, half_px);
         PixelBox full = filled(bar, share);
         if (full.width > 0) {
             full.width = std::max(full.width, bar.height); // its ends are round
-            add(full, kAccent, half_px);
+            add(full, palette::kAccent, half_px);
         }
     };
-    add(layout_.calm_plate, kPlate, round_px);
-    add(layout_.calm_plate, kPlateRim, round_px, thin_px);
+    add(layout_.calm_plate, palette::kPlate, round_px);
+    add(layout_.calm_plate, palette::kPlateRim, round_px, thin_px);
     for (std::size_t i = 0; i < layout_.choices.size(); ++i) {
         const PlacedChoice &choice = layout_.choices[i];
         const bool is_chosen = picture_.chosen == i;
-        add(choice.plate, is_chosen ? kChosenPlate : kPlate, round_px);
-        add(choice.plate, is_chosen ? kAccent : kPlateRim, round_px, thin_px);
-        add(choice.key, kAccent, 0.7F * round_px, thin_px);
+        add(choice.plate, is_chosen ? palette::kChosenPlate : palette::kPlate, round_px);
+        add(choice.plate, is_chosen ? palette::kAccent : palette::kPlateRim, round_px, thin_px);
+        add(choice.key, palette::kAccent, 0.7F * round_px, thin_px);
     }
-    add(layout_.field, kPlate, round_px);
-    add(layout_.field, kPlateRim, round_px, thin_px);
-    add(layout_.cursor, kAccent, 0.0F);
+    add(layout_.field, palette::kPlate, round_px);
+    add(layout_.field, palette::kPlateRim, round_px, thin_px);
+    add(layout_.cursor, palette::kAccent, 0.0F);
     add_bar(layout_.left_bar, picture_.left_share.value_or(0.0));
     add_bar(layout_.progress, picture_.progress.value_or(0.0));
+    plates.insert(plates.end(), layout_.curve.plates.begin(), layout_.curve.plates.end());
     plates_.draw(plates, {static_cast<float>(target_->width), static_cast<float>(target_->height)});
 }
 
@@ -149,15 +142,18 @@ void ParticipantView::draw_text(const PlacedText &text, const glm::vec4 &colour)
 }
 
 void ParticipantView::draw_texts() {
-    draw_text(layout_.heading, kInk);
-    draw_text(layout_.text, kInk);
-    draw_text(layout_.left_text, kDimInk);
-    draw_text(layout_.typed, kInk);
+    draw_text(layout_.heading, palette::kInk);
+    draw_text(layout_.text, palette::kInk);
+    draw_text(layout_.left_text, palette::kDimInk);
+    draw_text(layout_.typed, palette::kInk);
     for (const PlacedChoice &choice : layout_.choices) {
-        draw_text(choice.text, kInk);
-        draw_text(choice.key_text, kAccent);
+        draw_text(choice.text, palette::kInk);
+        draw_text(choice.key_text, palette::kAccent);
     }
-    draw_text(layout_.footer, kDimInk);
+    for (const PlacedText &label : layout_.curve.texts) {
+        draw_text(label, palette::kDimInk);
+    }
+    draw_text(layout_.footer, palette::kDimInk);
 }
 
 std::vector<std::uint8_t> ParticipantView::pixels() const {

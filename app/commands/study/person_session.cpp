@@ -26,34 +26,6 @@ std::filesystem::path first_scene(const study::Protocol &protocol,
                                               : asset_folder() / "scenes" / "plate.gltf";
 }
 
-session::SessionOptions options_of(const study::Protocol &protocol,
-                                   const study::ProtocolFolders &folders,
-                                   const TypedSitting &typed) {
-    const study::Condition &first = protocol.conditions.front();
-    const NamedDevice named = device_named(typed.device);
-    if (named.kind != factory::DeviceKind::emulated && !typed.emulation.is_empty()) {
-        throw InputError("--true-device-file and --fault: are for the emulated board; remove them, "
-                         "or give --device emulated");
-    }
-    session::SessionOptions options;
-    options.scene = first_scene(protocol, folders);
-    options.device.file = study::device_file_of(protocol, folders);
-    options.device.kind = named.kind;
-    options.device.serial = named.serial;
-    options.tuning = study::free_space_tuning(protocol, first).value_or(first.tuning);
-    options.servo_hz = first.servo_hz;
-    options.delay_periods = first.delay_periods;
-    options.starts_at_zero = typed.starts_at_zero || named.kind == factory::DeviceKind::emulated;
-    options.lockstep = typed.is_in_lockstep;
-    options.cpu = typed.cpu;
-    options.program_version = SPRINGDRIVE_VERSION;
-    if (named.kind == factory::DeviceKind::emulated) {
-        options.emulation.truth = typed.emulation.truth();
-        options.emulation.faults = typed.emulation.parsed_faults();
-    }
-    return options;
-}
-
 void say_what_it_is(const session::Session &session) {
     if (session.device_choice().kind != factory::DeviceKind::usb) {
         std::cerr << "springdrive: this is a rehearsal: no person holds the "
@@ -104,10 +76,38 @@ void TypedSitting::add_to(CLI::App &command) {
                      "window shows as a line of JSON");
 }
 
+session::SessionOptions session_options_of(const study::Protocol &protocol,
+                                           const study::ProtocolFolders &folders,
+                                           const TypedSitting &typed) {
+    const study::Condition &first = protocol.conditions.front();
+    const NamedDevice named = device_named(typed.device);
+    if (named.kind != factory::DeviceKind::emulated && !typed.emulation.is_empty()) {
+        throw InputError("--true-device-file and --fault: are for the emulated board; remove them, "
+                         "or give --device emulated");
+    }
+    session::SessionOptions options;
+    options.scene = first_scene(protocol, folders);
+    options.device.file = study::device_file_of(protocol, folders);
+    options.device.kind = named.kind;
+    options.device.serial = named.serial;
+    options.tuning = study::free_space_tuning(protocol, first).value_or(first.tuning);
+    options.servo_hz = first.servo_hz;
+    options.delay_periods = first.delay_periods;
+    options.starts_at_zero = typed.starts_at_zero || named.kind == factory::DeviceKind::emulated;
+    options.lockstep = typed.is_in_lockstep;
+    options.cpu = typed.cpu;
+    options.program_version = SPRINGDRIVE_VERSION;
+    if (named.kind == factory::DeviceKind::emulated) {
+        options.emulation.truth = typed.emulation.truth();
+        options.emulation.faults = typed.emulation.parsed_faults();
+    }
+    return options;
+}
+
 void run_person_session(study::StudyStore &store, const study::Protocol &protocol,
                         const study::StudySetting &setting, const study::ProtocolFolders &folders,
                         const std::string &code, const TypedSitting &typed) {
-    session::Session session = open_session(options_of(protocol, folders, typed));
+    session::Session session = open_session(session_options_of(protocol, folders, typed));
     say_what_it_is(session);
     study_screen::StudyWindow window(typed.window, session, store, protocol);
     session.start();

@@ -30,6 +30,12 @@ struct TypedSitting {
     void add_to(CLI::App &command);
 };
 
+/// With the protocol's device and the first condition's scene, tuning and servo.
+/// @throw InputError for a device that there is none of, or an option that is not for it
+[[nodiscard]] session::SessionOptions session_options_of(const study::Protocol &protocol,
+                                                         const study::ProtocolFolders &folders,
+                                                         const TypedSitting &typed);
+
 /// Runs it from the first word on the screen to the last.
 /// @param code  a participant of the store
 /// @throw InputError if device or windows cannot be opened, or as Sitting::run does

@@ -13,6 +13,7 @@ void add_study_command(CLI::App &app) {
     add_study_check_command(study);
     add_study_plan_command(study);
     add_study_run_commands(study);
+    add_study_try_command(study);
     add_study_status_command(study);
     add_study_export_command(study);
     add_study_analyse_command(study);

@@ -15,6 +15,8 @@ void add_study_check_command(CLI::App &study);
 void add_study_plan_command(CLI::App &study);
 /// `run` and `resume`: sessions of participants.
 void add_study_run_commands(CLI::App &study);
+/// `try`: a visitor's few minutes, of which nothing is stored.
+void add_study_try_command(CLI::App &study);
 /// `status`: where a study stands.
 void add_study_status_command(CLI::App &study);
 /// `export`: trials for other programs.

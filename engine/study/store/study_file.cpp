@@ -97,22 +97,27 @@ StudyContents read_file(const std::filesystem::path &file, const std::filesystem
     return read_contents(copy);
 }
 
+void fill_new(const Database &database, const NewStudy &study, UtcTime now,
+              const std::string &records_folder) {
+    migrate(database, schema_steps());
+    StudyRow row;
+    row.facts.title = study.title;
+    row.facts.protocol = study.protocol;
+    row.facts.protocol_sha256 = sha256_of(study.protocol);
+    row.facts.created = now;
+    row.facts.software = study.software;
+    row.facts.records_folder = records_folder;
+    Transaction transaction(database, Transaction::Kind::write);
+    insert(database, row);
+    transaction.commit();
+}
+
 void create_study(const std::filesystem::path &file, const NewStudy &study, UtcTime now) {
     check_name_of_new(file);
     NewFile created(file);
     {
         const Database database(created.temporary(), file, Access::create, {});
-        migrate(database, schema_steps());
-        StudyRow row;
-        row.facts.title = study.title;
-        row.facts.protocol = study.protocol;
-        row.facts.protocol_sha256 = sha256_of(study.protocol);
-        row.facts.created = now;
-        row.facts.software = study.software;
-        row.facts.records_folder = file.stem().string() + ".records";
-        Transaction transaction(database, Transaction::Kind::write);
-        insert(database, row);
-        transaction.commit();
+        fill_new(database, study, now, file.stem().string() + ".records");
     }
     try {
         created.publish(Existing::keep);

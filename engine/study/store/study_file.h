@@ -1,17 +1,22 @@
-// Opening study files, with all checks.
+// Making study files, and opening them with all checks.
 #pragma once
 
 #include "engine/study/store/database.h"
 #include "engine/study/store/schema.h"
-#include "engine/study/store/study_contents.h"
+#include "engine/study/store/study_store.h"
 
 #include <filesystem>
+#include <string>
 
 namespace springdrive::study {
 
 /// The file's name with all links followed, so that it has one lock and one journal.
 /// @throw InputError if there is no ordinary file of that name
 [[nodiscard]] std::filesystem::path name_of_existing(const std::filesystem::path &file);
+
+/// Makes an empty database a study without participants.
+void fill_new(const Database &database, const NewStudy &study, UtcTime now,
+              const std::string &records_folder);
 
 /// Opens a file for writing, checks all that is in it, and brings it to the present version.
 /// @throw InputError, see StudyStore

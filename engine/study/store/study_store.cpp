@@ -15,14 +15,21 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace springdrive::study {
 
 struct StudyStore::Parts {
     Parts(const std::filesystem::path &file, const DatabaseSettings &settings)
-        : shown(file), resolved(name_of_existing(file)), lock(resolved, shown),
+        : shown(file), resolved(name_of_existing(file)), lock(std::in_place, resolved, shown),
           database(open_to_write(resolved, shown, settings, schema_steps())) {}
+
+    /// In memory.
+    Parts(const NewStudy &study, UtcTime now)
+        : shown("a study in memory"), database(Database::in_memory(shown)) {
+        fill_new(database, study, now, "none");
+    }
 
     [[nodiscard]] std::filesystem::path top() const { return resolved.parent_path(); }
 
@@ -46,9 +53,9 @@ struct StudyStore::Parts {
     }
 
     std::filesystem::path shown;
-    std::filesystem::path resolved;
-    StudyLock lock;
-    Database database; ///< closed before the lock is given back
+    std::filesystem::path resolved; ///< empty: in memory
+    std::optional<StudyLock> lock;  ///< of a file
+    Database database;              ///< closed before the lock is given back
 };
 
 namespace {
@@ -84,11 +91,19 @@ StudyStore::StudyStore(const std::filesystem::path &file, const DatabaseSettings
     complete_removals(parts_->database, parts_->top());
 }
 
+StudyStore::StudyStore(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+StudyStore StudyStore::in_memory(const NewStudy &study, UtcTime now) {
+    return StudyStore(std::make_unique<Parts>(study, now));
+}
+
 StudyStore::~StudyStore() = default;
 StudyStore::StudyStore(StudyStore &&) noexcept = default;
 StudyStore &StudyStore::operator=(StudyStore &&) noexcept = default;
 
-const std::filesystem::path &StudyStore::file() const { return parts_->shown; }
+const std::filesystem::path &StudyStore::file() const {
+    return parts_->resolved.empty() ? parts_->resolved : parts_->shown;
+}
 
 StudyContents StudyStore::contents() const {
     const Transaction transaction(parts_->database, Transaction::Kind::read);
@@ -213,6 +228,7 @@ void StudyStore::append(const Note &note) {
 }
 
 Removed StudyStore::remove_participant(std::string_view code) {
+    parts_->check(parts_->resolved.empty() ? "is gone with the program by itself" : "");
     const Database &database = parts_->database;
     mark_as_being_removed(database, std::string(code));
     Removed removed;
@@ -227,6 +243,7 @@ Removed StudyStore::remove_participant(std::string_view code) {
 std::filesystem::path StudyStore::new_record_file(std::string_view participant,
                                                   const TrialPlace &place) const {
     parts_->check_participant(std::string(participant));
+    parts_->check(parts_->resolved.empty() ? "keeps no servo records" : "");
     const std::string records = study_row(parts_->database).row.facts.records_folder;
     const std::filesystem::path folder = parts_->top() / records / participant;
     std::error_code error;

@@ -58,11 +58,15 @@ public:
     ///        or another program has it open for writing, naming that.
     explicit StudyStore(const std::filesystem::path &file);
     StudyStore(const std::filesystem::path &file, const DatabaseSettings &settings);
+    /// A study of no file, for what must not be kept: all of it is gone with the object. It takes
+    /// no servo records.
+    /// @param study  as for `create_study`
+    [[nodiscard]] static StudyStore in_memory(const NewStudy &study, UtcTime now);
     ~StudyStore();
     StudyStore(StudyStore &&) noexcept;
     StudyStore &operator=(StudyStore &&) noexcept;
 
-    [[nodiscard]] const std::filesystem::path &file() const;
+    [[nodiscard]] const std::filesystem::path &file() const; ///< empty: in memory
 
     /// All that is stored; to resume, among others.
     [[nodiscard]] StudyContents contents() const;
@@ -100,11 +104,13 @@ public:
     /// code in texts of others and of the study is replaced, and the file rebuilt. A deletion that
     /// was interrupted is completed when the study is opened next. Until then the participant's
     /// trials are not shown.
-    /// @throw InputError if there is no such participant, or a record cannot be deleted.
+    /// @throw InputError if there is no such participant, a record cannot be deleted, or the study
+    ///        is in memory.
     Removed remove_participant(std::string_view code);
 
     /// Where the servo record of a trial is to be written, in its participant's folder, which is
     /// created: "STUDY.records/P01/block1-position017-attempt1.rec".
+    /// @throw InputError of a study in memory, or if the folder cannot be made
     [[nodiscard]] std::filesystem::path new_record_file(std::string_view participant,
                                                         const TrialPlace &place) const;
 
@@ -114,6 +120,8 @@ public:
 
 private:
     struct Parts;
+    explicit StudyStore(std::unique_ptr<Parts> parts);
+
     std::unique_ptr<Parts> parts_;
 };
 

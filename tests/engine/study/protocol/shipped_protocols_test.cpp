@@ -34,7 +34,8 @@ TEST_P(ShippedProtocol, HasNoErrorsAndTakesUnderAnHour) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, ShippedProtocol,
-                         ::testing::Values("blow", "direction", "hardness", "mass", "stiffness"),
+                         ::testing::Values("blow", "can_you_feel_it", "direction", "hardness",
+                                           "mass", "stiffness"),
                          [](const auto &protocol) { return std::string(protocol.param); });
 
 TEST(ShippedProtocols, AreTheOnesThatAreTested) {
@@ -42,7 +43,21 @@ TEST(ShippedProtocols, AreTheOnesThatAreTested) {
     for (const auto &entry : std::filesystem::directory_iterator(testing::assets() / "protocols")) {
         names.insert(entry.path().stem().string());
     }
-    EXPECT_EQ(names, (std::set<std::string>{"blow", "direction", "hardness", "mass", "stiffness"}));
+    EXPECT_EQ(names, (std::set<std::string>{"blow", "can_you_feel_it", "direction", "hardness",
+                                            "mass", "stiffness"}));
+}
+
+/// With the instructions, and nobody is asked for anything.
+TEST(ShippedProtocols, TheVisitorsOneTakesAtMostFiveMinutes) {
+    const std::filesystem::path file = testing::assets() / "protocols" / "can_you_feel_it.toml";
+    const Protocol protocol = read_protocol_file(file);
+    const CheckedProtocol checked =
+        check_protocol(protocol, {file.parent_path(), testing::assets()});
+    EXPECT_GE(checked.length.fewest_s, 3.0 * 60.0); // or it would say too little
+    EXPECT_LE(checked.length.most_s, 5.0 * 60.0);
+    EXPECT_TRUE(protocol.questionnaire.empty());
+    EXPECT_EQ(protocol.conditions.size(), 1U);
+    EXPECT_EQ(protocol.variable.parameter, "turn_deg");
 }
 
 /// docs/study_protocol.md has the tables of the list in the code.

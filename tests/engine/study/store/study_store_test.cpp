@@ -63,6 +63,38 @@ TEST(StudyStore, LeavesOneFileWhenClosed) {
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
 }
 
+/// Two stores are given the same; one is of a file.
+TEST(StudyStore, InMemoryHoldsWhatAFileDoesAndIsInNoFile) {
+    const auto folder = fresh_folder("study_in_memory");
+    StudyStore on_disk(sample_study(folder));
+    StudyStore in_memory = StudyStore::in_memory(testing::sample_new_study(), kStart);
+    in_memory.add(on_disk.contents().participants.front());
+    const SessionId session = in_memory.begin(sample_session(1));
+    in_memory.end(session, SessionEnding::completed, kStart + std::chrono::hours(2));
+    for (int number = 1; number <= 20; ++number) {
+        Trial trial = sample_trial(1, 1, number);
+        trial.record.reset();
+        EXPECT_EQ(on_disk.append(trial), Appended::now);
+        EXPECT_EQ(in_memory.append(trial), Appended::now);
+        EXPECT_EQ(in_memory.append(trial), Appended::before);
+    }
+    StudyContents expected = on_disk.contents();
+    StudyContents held = in_memory.contents();
+    EXPECT_TRUE(are_identical(held.trials, expected.trials));
+    EXPECT_EQ(held.participants, expected.participants);
+    EXPECT_EQ(held.sessions, expected.sessions);
+    EXPECT_TRUE(in_memory.file().empty());
+    EXPECT_EQ(complaint_of([&] {
+                  static_cast<void>(in_memory.new_record_file("P01", {1, 1, 1}));
+              }),
+              "a study in memory: keeps no servo records");
+    EXPECT_EQ(complaint_of([&] { in_memory.remove_participant("P01"); }),
+              "a study in memory: is gone with the program by itself");
+    EXPECT_EQ(StudyStore::in_memory(testing::sample_new_study(), kStart).contents().trials.size(),
+              0U)
+        << "each is a study of its own";
+}
+
 TEST(StudyStore, ReadsTrialsBackBitForBit) {
     constexpr int kTrials = 100;
     const auto file = sample_study(fresh_folder("study_bits"), 2);

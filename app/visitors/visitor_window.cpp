@@ -1,0 +1,140 @@
+#include "app/visitors/visitor_window.h"
+
+#include "app/ending_signal.h"
+#include "app/frame_pace.h"
+#include "app/open_session.h"
+#include "app/widgets/widgets.h"
+#include "base/complaint.h"
+
+#include <GLFW/glfw3.h>
+#include <fmt/core.h>
+
+#include <chrono>
+#include <iostream>
+
+namespace springdrive::app::visitors {
+
+namespace {
+
+using study_screen::InputSource;
+using study_screen::ParticipantInput;
+using study_screen::ParticipantPicture;
+using study_screen::PixelBox;
+using study_screen::SittingFrame;
+using study_screen::SittingState;
+
+double steady_now_s() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
+
+Window::Wish smallest() {
+    Window::Wish wish;
+    wish.size = {640, 400};
+    return wish;
+}
+
+} // namespace
+
+VisitorWindow::VisitorWindow(const VisitorWindowOptions &options, session::Session &session)
+    : session_(session), hidden_("springdrive", smallest()),
+      view_(Window::draws_in_software() ? 0 : 4), window_(hidden_, options.window),
+      reports_(options.reports) {
+    glfwHideWindow(hidden_.glfw());
+}
+
+void VisitorWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) {
+    const device::Workspace &workspace = session_.description().workspace;
+    view_.set_scene(scene, {spot.point_m, spot.normal},
+                    workspace.centre_m.y() - 0.5 * workspace.size_m.y());
+}
+
+/// Their times by the servo's clock.
+std::vector<ParticipantInput> VisitorWindow::taken_inputs() {
+    std::vector<ParticipantInput> inputs = window_.take_inputs();
+    const double ahead_s = session_.servo().now_s() - steady_now_s();
+    for (ParticipantInput &input : inputs) {
+        input.clock_s =
+            session_.servo().is_in_lockstep() ? session_.servo().now_s() : input.clock_s + ahead_s;
+    }
+    return inputs;
+}
+
+void VisitorWindow::obey_staff(const std::vector<ParticipantInput> &inputs) {
+    for (const ParticipantInput &input : inputs) {
+        if (input.source != InputSource::key) {
+            continue;
+        }
+        if (!input.is_press) {
+            held_keys_.erase(input.name);
+            continue;
+        }
+        held_keys_.insert(input.name);
+        if (!held_keys_.contains("ctrl") || !held_keys_.contains("alt")) {
+            continue;
+        }
+        is_asked_to_end_ = is_asked_to_end_ || input.name == "q";
+        if (input.name == "z") {
+            if (const std::string complaint =
+                    complaint_of([this] { session_.zero_device(Vector3::Zero()); });
+                !complaint.empty()) {
+                std::cerr << "springdrive: " << complaint << '\n';
+            }
+        }
+    }
+}
+
+void VisitorWindow::report(const ParticipantPicture &picture, const SittingState &state) const {
+    const auto place = [](const PixelBox &box) {
+        return Rectangle{{static_cast<float>(box.x), static_cast<float>(box.y)},
+                         {static_cast<float>(box.width), static_cast<float>(box.height)}};
+    };
+    const study_screen::ParticipantLayout &layout = view_.layout();
+    ui::enter_at(place(layout.heading.box), "visitor/heading", "text", picture.heading);
+    ui::enter_at(place(layout.text.box), "visitor/text", "text", picture.text);
+    ui::enter_at(place(layout.footer.box), "visitor/footer", "text", picture.footer);
+    ui::enter_at(place(layout.curve.plot), "visitor/curve", "text",
+                 picture.curve ? fmt::format("{} dots", picture.curve->dots.size()) : "");
+    ui::enter_at(place(layout.scene), "visitor/step", "text",
+                 std::string(study_screen::description(state.step)));
+    for (std::size_t i = 0; i < layout.choices.size(); ++i) {
+        ui::enter_at(place(layout.choices[i].plate), fmt::format("visitor/choice {}", i + 1),
+                     "button", picture.choices[i].text);
+    }
+}
+
+SittingFrame VisitorWindow::show(const ParticipantPicture &picture, const SittingState &state) {
+    const auto start = std::chrono::steady_clock::now();
+    if (reports_) {
+        requests_.poll();
+    }
+    const bool is_reported = requests_.is_due();
+    ui::report().begin(is_reported);
+    session_.advance(kFrame_s);
+    print_new_remarks(session_);
+    hidden_.begin_frame();
+    static_cast<void>(hidden_.take_keys());
+    static_cast<void>(hidden_.take_dropped_files());
+    window_.show(view_, picture);
+    report(picture, state);
+    hidden_.end_frame();
+    if (window_.take_emergency_stop()) {
+        session_.servo().emergency_stop();
+    }
+    SittingFrame frame{taken_inputs(), {}};
+    obey_staff(frame.inputs);
+    frame.orders.stops = is_asked_to_end_ || hidden_.is_closing() || asked_to_end();
+    ++frame_;
+    durations_.add(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    if (is_reported) {
+        const Window::Size size = window_.framebuffer();
+        requests_.answer(json_line(ui::report(),
+                                   {frame_, static_cast<float>(size.width),
+                                    static_cast<float>(size.height), hidden_.scale(),
+                                    durations_.quantile_s(0.5), durations_.quantile_s(0.99)},
+                                   session_.latest()));
+    }
+    return frame;
+}
+
+} // namespace springdrive::app::visitors

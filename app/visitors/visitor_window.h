@@ -1,0 +1,53 @@
+// The one window of the visitors' task: the participant's, on whatever screen visitors have.
+#pragma once
+
+#include "app/report_requests.h"
+#include "app/study/participant_view.h"
+#include "app/study/participant_window.h"
+#include "app/study/sitting_port.h"
+#include "app/window.h"
+#include "engine/servo/duration_histogram.h"
+#include "engine/session/session.h"
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace springdrive::app::visitors {
+
+struct VisitorWindowOptions {
+    study_screen::ParticipantWindow::Wish window;
+    bool reports = false; ///< answers requests on standard input, see ReportRequests
+};
+
+/// Ctrl+Alt+Q, a signal and the end of the display ask to end; Ctrl+Alt+Z says that the device is
+/// held in its zero pose.
+class VisitorWindow final : public study_screen::SittingPort {
+public:
+    /// @param session  must outlive it. @throw InputError if no window can be opened
+    VisitorWindow(const VisitorWindowOptions &options, session::Session &session);
+
+    study_screen::SittingFrame show(const study_screen::ParticipantPicture &picture,
+                                    const study_screen::SittingState &state) override;
+    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) override;
+
+private:
+    [[nodiscard]] std::vector<study_screen::ParticipantInput> taken_inputs();
+    void obey_staff(const std::vector<study_screen::ParticipantInput> &inputs);
+    void report(const study_screen::ParticipantPicture &picture,
+                const study_screen::SittingState &state) const;
+
+    session::Session &session_;
+    Window hidden_; ///< whose context draws
+    study_screen::ParticipantView view_;
+    study_screen::ParticipantWindow window_;
+    ReportRequests requests_;
+    bool reports_;
+    std::uint64_t frame_ = 0;
+    std::set<std::string> held_keys_; ///< ctrl and alt
+    bool is_asked_to_end_ = false;
+    servo::DurationHistogram durations_;
+};
+
+} // namespace springdrive::app::visitors

@@ -1,0 +1,206 @@
+#include "app/visitors/visits.h"
+
+#include "app/study/sitting.h"
+#include "app/visitors/curve_of_answers.h"
+#include "base/input_error.h"
+#include "engine/study/conduct/conduct.h"
+#include "engine/study/observers/simulated_answer.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+namespace springdrive::app::visitors {
+
+namespace {
+
+using study_screen::AnswerChoice;
+using study_screen::OwnCurve;
+using study_screen::ParticipantPicture;
+using study_screen::SittingStep;
+
+constexpr const char *kVisitor = "V1"; ///< a code, as the study in memory wants one
+constexpr const char *kNothingIsKept = "Nothing of this is kept: no answer, no name, no file.";
+constexpr double kDot_s = 0.15;      ///< for which a reckoned answer is shown
+constexpr double kShowStart_s = 6.0; ///< of a show
+
+AnswerChoice plate_of(std::string text, std::string key) {
+    return {std::move(text), study_screen::shown_key(key, false)};
+}
+
+std::string result_heading(const OwnCurve &curve, Visitor visitor) {
+    if (!curve.threshold) {
+        return "There were no answers.";
+    }
+    switch (visitor) {
+    case Visitor::guesses:
+        return "These were guesses: without a device there is nothing to feel.";
+    case Visitor::made_up:
+        return "The made-up visitor feels a force that is turned by " + threshold_words(curve) +
+               ".";
+    case Visitor::feels:
+        break;
+    }
+    return "You feel a force that is turned by " + threshold_words(curve) + ".";
+}
+
+std::string result_text(const study::PsychometricFunction &made_up, Visitor visitor) {
+    const std::string explained =
+        visitor == Visitor::made_up
+            ? fmt::format("In truth it was {:.0f} degrees. Larger dots are more answers.",
+                          made_up.threshold)
+            : std::string("Larger dots are more answers; half of all guesses are right.");
+    return explained + "\n" + kNothingIsKept;
+}
+
+} // namespace
+
+Visits::Visits(VisitsPlan plan, session::Session &session, study_screen::SittingPort &window)
+    : plan_(std::move(plan)), session_(session), window_(window) {}
+
+/// Shows a picture of ours for a frame. @return whether everything is to end
+bool Visits::asks_to_end(const ParticipantPicture &picture, SittingStep step) {
+    study_screen::SittingState state;
+    state.step = step;
+    last_ = window_.show(picture, state);
+    is_over_ = is_over_ || last_.orders.stops;
+    return is_over_;
+}
+
+/// Each has answers of their own.
+study::SimulatedParticipant Visits::made_up_visitor() const {
+    study::SimulatedParticipant visitor;
+    visitor.function = plan_.made_up;
+    visitor.seed = static_cast<std::uint64_t>(begun_);
+    return visitor;
+}
+
+/// Nothing if everything is to end.
+std::optional<Visitor> Visits::wait_for_visitor() {
+    ParticipantPicture picture;
+    picture.heading = "Can you feel it?";
+    picture.choices_take_clicks = true;
+    picture.footer = kNothingIsKept;
+    if (plan_.has_device) {
+        picture.text = "A force pushes your hand back, sometimes a little to the side.\n"
+                       "How little can you feel? It takes five minutes.";
+        picture.choices = {plate_of("Begin", "enter")};
+    } else {
+        picture.text = "There is no device here, so there is nothing to feel: the hand on this "
+                       "screen is simulated.\nWatch a made-up visitor, or guess yourself.";
+        picture.choices = {plate_of("Watch", "1"), plate_of("Guess", "2")};
+    }
+    const double from_s = session_.servo().now_s();
+    while (!asks_to_end(picture, SittingStep::instructions)) {
+        if (plan_.is_show) {
+            if (session_.servo().now_s() - from_s > kShowStart_s) {
+                return Visitor::made_up;
+            }
+        } else if (plan_.has_device && is_pressed(last_.inputs, "enter", 0)) {
+            return Visitor::feels;
+        } else if (!plan_.has_device && is_pressed(last_.inputs, "1", 0)) {
+            return Visitor::made_up;
+        } else if (!plan_.has_device && is_pressed(last_.inputs, "2", 1)) {
+            return Visitor::guesses;
+        }
+    }
+    return std::nullopt;
+}
+
+VisitEnd Visits::sit(study::StudyStore &store, Visitor visitor) {
+    study_screen::SittingPlan plan{plan_.protocol, plan_.setting, plan_.folders, kVisitor};
+    plan.keeps_records = false;
+    const bool is_made_up = visitor == Visitor::made_up;
+    if (is_made_up) {
+        plan.protocol.practice = {}; // nobody has to learn it
+    }
+    VisitorPort port(window_, session_, plan_.protocol,
+                     is_made_up ? std::optional(made_up_visitor()) : std::nullopt);
+    session_.servo().release(false);
+    study_screen::Sitting sitting(store, std::move(plan), session_, port);
+    const study::SessionEnding ending = sitting.run();
+    if (ending == study::SessionEnding::failed) {
+        throw InputError("the device has failed for good: " +
+                         servo::description(session_.latest().safety) + "; start it again");
+    }
+    is_over_ = is_over_ || port.end() == VisitEnd::asked;
+    return ending == study::SessionEnding::completed ? VisitEnd::none
+           : port.end() == VisitEnd::none            ? VisitEnd::gone
+                                                     : port.end();
+}
+
+/// The trials that a made-up visitor was not shown with, answered at once: the curve grows.
+void Visits::reckon_rest(study::StudyStore &store) {
+    study::Protocol protocol = plan_.protocol;
+    protocol.practice = {};
+    study::Session session;
+    session.participant = kVisitor;
+    session.started = study::utc_now();
+    session.device = store.contents().sessions.front().device;
+    session.software = SPRINGDRIVE_VERSION;
+    session.id = store.begin(session);
+    const study::SimulatedParticipant visitor = made_up_visitor();
+    study::Conduct how;
+    how.present = [&](const study::PlannedTrial &planned) {
+        study::TrialResult result;
+        result.response =
+            study::simulated_answer(protocol, visitor, planned, planned.presented.level).response;
+        return result;
+    };
+    how.ends = [&]() -> std::optional<study::SessionEnding> {
+        ParticipantPicture picture;
+        picture.heading = "The other answers, in fast motion";
+        picture.footer = kNothingIsKept;
+        picture.curve = curve_of(protocol, result_of_visit(protocol, store.contents()));
+        const double until_s = session_.servo().now_s() + kDot_s;
+        while (session_.servo().now_s() < until_s) {
+            if (asks_to_end(picture, SittingStep::after_response) ||
+                is_pressed(last_.inputs, "escape", SIZE_MAX)) {
+                return study::SessionEnding::stopped;
+            }
+        }
+        return std::nullopt;
+    };
+    study::conduct(store, protocol, session, how);
+}
+
+void Visits::show_curve(const study::StudyContents &visit, Visitor visitor) {
+    ParticipantPicture picture;
+    picture.curve = curve_of(plan_.protocol, result_of_visit(plan_.protocol, visit));
+    picture.heading = result_heading(*picture.curve, visitor);
+    picture.text = result_text(plan_.made_up, visitor);
+    picture.choices = {plate_of("Next visitor", "enter")};
+    picture.choices_take_clicks = true;
+    double from_s = session_.servo().now_s();
+    const double stays_s = plan_.is_show ? kShowResult_s : kResult_s;
+    while (!asks_to_end(picture, SittingStep::over)) {
+        const double now_s = session_.servo().now_s();
+        if (is_pressed(last_.inputs, "enter", 0) || is_pressed(last_.inputs, "escape", SIZE_MAX) ||
+            now_s - from_s > stays_s) {
+            return;
+        }
+        from_s = has_acted(last_.inputs) ? now_s : from_s;
+    }
+}
+
+void Visits::run() {
+    while (!is_over_) {
+        const std::optional<Visitor> visitor = wait_for_visitor();
+        if (!visitor) {
+            return;
+        }
+        ++begun_;
+        study::StudyStore store = study::StudyStore::in_memory(
+            {plan_.protocol.title, "can you feel it?", SPRINGDRIVE_VERSION}, study::utc_now());
+        store.add({kVisitor, begun_, study::utc_now()});
+        const VisitEnd end = sit(store, *visitor);
+        if (end == VisitEnd::seen_enough) {
+            reckon_rest(store);
+        }
+        if (!is_over_ && (end == VisitEnd::none || end == VisitEnd::seen_enough)) {
+            show_curve(store.contents(), *visitor);
+        }
+    }
+}
+
+} // namespace springdrive::app::visitors
