@@ -1,6 +1,7 @@
 // What a sitting shows between its trials: questions, the noise, breaks, the warm-up.
 #include "app/study/sitting.h"
 
+#include "app/study/answers.h"
 #include "base/input_error.h"
 #include "engine/study/stimuli/live_warm_up.h"
 
@@ -22,6 +23,8 @@ void Sitting::take_break(double seconds) {
     while (session_.servo().now_s() < until_s) {
         state_.left_s = until_s - session_.servo().now_s();
         picture.left_share = state_.left_s / seconds;
+        picture.text = study::filled(plan_.protocol.texts.progress, "{}",
+                                     fmt::format("{:.0f}", 100.0 * state_.progress));
         picture.left_text = study::filled(plan_.protocol.texts.break_left, "{}",
                                           fmt::format("{:.0f}", std::ceil(state_.left_s)));
         static_cast<void>(show(picture));
@@ -53,16 +56,60 @@ void Sitting::introduce(const study::PlannedTrial &planned) {
         take_break(plan_.protocol.breaks.break_s);
     }
     if (is_practice && !was_practising_) {
+        practised_.clear();
         picture.heading = texts.practice_begins;
         picture.text = texts.ready;
         show_until_key(SittingStep::practice_begins, picture);
     } else if (!is_practice && was_practising_) {
-        picture.heading = texts.practice_ends;
-        picture.text = texts.ready;
-        show_until_key(SittingStep::practice_ends, picture);
+        end_practice();
     }
     was_practising_ = is_practice;
     last_block_ = planned.place.block;
+}
+
+/// With two answer keys the participant may practise again, as often as it takes.
+void Sitting::end_practice() {
+    const study::Texts &texts = plan_.protocol.texts;
+    const study::ResponseWays &ways = plan_.protocol.responses;
+    ParticipantPicture picture;
+    picture.heading = texts.practice_ends;
+    if (ways.device == study::ResponseDevice::gesture || ways.keys.size() < 2) {
+        picture.text = texts.ready;
+        show_until_key(SittingStep::practice_ends, picture);
+        return;
+    }
+    const bool is_mouse = ways.device == study::ResponseDevice::mouse;
+    picture.text =
+        study::filled(study::filled(texts.understood, "{again}", shown_key(ways.keys[0], is_mouse)),
+                      "{begin}", shown_key(ways.keys[1], is_mouse));
+    while (true) {
+        state_.step = SittingStep::practice_ends;
+        for (const ParticipantInput &input : show(picture).inputs) {
+            const std::optional<std::size_t> key = alternative_of(ways, input);
+            if (key == 0U) {
+                practise_again();
+                break;
+            }
+            if (key) {
+                return;
+            }
+        }
+    }
+}
+
+/// The same trials as before. They are not of the sequence, and only a note tells of them.
+void Sitting::practise_again() {
+    for (const study::PlannedTrial &planned : practised_) {
+        make_ready(planned);
+        if (const std::optional<study::TrialResult> result = presenter_.present(planned)) {
+            tell_of(planned, *result);
+            is_stop_stored_ = !result->safety_events.empty();
+        }
+    }
+    store_.append(study::Note{
+        study::utc_now(), "practice",
+        fmt::format("practised {} trials again, which are not stored", practised_.size()),
+        plan_.participant, state_.session});
 }
 
 /// Before the first trial, and whenever they have cooled below the band. A device that is stopped
@@ -110,6 +157,9 @@ void Sitting::begin() {
         show_until_key(SittingStep::noise_check, picture);
     }
     picture.text = plan_.protocol.texts.instructions;
+    if (plan_.protocol.responses.device == study::ResponseDevice::gesture) {
+        picture.text += '\n' + plan_.protocol.texts.gesture_help;
+    }
     show_until_key(SittingStep::instructions, picture);
 }
 

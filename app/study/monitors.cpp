@@ -7,6 +7,7 @@
 
 #include <charconv>
 #include <optional>
+#include <utility>
 
 namespace springdrive::app::study_screen {
 
@@ -76,8 +77,10 @@ std::vector<MonitorFacts> monitors_there() {
     for (GLFWmonitor *const monitor : glfw_monitors()) {
         const GLFWvidmode *const mode = glfwGetVideoMode(monitor);
         const char *const name = glfwGetMonitorName(monitor);
-        all.push_back({name != nullptr ? name : "", mode != nullptr ? mode->width : 0,
-                       mode != nullptr ? mode->height : 0});
+        MonitorFacts facts{name != nullptr ? name : "", mode != nullptr ? mode->width : 0,
+                           mode != nullptr ? mode->height : 0};
+        glfwGetMonitorPhysicalSize(monitor, &facts.width_mm, &facts.height_mm);
+        all.push_back(std::move(facts));
     }
     return all;
 }

@@ -14,6 +14,8 @@ struct MonitorFacts {
     std::string name; ///< of the connector, such as "HDMI-1"
     int width = 0;    ///< in pixels, as it is set now
     int height = 0;
+    int width_mm = 0; ///< as it says itself; 0: not known
+    int height_mm = 0;
 
     friend bool operator==(const MonitorFacts &, const MonitorFacts &) = default;
 };

@@ -23,7 +23,7 @@ struct ParticipantInput {
     InputSource source = InputSource::key;
     std::string name;
     std::size_t choice = 0; ///< index into ParticipantPicture::choices, of a choice only
-    double clock_s = 0.0;   ///< of std::chrono::steady_clock, since its epoch, when it was polled
+    double clock_s = 0.0;   ///< of std::chrono::steady_clock, since its epoch, when it was noted
     bool is_press = true;   ///< a release is reported of keys and mouse buttons only
 
     friend bool operator==(const ParticipantInput &, const ParticipantInput &) = default;

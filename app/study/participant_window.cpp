@@ -10,16 +10,17 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
 #include <utility>
 
 namespace springdrive::app::study_screen {
 
 namespace {
 
-constexpr double kShortestFrame_s = 1.0 / 60.0;
+constexpr double kUsualRate_Hz = 60.0;
 /// A display that waits is left to itself: 60 Hz displays are often at 59.94 Hz or 60.05 Hz.
-constexpr double kWaitingFrame_s = 0.9 * kShortestFrame_s;
+constexpr double kWaitingShare = 0.9; ///< of a frame
+/// A swap that waits may begin so much before the display takes the picture.
+constexpr double kBeforeSwap_s = 0.003;
 constexpr double kBetweenLooks_s = 0.5;
 
 double clock_s() {
@@ -71,6 +72,21 @@ bool fills(GLFWwindow *window, GLFWmonitor *monitor) {
            (mode == nullptr || (width == mode->width && height == mode->height));
 }
 
+/// Of the monitor; of the first one for a window. 60 Hz where it is not known.
+double frame_s_on(GLFWmonitor *monitor) {
+    GLFWmonitor *const shown_on = monitor != nullptr ? monitor : glfwGetPrimaryMonitor();
+    const GLFWvidmode *const mode = shown_on != nullptr ? glfwGetVideoMode(shown_on) : nullptr;
+    const int rate_Hz = mode != nullptr ? mode->refreshRate : 0;
+    return 1.0 / (rate_Hz >= 50 && rate_Hz <= 240 ? rate_Hz : kUsualRate_Hz);
+}
+
+/// Each event is noted as it arrives: in both windows, also in the midst of the wait.
+void take_events_until(double until_s) {
+    for (double left_s = until_s - clock_s(); left_s > 0.0; left_s = until_s - clock_s()) {
+        glfwWaitEventsTimeout(left_s);
+    }
+}
+
 /// Empty for a window.
 std::string chosen_monitor(const ParticipantWindow::Wish &wish) {
     const std::vector<MonitorFacts> there = monitors_there();
@@ -104,6 +120,7 @@ ParticipantWindow::ParticipantWindow(Window &main, const Wish &wish)
     if (GLFWmonitor *const monitor = monitor_named(monitor_); monitor != nullptr) {
         fill(window_, monitor);
     }
+    frame_s_ = frame_s_on(glfwGetWindowMonitor(window_));
     glfwShowWindow(window_);
     {
         const CurrentContext current(window_);
@@ -142,6 +159,7 @@ void ParticipantWindow::follow_monitor() {
     GLFWmonitor *const monitor = monitor_named(monitor_);
     if (monitor != nullptr && !fills(window_, monitor)) {
         fill(window_, monitor);
+        frame_s_ = frame_s_on(monitor);
     } else if (monitor == nullptr && is_full_screen()) {
         glfwSetWindowMonitor(window_, nullptr, 0, 0, size_.width, size_.height, GLFW_DONT_CARE);
     }
@@ -171,13 +189,14 @@ void ParticipantWindow::show(ParticipantView &view, const ParticipantPicture &pi
         glfwSwapBuffers(window_);
         return taken;
     };
+    take_events_until(paced_clock_s_ + frame_s_ - kBeforeSwap_s);
     // The next picture must not be drawn into this one while it is being shown.
     present()->wait();
-    const double before_s = std::exchange(shown_clock_s_, clock_s());
-    if (shown_clock_s_ < before_s + kWaitingFrame_s) { // the swap has not waited
-        const double left_s = before_s + kShortestFrame_s - shown_clock_s_;
-        std::this_thread::sleep_for(std::chrono::duration<double>(left_s));
+    shown_clock_s_ = clock_s();
+    if (shown_clock_s_ < paced_clock_s_ + kWaitingShare * frame_s_) { // the swap has not waited
+        take_events_until(paced_clock_s_ + frame_s_);
     }
+    paced_clock_s_ = clock_s();
 }
 
 bool ParticipantWindow::has_focus() const {

@@ -6,8 +6,12 @@
 // participant's swap waits (interval 1): what is seen there must not tear, and its frames mark the
 // times of a trial. The experimenter's window swaps at once (interval 0) while this one exists, and
 // gets its interval 1 back afterwards. Where the participant's swap does not wait (no vertical
-// synchronisation, a hidden window, a monitor that is away), `show` itself keeps to 60 frames per
-// second by the clock, so that the loop never spins.
+// synchronisation, a hidden window, a monitor that is away), `show` itself keeps to the monitor's
+// rate by the clock, so that the loop never spins.
+//
+// Events. A response time is as good as the time at which its event is noted. So what is left of a
+// frame is spent waiting for events, up to 3 ms before the display takes the picture, not in the
+// swap: an event is late only by what keeps the thread busy when it arrives.
 #pragma once
 
 #include "app/study/participant_events.h"
@@ -44,9 +48,9 @@ public:
     /// Those there are now, such as "2: HDMI-1 1920×1080". @pre there is a main window
     [[nodiscard]] static std::vector<std::string> monitors();
 
-    /// Draws the picture in the window's pixels and shows it: once a frame, between the main
-    /// window's `begin_frame`, which polls the events of both, and its `end_frame`; before or after
-    /// anything that is drawn there. Waits for the display, see above.
+    /// Draws the picture in the window's pixels and shows it: once a frame, after the main window's
+    /// `end_frame`. Waits for the display, and meanwhile takes the events of both windows: ImGui
+    /// would lose letters that arrive within a frame of its own.
     /// @param view  must outlive the window, or the next call with another one
     void show(ParticipantView &view, const ParticipantPicture &picture);
 
@@ -70,6 +74,8 @@ public:
     [[nodiscard]] bool has_lost_monitor() const;
     /// "HDMI-1", of the monitor it is meant for; empty for a window.
     [[nodiscard]] const std::string &monitor() const { return monitor_; }
+    /// From one picture to the next, by the monitor's rate.
+    [[nodiscard]] double frame_s() const { return frame_s_; }
 
 private:
     struct Presenter;
@@ -82,8 +88,10 @@ private:
     GLFWwindow *window_ = nullptr;
     std::unique_ptr<ParticipantEvents> events_;
     std::unique_ptr<Presenter> presenter_; ///< of the window's own context
+    double frame_s_ = 0.0;                 ///< of the monitor
     double shown_clock_s_ = 0.0;
-    double next_look_s_ = 0.0; ///< at the monitors
+    double paced_clock_s_ = 0.0; ///< end of the last frame
+    double next_look_s_ = 0.0;   ///< at the monitors
 };
 
 } // namespace springdrive::app::study_screen

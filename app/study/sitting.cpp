@@ -9,6 +9,8 @@
 #include "engine/study/protocol/session_length.h"
 #include "engine/study/results/progress.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 #include <variant>
@@ -202,6 +204,9 @@ std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &pl
             if (plan_.keeps_records) {
                 result->record = store_.link_to(session_.recording().file());
             }
+            if (planned.presented.kind == study::TrialKind::practice) {
+                practised_.push_back(planned);
+            }
             has_presented_ = true;
             is_stop_stored_ = !result->safety_events.empty();
             ++since_break_;
@@ -224,7 +229,21 @@ study::Session Sitting::begun() const {
     begun.software = SPRINGDRIVE_VERSION;
     begun.host = machine_name();
     begun.facts = plan_.facts;
+    if (noise_) {
+        begun.facts.push_back({"noise_level_dBFS", plan_.protocol.noise->level_dBFS});
+        begun.facts.push_back({"noise_output", noise_->device()});
+    }
     return begun;
+}
+
+/// It fades out. Gaps in it may have been heard.
+void Sitting::end_noise() {
+    if (noise_ && noise_->underruns() > 0) {
+        store_.append(study::Note{study::utc_now(), "noise",
+                                  fmt::format("the masking noise had {} gaps", noise_->underruns()),
+                                  plan_.participant, state_.session});
+    }
+    noise_.reset();
 }
 
 void Sitting::note_trials() {
@@ -265,7 +284,7 @@ study::SessionEnding Sitting::run() {
     how.ends = [this] { return ending_before_next(); };
     const study::SessionEnding ending = study::conduct(store_, plan_.protocol, session, how);
     session_.servo().release(true);
-    noise_.reset();
+    end_noise();
     if (ending == study::SessionEnding::completed) {
         note_trials();
         say_goodbye();

@@ -54,6 +54,9 @@ private:
 
     [[nodiscard]] std::optional<study::TrialResult> present(const study::PlannedTrial &planned);
     void introduce(const study::PlannedTrial &planned);
+    void end_practice();
+    void practise_again();
+    void end_noise();
     void take_break(double seconds);
     void wait_while_paused();
     void warm_up(const study::PlannedTrial &planned);
@@ -80,6 +83,7 @@ private:
     ExperimenterOrders orders_; ///< those that wait to be obeyed
     bool has_begun_ = false;
     bool was_practising_ = false;
+    std::vector<study::PlannedTrial> practised_; ///< in the present practice
     bool has_presented_ = false;
     int last_block_ = 0;
     int since_break_ = 0;

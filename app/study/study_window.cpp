@@ -2,6 +2,7 @@
 
 #include "app/ending_signal.h"
 #include "app/open_session.h"
+#include "app/study/monitors.h"
 #include "app/view/pick.h"
 #include "app/widgets/widgets.h"
 #include "base/complaint.h"
@@ -58,10 +59,21 @@ StudyWindow::StudyWindow(const StudyWindowOptions &options, session::Session &se
 
 std::vector<study::Setting> StudyWindow::facts() const {
     const Window::Size pixels = participant_window_.framebuffer();
-    return {{"participant_width_px", static_cast<double>(pixels.width)},
-            {"participant_height_px", static_cast<double>(pixels.height)},
-            {"participant_full_screen",
-             std::string(participant_window_.is_full_screen() ? "yes" : "no")}};
+    std::vector<study::Setting> facts{
+        {"picture_width_px", static_cast<double>(pixels.width)},
+        {"picture_height_px", static_cast<double>(pixels.height)},
+        {"frame_time_ms", 1e3 * participant_window_.frame_s()},
+    };
+    for (const MonitorFacts &monitor : monitors_there()) {
+        if (monitor.name == participant_window_.monitor()) {
+            facts.push_back({"monitor", monitor.name});
+            if (monitor.width_mm > 0 && monitor.height_mm > 0) {
+                facts.push_back({"monitor_width_mm", static_cast<double>(monitor.width_mm)});
+                facts.push_back({"monitor_height_mm", static_cast<double>(monitor.height_mm)});
+            }
+        }
+    }
+    return facts;
 }
 
 void StudyWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) {
@@ -70,10 +82,27 @@ void StudyWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &
                                 workspace.centre_m.y() - 0.5 * workspace.size_m.y());
 }
 
+/// Of the servo's clock. This thread may be held up between the two readings: those closest to each
+/// other count.
+double StudyWindow::servo_ahead_s() const {
+    double shortest_s = std::numeric_limits<double>::infinity();
+    double ahead_s = 0.0;
+    for (int i = 0; i < 5; ++i) {
+        const double before_s = steady_s();
+        const double now_s = session_.servo().now_s();
+        const double after_s = steady_s();
+        if (after_s - before_s < shortest_s) {
+            shortest_s = after_s - before_s;
+            ahead_s = now_s - 0.5 * (before_s + after_s);
+        }
+    }
+    return ahead_s;
+}
+
 /// Their times by the servo's clock.
 std::vector<ParticipantInput> StudyWindow::taken_inputs() {
     std::vector<ParticipantInput> inputs = participant_window_.take_inputs();
-    const double ahead_s = session_.servo().now_s() - steady_s();
+    const double ahead_s = servo_ahead_s();
     for (ParticipantInput &input : inputs) {
         input.clock_s =
             session_.servo().is_in_lockstep() ? session_.servo().now_s() : input.clock_s + ahead_s;
@@ -127,8 +156,7 @@ void StudyWindow::draw_view(const Rectangle &place) {
     }
 }
 
-void StudyWindow::draw_experimenter(const SittingState &state, const ParticipantPicture &picture,
-                                    ExperimenterActs &acts) {
+void StudyWindow::draw_experimenter(const SittingState &state, ExperimenterActs &acts) {
     const Window::Size size = window_.size();
     const float line = ImGui::GetFontSize();
     const ImVec2 whole{static_cast<float>(size.width), static_cast<float>(size.height)};
@@ -140,10 +168,32 @@ void StudyWindow::draw_experimenter(const SittingState &state, const Participant
                                    protocol_);
     draw_stimuli(panel_, {{0.0F, whole.y - stimuli}, {left, stimuli}}, state, protocol_,
                  fit_.latest());
-    ui::enter_at({{0.0F, 0.0F}, {1.0F, 1.0F}}, "participant/heading", "text", picture.heading);
-    ui::enter_at({{0.0F, 0.0F}, {1.0F, 1.0F}}, "participant/text", "text", picture.text);
-    ui::enter_at({{0.0F, 0.0F}, {1.0F, 1.0F}}, "participant/step", "text",
-                 std::string(description(state.step)));
+}
+
+/// What the participant sees, for tests: the plates at their places in that window, in its pixels.
+void StudyWindow::report_participant(const SittingState &state, const ParticipantPicture &picture) {
+    const auto enter = [](const char *name, std::string text, decltype(ShownItem::value) value = {},
+                          const PixelBox &box = {}) {
+        ui::report().enter({std::string("participant/") + name,
+                            "text",
+                            std::move(text),
+                            std::move(value),
+                            {},
+                            {{static_cast<float>(box.x), static_cast<float>(box.y)},
+                             {static_cast<float>(box.width), static_cast<float>(box.height)}}});
+    };
+    enter("heading", picture.heading);
+    enter("text", picture.text);
+    enter("step", std::string(description(state.step)));
+    enter("phase", std::string(description(state.phase)));
+    enter("trial", state.trial ? text_of(state.trial->place) : "");
+    enter("interval", "", static_cast<double>(state.interval + 1));
+    enter("servo_ahead_s", "", servo_ahead_s());
+    enter("longest_frame_s", "", std::exchange(longest_frame_s_, 0.0));
+    const std::vector<PlacedChoice> &plates = participant_view_.layout().choices;
+    for (std::size_t i = 0; i < plates.size(); ++i) {
+        enter("choice", picture.choices.at(i).text, {}, plates[i].plate);
+    }
 }
 
 SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingState &state) {
@@ -161,10 +211,10 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
     static_cast<void>(window_.take_dropped_files());
     renew_fit(state);
     ExperimenterActs acts;
-    draw_experimenter(state, picture, acts);
-    participant_window_.show(participant_view_, picture);
+    draw_experimenter(state, acts);
     give_keys_back();
     window_.end_frame();
+    participant_window_.show(participant_view_, picture);
     const bool by_experimenter = window_.take_emergency_stop();
     const bool by_participant = participant_window_.take_emergency_stop();
     if (acts.emergency_stop || by_experimenter || by_participant) {
@@ -179,8 +229,12 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
     SittingFrame frame{taken_inputs(), acts.orders};
     frame.orders.stops = frame.orders.stops || window_.is_closing() || asked_to_end();
     ++frame_;
-    durations_.add(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    const double frame_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    durations_.add(frame_s);
+    longest_frame_s_ = std::max(longest_frame_s_, frame_s);
     if (is_reported) {
+        report_participant(state, picture);
         const Window::Size size = window_.size();
         requests_.answer(
             json_line(ui::report(),

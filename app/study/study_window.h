@@ -46,8 +46,9 @@ public:
     [[nodiscard]] const servo::DurationHistogram &frame_durations() const { return durations_; }
 
 private:
-    void draw_experimenter(const SittingState &state, const ParticipantPicture &picture,
-                           ExperimenterActs &acts);
+    void draw_experimenter(const SittingState &state, ExperimenterActs &acts);
+    void report_participant(const SittingState &state, const ParticipantPicture &picture);
+    [[nodiscard]] double servo_ahead_s() const;
     void draw_view(const Rectangle &place);
     void renew_fit(const SittingState &state);
     [[nodiscard]] std::vector<ParticipantInput> taken_inputs();
@@ -67,6 +68,7 @@ private:
     ReportRequests requests_;
     bool reports_;
     std::uint64_t frame_ = 0;
+    double longest_frame_s_ = 0.0; ///< since the last report
     std::size_t fitted_trials_ = 0;
     std::uint32_t shown_scene_ = 0;
     servo::DurationHistogram durations_;

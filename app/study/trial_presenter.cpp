@@ -123,13 +123,15 @@ void TrialPresenter::lead_to_start(const study::PlannedTrial &planned) {
 
 /// The same for every condition and level: from the touch until the hand has left, the ball stays
 /// at the spot, wherever the tip yields to. A stroke is in free space.
-ParticipantPicture TrialPresenter::interval_picture() const {
+ParticipantPicture TrialPresenter::interval_picture(const study::Interval &interval) const {
     ParticipantPicture shown = picture(SittingStep::interval);
     const study::Texts &texts = it_.protocol.texts;
     if (it_.protocol.task.kind == study::TaskKind::forced_choice_by_interval) {
         shown.heading = it_.state.interval == 0   ? texts.first_interval
                         : it_.state.interval == 1 ? texts.second_interval
                                                   : fmt::format("{}", it_.state.interval + 1);
+    } else if (!interval.is_comparison) {
+        shown.heading = texts.show_standard;
     }
     const study::StimulusPhase phase = live_->phase();
     if (phase == study::StimulusPhase::waiting) {
@@ -192,7 +194,7 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
         it_.protocol.task.kind == study::TaskKind::adjustment && interval.is_comparison;
     while (!live_->is_over()) {
         it_.state.phase = live_->phase();
-        const SittingFrame frame = it_.show(interval_picture());
+        const SittingFrame frame = it_.show(interval_picture(interval));
         if (adjusts) {
             adjust(*live_, planned, frame.inputs);
         }
@@ -209,6 +211,13 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
     }
     study::Presentation presentation = study::presentation_of(
         study::intended_measures(it_.protocol, it_.setting, interval.presented), delivered);
+    if (adjusts) { // the level changed while it was felt: only to be in time is intended
+        for (study::StimulusValue &value : presentation.values) {
+            if (value.name != "lateness_s") {
+                value.intended.reset();
+            }
+        }
+    }
     presentation.start_s = live_->began_s();
     presentation.end_s = live_->ended_s();
     ended_s_ = live_->ended_s();
@@ -277,6 +286,8 @@ std::optional<study::TrialResult> TrialPresenter::present(const study::PlannedTr
     if (it_.protocol.task.kind == study::TaskKind::adjustment) {
         if (is_adjusted_) {
             result.response = study::Adjusted{*adjusted_};
+            result.tuning = study::settings_of(
+                study::comparison_at(it_.protocol, planned, *adjusted_).presented.parameters);
         }
         return result;
     }

@@ -66,7 +66,7 @@ private:
     void set_up(const study::Interval &interval);
     [[nodiscard]] bool feel(const study::PlannedTrial &planned, const study::Interval &interval,
                             study::TrialResult &result);
-    [[nodiscard]] ParticipantPicture interval_picture() const;
+    [[nodiscard]] ParticipantPicture interval_picture(const study::Interval &interval) const;
     [[nodiscard]] Answer ask();
     void adjust(study::LiveStimulus &live, const study::PlannedTrial &planned,
                 const std::vector<ParticipantInput> &inputs);

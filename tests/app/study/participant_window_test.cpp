@@ -42,8 +42,8 @@ protected:
             main_->clear();
             ImGui::Begin("panel");
             ImGui::End();
-            window_->show(*view_, picture_);
             main_->end_frame();
+            window_->show(*view_, picture_);
         }
     }
 

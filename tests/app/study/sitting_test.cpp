@@ -4,9 +4,12 @@
 #include "app/study/sitting.h"
 
 #include "app/study/answers.h"
+#include "base/complaint.h"
 #include "base/input_error.h"
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/protocol_file.h"
+#include "tests/app/study/made_up_people.h"
+#include "tests/support/child_process.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 
@@ -14,6 +17,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <set>
 #include <string>
@@ -28,109 +33,6 @@ namespace fs = std::filesystem;
 using study::PlannedTrial;
 using study::SessionEnding;
 using study::Trial;
-
-constexpr double kFrame_s = 1.0 / 60.0;
-
-/// A protocol of some trials.
-study::Protocol short_protocol(const std::string &name) {
-    study::Protocol protocol =
-        study::read_protocol_file(testing::assets() / "protocols" / (name + ".toml"));
-    protocol.timing.rest_s = 0.2;
-    protocol.timing.presentation_s = 1.0; // until a force has the direction wanted
-    protocol.timing.pause_s = 0.1;
-    protocol.timing.between_trials_s = 0.1;
-    protocol.timing.response_s = 1.0;
-    protocol.practice = {{60.0}, 2, 0, 2};
-    protocol.catch_trials = {};
-    protocol.breaks = {3, 1.0, 1.5};
-    study::ConstantStimuli method;
-    method.levels = {20.0, 60.0};
-    method.repetitions = 1;
-    method.blocks = 1;
-    protocol.method = method;
-    protocol.expected.reset();
-    protocol.questionnaire.clear();
-    protocol.windings = {25.0, 24.0, 60.0}; // warm already
-    return protocol;
-}
-
-/// What the participant does: of a planned trial, which key and how long after the question; below
-/// 0: nothing.
-struct Decision {
-    std::size_t key = 0;
-    double after_s = 0.3;
-};
-Decision decision_of(const PlannedTrial &planned) {
-    const std::size_t key = study::below(study::child(planned.key, 77), 2);
-    const bool answers = study::uniform(study::child(planned.key, 78)) > 0.15;
-    return {key, answers ? 0.3 : -1.0};
-}
-
-/// Two people and two windows that are made up.
-class MadeUpPort final : public SittingPort {
-public:
-    MadeUpPort(session::Session &session, const study::Protocol &protocol)
-        : session_(session), protocol_(protocol) {}
-
-    SittingFrame show(const ParticipantPicture &picture, const SittingState &state) override {
-        session_.advance(kFrame_s);
-        EXPECT_LT(++frames_, 60 * 600) << "stuck: " << description(state.step); // ten minutes
-        if (frames_ >= 60 * 600) {
-            orders.stops = true;
-        }
-        steps.insert(state.step);
-        if (on_frame) {
-            on_frame(picture, state);
-        }
-        SittingFrame frame;
-        frame.orders = orders;
-        frame.inputs = std::exchange(inputs, {});
-        orders.repeats = orders.skips_to_break = orders.resets_device = false;
-        const double now_s = session_.servo().now_s();
-        switch (state.step) {
-        case SittingStep::response: {
-            const Decision decision = decision_of(*state.trial);
-            asked_s_ = asked_s_ < 0.0 ? now_s : asked_s_;
-            if (decision.after_s >= 0.0 && now_s - asked_s_ >= decision.after_s) {
-                frame.inputs.push_back(key(protocol_.responses.keys[decision.key], now_s));
-            }
-            break;
-        }
-        case SittingStep::instructions:
-        case SittingStep::practice_begins:
-        case SittingStep::practice_ends:
-        case SittingStep::block_begins:
-        case SittingStep::in_break:
-        case SittingStep::over:
-            frame.inputs.push_back(key(protocol_.responses.keys.front(), now_s));
-            break;
-        default:
-            asked_s_ = -1.0;
-            break;
-        }
-        return frame;
-    }
-
-    void show_scene(const scene::Scene &, const scene::TouchSpot &) override {}
-
-    static ParticipantInput key(const std::string &name, double clock_s) {
-        ParticipantInput input;
-        input.name = input_name(name);
-        input.clock_s = clock_s;
-        return input;
-    }
-
-    ExperimenterOrders orders;
-    std::vector<ParticipantInput> inputs; ///< of the next frame
-    std::function<void(const ParticipantPicture &, const SittingState &)> on_frame;
-    std::set<SittingStep> steps;
-
-private:
-    session::Session &session_;
-    const study::Protocol &protocol_;
-    double asked_s_ = -1.0;
-    int frames_ = 0;
-};
 
 class StudySitting : public ::testing::Test {
 protected:
@@ -155,8 +57,8 @@ protected:
     }
 
     [[nodiscard]] SittingPlan plan() const {
-        return {protocol_, study::study_setting(protocol_, folders_), folders_, "P01", false,
-                false};
+        return {protocol_,   study::study_setting(protocol_, folders_), folders_, "P01", false,
+                plays_noise_};
     }
 
     SessionEnding run(const std::function<void(MadeUpPort &, session::Session &)> &prepare = {}) {
@@ -198,6 +100,7 @@ protected:
         return store.contents().trials;
     }
 
+    bool plays_noise_ = false;
     factory::DeviceKind kind_ = factory::DeviceKind::simulated;
     fs::path folder_;
     study::Protocol protocol_;
@@ -386,6 +289,187 @@ TEST_F(StudySitting, PausesBreaksAndRepeatsAsTheExperimenterWants) {
     EXPECT_TRUE(repeated->is_presented_again);
 }
 
+TEST_F(StudySitting, PractisesAgainUntilItIsUnderstood) {
+    int begun = 0;
+    int asked_in_practice = 0;
+    SittingStep before = SittingStep::over;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+            if (state.step == SittingStep::practice_ends && before != state.step) {
+                EXPECT_EQ(picture.text, "Press 1 to practise again, 2 to begin.");
+                if (++begun <= 2) { // twice
+                    port.inputs = {MadeUpPort::key("1", 0.0)};
+                }
+            }
+            if (state.step == SittingStep::response && before != state.step && begun <= 2 &&
+                state.trial->presented.kind == study::TrialKind::practice) {
+                ++asked_in_practice;
+            }
+            before = state.step;
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    EXPECT_GE(begun, 3);
+    EXPECT_EQ(asked_in_practice, 3 * protocol_.practice.fewest_trials);
+    const study::StudyContents contents = study::read_study(file());
+    expect_same_decisions(contents.trials, headless()); // the sequence knows nothing of it
+    ASSERT_EQ(contents.notes.size(), 2U);
+    EXPECT_EQ(contents.notes[0].text, "practised 2 trials again, which are not stored");
+}
+
+/// By method of adjustment: eta of the plate, from a drawn start.
+study::Protocol adjusting_protocol() {
+    study::Protocol protocol = short_protocol("stiffness");
+    study::Adjustment method;
+    method.scale = study::Scale::logarithmic;
+    method.minimum_start = 0.05;
+    method.maximum_start = 0.15;
+    method.minimum_level = 0.01;
+    method.maximum_level = 0.35;
+    method.settings = 2;
+    protocol.method = method;
+    protocol.task.kind = study::TaskKind::adjustment;
+    protocol.practice = {};
+    protocol.responses.keys = {"left", "right", "enter"};
+    protocol.timing.presentation_s = 3.0;
+    protocol.blocks.resize(1);
+    return protocol;
+}
+
+TEST_F(StudySitting, AnAdjustmentIsStoredAsItWasSet) {
+    protocol_ = adjusting_protocol();
+    constexpr int kSteps = 7;
+    const auto is_first = [](const SittingState &state) {
+        return state.trial->place.position == 1;
+    };
+    int pressed = 0;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            if (state.step != SittingStep::interval || !state.trial) {
+                pressed = 0;
+                return;
+            }
+            if (state.interval + 1 < state.intervals ||
+                state.phase != study::StimulusPhase::presenting) {
+                return;
+            }
+            // In the first trial less, in the others more, and beyond the end of the reach.
+            const int steps = is_first(state) ? kSteps : 70;
+            if (++pressed <= steps) {
+                port.inputs = {MadeUpPort::key(is_first(state) ? "left" : "right", 0.0)};
+            } else if (pressed == steps + 1) {
+                port.inputs = {MadeUpPort::key("enter", 0.0)};
+            }
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    const std::vector<Trial> trials = study::read_study(file()).trials;
+    ASSERT_EQ(trials.size(), 2U);
+    const double step = std::log(0.35 / 0.01) / 60.0; // 60 steps from one end to the other
+    for (const Trial &trial : trials) {
+        SCOPED_TRACE(text_of(trial.place));
+        ASSERT_TRUE(std::holds_alternative<study::Adjusted>(trial.response));
+        const double wanted =
+            trial.place.position == 1 ? *trial.level * std::exp(-kSteps * step) : 0.35;
+        EXPECT_NEAR(std::get<study::Adjusted>(trial.response).level, wanted, 1e-9 * wanted);
+        EXPECT_TRUE(trial.marks.empty()) << trial.marks.front();
+        const auto eta = std::ranges::find(trial.tuning, "eta", &study::Setting::name);
+        ASSERT_NE(eta, trial.tuning.end());
+        EXPECT_NEAR(std::get<double>(eta->value), 0.5 + wanted, 1e-9); // what was felt at the end
+    }
+}
+
+TEST_F(StudySitting, AnAdjustmentThatIsNotEndedComesAgain) {
+    protocol_ = adjusting_protocol();
+    protocol_.timing.presentation_s = 1.0;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            if (state.step == SittingStep::interval && state.trial->place.position > 1) {
+                port.inputs = {MadeUpPort::key("enter", 0.0)};
+            }
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    const std::vector<Trial> trials = study::read_study(file()).trials;
+    ASSERT_EQ(trials.size(), 3U);
+    EXPECT_TRUE(std::holds_alternative<study::NoResponse>(trials[0].response));
+    EXPECT_TRUE(trials[0].is_presented_again);
+    EXPECT_EQ(std::get<study::Adjusted>(trials[1].response).level, *trials[1].level);
+}
+
+constexpr const char *kSystems = "/usr/share/alsa/alsa.conf"; ///< of the package libasound2-data
+
+TEST_F(StudySitting, TheNoiseIsHeardCheckedAndStored) {
+    if (!fs::exists(kSystems)) {
+        GTEST_SKIP() << kSystems << " is not there";
+    }
+    const fs::path configuration = folder_ / "asound.conf";
+    const fs::path raw = folder_ / "played.raw";
+    std::ofstream(configuration) << "<" << kSystems
+                                 << ">\npcm.!default { type file slave.pcm \"null\" file \""
+                                 << raw.string() << "\" format \"raw\" }\n";
+    protocol_.noise = study::MaskingNoise{-40.0};
+    plays_noise_ = true;
+    const std::string said = testing::said_in_child(
+        [&] { setenv("ALSA_CONFIG_PATH", configuration.c_str(), 1); },
+        [&] {
+            ::testing::internal::CaptureStderr(); // what the sound system says of missing devices
+            bool was_checked = false;
+            const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+                port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+                    was_checked = was_checked || (state.step == SittingStep::noise_check &&
+                                                  picture.text == protocol_.texts.noise_check);
+                    port.orders.stops = state.step == SittingStep::interval;
+                };
+            });
+            return std::string(was_checked ? "checked, " : "not checked, ") +
+                   std::string(name_of(ending));
+        });
+    EXPECT_EQ(said, "checked, stopped");
+    EXPECT_GT(fs::file_size(raw), 0U);
+    const std::vector<study::Setting> facts = study::read_study(file()).sessions.at(0).facts;
+    EXPECT_EQ(std::ranges::count(facts, study::Setting{"noise_level_dBFS", -40.0}), 1);
+    EXPECT_EQ(std::ranges::count(facts, study::Setting{"noise_output", std::string("default")}), 1);
+}
+
+TEST_F(StudySitting, WithoutASoundOutputThereIsNoSession) {
+    protocol_.noise = study::MaskingNoise{-80.0};
+    plays_noise_ = true;
+    const std::string said = testing::said_in_child(
+        [] {},
+        [&] {
+            ::testing::internal::CaptureStderr();
+            return complaint_of([&] {
+                static_cast<void>(
+                    run([](MadeUpPort &port, session::Session &) { port.orders.stops = true; }));
+            });
+        });
+    if (said.empty()) {
+        GTEST_SKIP() << "this machine has a sound output";
+    }
+    EXPECT_NE(said.find("there is no sound output"), std::string::npos) << said;
+    EXPECT_TRUE(study::read_study(file()).sessions.empty());
+}
+
+TEST_F(StudySitting, AStandardThatIsPresentedFirstIsCalledThat) {
+    protocol_ = adjusting_protocol();
+    protocol_.variable.shows_standard = true;
+    std::set<std::string> headings;
+    run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+            if (state.step == SittingStep::interval) {
+                headings.insert(picture.heading);
+            }
+            port.orders.stops = state.step == SittingStep::after_response;
+            if (state.interval == 1 && state.phase == study::StimulusPhase::presenting) {
+                port.inputs = {MadeUpPort::key("enter", 0.0)};
+            }
+        };
+    });
+    EXPECT_EQ(headings,
+              (std::set<std::string>{protocol_.texts.show_standard, protocol_.texts.question}));
+}
+
 ParticipantInput letter(const std::string &text) {
     ParticipantInput input;
     input.source = InputSource::letter;
@@ -463,41 +547,23 @@ TEST_F(StudySitting, AParticipantWhoLeavesIsStoredAsThat) {
     EXPECT_TRUE(study::read_study(file()).trials.empty());
 }
 
-/// All that a participant sees of the first trial up to the question.
+/// All that a participant sees of the first interval until the hand leaves.
 std::vector<ParticipantPicture> pictures_of_first_interval(const study::Protocol &protocol,
                                                            const study::ProtocolFolders &folders,
-                                                           const PlannedTrial &planned,
-                                                           std::size_t interval) {
-    session::SessionOptions options;
-    options.scene = testing::assets() / "scenes" / "plate.gltf";
-    options.device.file = study::device_file_of(protocol, folders);
-    options.lockstep = true;
-    session::Session session(options);
-    MadeUpPort port(session, protocol);
-    SittingState state;
+                                                           const PlannedTrial &planned) {
     std::vector<ParticipantPicture> pictures;
-    const study::StudySetting setting = study::study_setting(protocol, folders);
-    TrialPresenter presenter(
-        {protocol, setting, folders, session, port, state, [&](ParticipantPicture picture) {
-             if (state.step != SittingStep::interval || state.interval != interval) {
-                 return port.show(picture, state);
-             }
-             if (state.phase == study::StimulusPhase::leaving) {
-                 EXPECT_EQ(picture, pictures.back()); // for as long as a hand was deep
-             } else {
-                 pictures.push_back(picture);
-             }
-             return port.show(picture, state);
-         }});
-    session.start();
-    presenter.set_up(planned);
-    presenter.lead_to_start(planned);
-    while (session.latest().safety.state != servo::SafetyState::running) {
-        session.advance(kFrame_s);
-    }
-    const auto result = presenter.present(planned);
-    EXPECT_TRUE(result && result->marks.empty() && result->safety_events.empty())
-        << (result && !result->marks.empty() ? result->marks.front() : "");
+    present_alone(protocol, folders, planned, [&](MadeUpPort &port) {
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+            if (state.step != SittingStep::interval || state.interval != 0) {
+                return;
+            }
+            if (state.phase == study::StimulusPhase::leaving) {
+                EXPECT_EQ(picture, pictures.back()); // for as long as a hand was deep
+            } else {
+                pictures.push_back(picture);
+            }
+        };
+    });
     return pictures;
 }
 
@@ -510,30 +576,19 @@ TEST(StudyPictures, AreTheSameOfEachConditionAndLevelUntilTheHandLeaves) {
         protocol.timing.response_s = 1.0;
         const std::vector<double> levels = study::presentable_levels(protocol);
         std::vector<ParticipantPicture> first;
-        for (std::size_t condition = 0; condition < protocol.conditions.size(); ++condition) {
-            if (!study::is_used(protocol, condition) ||
-                study::standard_condition_of(protocol) == condition) {
-                continue;
+        for (const PlannedTrial &planned :
+             trials_of_conditions(protocol, {levels.front(), levels.back()}, {0, 1})) {
+            SCOPED_TRACE(::testing::Message() << protocol.conditions[planned.condition].name
+                                              << " at " << planned.presented.level);
+            const std::vector<ParticipantPicture> pictures =
+                pictures_of_first_interval(protocol, folders, planned);
+            EXPECT_GT(pictures.size(), 10U);
+            if (first.empty()) {
+                first = pictures;
             }
-            for (const double level : {levels.front(), levels.back()}) {
-                for (const int target : {0, 1}) {
-                    SCOPED_TRACE(::testing::Message()
-                                 << protocol.conditions[condition].name << " at " << level);
-                    PlannedTrial planned;
-                    planned.condition = condition;
-                    planned.presented.level = level;
-                    planned.presented.target = target;
-                    const std::vector<ParticipantPicture> pictures =
-                        pictures_of_first_interval(protocol, folders, planned, 0);
-                    EXPECT_GT(pictures.size(), 10U);
-                    if (first.empty()) {
-                        first = pictures;
-                    }
-                    ASSERT_EQ(pictures.size(), first.size());
-                    for (std::size_t i = 0; i < pictures.size(); ++i) {
-                        ASSERT_EQ(pictures[i], first[i]) << "frame " << i;
-                    }
-                }
+            ASSERT_EQ(pictures.size(), first.size());
+            for (std::size_t i = 0; i < pictures.size(); ++i) {
+                ASSERT_EQ(pictures[i], first[i]) << "frame " << i;
             }
         }
     }

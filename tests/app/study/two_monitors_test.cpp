@@ -24,8 +24,8 @@ void show_for(double duration_s, Window &main, ParticipantView &view, Participan
     while (std::chrono::steady_clock::now() < end) {
         main.begin_frame();
         main.clear();
-        window.show(view, {});
         main.end_frame();
+        window.show(view, {});
     }
 }
 

@@ -1,0 +1,181 @@
+// Two people and two windows that are made up, for sittings without a screen: in lockstep, each
+// frame a sixtieth of a second.
+#pragma once
+
+#include "app/study/answers.h"
+#include "app/study/sitting.h"
+#include "engine/study/protocol/protocol_file.h"
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace springdrive::app::study_screen {
+
+inline constexpr double kMadeUpFrame_s = 1.0 / 60.0;
+
+/// A protocol of some trials.
+inline study::Protocol short_protocol(const std::string &name) {
+    study::Protocol protocol =
+        study::read_protocol_file(testing::assets() / "protocols" / (name + ".toml"));
+    protocol.timing.rest_s = 0.2;
+    protocol.timing.presentation_s = 1.0; // until a force has the direction wanted
+    protocol.timing.pause_s = 0.1;
+    protocol.timing.between_trials_s = 0.1;
+    protocol.timing.response_s = 1.0;
+    protocol.practice = {{60.0}, 2, 0, 2};
+    protocol.catch_trials = {};
+    protocol.breaks = {3, 1.0, 1.5};
+    study::ConstantStimuli method;
+    method.levels = {20.0, 60.0};
+    method.repetitions = 1;
+    method.blocks = 1;
+    protocol.method = method;
+    protocol.expected.reset();
+    protocol.questionnaire.clear();
+    protocol.windings = {25.0, 24.0, 60.0}; // warm already
+    return protocol;
+}
+
+/// What the participant does: of a planned trial, which key and how long after the question; below
+/// 0: nothing.
+struct Decision {
+    std::size_t key = 0;
+    double after_s = 0.3;
+};
+inline Decision decision_of(const study::PlannedTrial &planned) {
+    const std::size_t key = study::below(study::child(planned.key, 77), 2);
+    const bool answers = study::uniform(study::child(planned.key, 78)) > 0.15;
+    return {key, answers ? 0.3 : -1.0};
+}
+
+/// Two people and two windows that are made up.
+class MadeUpPort final : public SittingPort {
+public:
+    MadeUpPort(session::Session &session, const study::Protocol &protocol)
+        : session_(session), protocol_(protocol) {}
+
+    SittingFrame show(const ParticipantPicture &picture, const SittingState &state) override {
+        session_.advance(kMadeUpFrame_s);
+        EXPECT_LT(++frames_, 60 * 600) << "stuck: " << description(state.step); // ten minutes
+        if (frames_ >= 60 * 600) {
+            orders.stops = true;
+        }
+        steps.insert(state.step);
+        if (on_frame) {
+            on_frame(picture, state);
+        }
+        SittingFrame frame;
+        frame.orders = orders;
+        frame.inputs = std::exchange(inputs, {});
+        orders.repeats = orders.skips_to_break = orders.resets_device = false;
+        const double now_s = session_.servo().now_s();
+        switch (state.step) {
+        case SittingStep::response: {
+            const Decision decision = decision_of(*state.trial);
+            asked_s_ = asked_s_ < 0.0 ? now_s : asked_s_;
+            if (decision.after_s >= 0.0 && now_s - asked_s_ >= decision.after_s) {
+                frame.inputs.push_back(key(protocol_.responses.keys[decision.key], now_s));
+            }
+            break;
+        }
+        case SittingStep::practice_ends: // no more of it
+            frame.inputs.push_back(key(protocol_.responses.keys.at(1), now_s));
+            break;
+        case SittingStep::instructions:
+        case SittingStep::noise_check:
+        case SittingStep::practice_begins:
+        case SittingStep::block_begins:
+        case SittingStep::in_break:
+        case SittingStep::over:
+            frame.inputs.push_back(key(protocol_.responses.keys.front(), now_s));
+            break;
+        default:
+            asked_s_ = -1.0;
+            break;
+        }
+        return frame;
+    }
+
+    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) override {
+        if (on_scene) {
+            on_scene(scene, spot);
+        }
+    }
+
+    static ParticipantInput key(const std::string &name, double clock_s) {
+        ParticipantInput input;
+        input.name = input_name(name);
+        input.clock_s = clock_s;
+        return input;
+    }
+
+    ExperimenterOrders orders;
+    std::vector<ParticipantInput> inputs; ///< of the next frame
+    std::function<void(const ParticipantPicture &, const SittingState &)> on_frame;
+    std::function<void(const scene::Scene &, const scene::TouchSpot &)> on_scene;
+    std::set<SittingStep> steps;
+
+private:
+    session::Session &session_;
+    const study::Protocol &protocol_;
+    double asked_s_ = -1.0;
+    int frames_ = 0;
+};
+
+/// Presents a trial by itself, on a device of its own, to a port that `prepare` has seen.
+inline void present_alone(const study::Protocol &protocol, const study::ProtocolFolders &folders,
+                          const study::PlannedTrial &planned,
+                          const std::function<void(MadeUpPort &)> &prepare) {
+    session::SessionOptions options;
+    options.scene = testing::assets() / "scenes" / "plate.gltf";
+    options.device.file = study::device_file_of(protocol, folders);
+    options.lockstep = true;
+    session::Session session(options);
+    MadeUpPort port(session, protocol);
+    prepare(port);
+    SittingState state;
+    const study::StudySetting setting = study::study_setting(protocol, folders);
+    TrialPresenter presenter(
+        {protocol, setting, folders, session, port, state,
+         [&](const ParticipantPicture &picture) { return port.show(picture, state); }});
+    session.start();
+    presenter.set_up(planned);
+    presenter.lead_to_start(planned);
+    while (session.latest().safety.state != servo::SafetyState::running) {
+        session.advance(kMadeUpFrame_s);
+    }
+    const auto result = presenter.present(planned);
+    EXPECT_TRUE(result && result->marks.empty() && result->safety_events.empty())
+        << (result && !result->marks.empty() ? result->marks.front() : "");
+}
+
+/// A trial of each condition that is compared, at each of these levels and with these targets.
+inline std::vector<study::PlannedTrial> trials_of_conditions(const study::Protocol &protocol,
+                                                             const std::vector<double> &levels,
+                                                             const std::vector<int> &targets) {
+    std::vector<study::PlannedTrial> trials;
+    for (std::size_t condition = 0; condition < protocol.conditions.size(); ++condition) {
+        if (!study::is_used(protocol, condition) ||
+            study::standard_condition_of(protocol) == condition) {
+            continue;
+        }
+        for (const double level : levels) {
+            for (const int target : targets) {
+                study::PlannedTrial planned;
+                planned.condition = condition;
+                planned.presented.level = level;
+                planned.presented.target = target;
+                trials.push_back(planned);
+            }
+        }
+    }
+    return trials;
+}
+
+} // namespace springdrive::app::study_screen
