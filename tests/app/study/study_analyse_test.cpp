@@ -34,9 +34,6 @@ TEST_P(ShippedProtocol, ComesFromNewToTheFigure) {
     ASSERT_EQ(study({"check", protocol, "--no-simulation"}).exit_status, 0);
     std::vector<std::string> run{"run",       protocol, "--participants", "2",        "--observer",
                                  "simulated", "--felt", "once",           "--spread", "0.1"};
-    if (name == "hardness") { // [expected] is not in it
-        run.insert(run.end(), {"--threshold", "0", "--slope", "8"});
-    }
     const testing::Ending ran = study(run);
     ASSERT_EQ(ran.exit_status, 0) << ran.error;
     const fs::path file = folder / (name + ".study");
@@ -80,15 +77,14 @@ TEST(StudyPlan, TellsWhatAPrecisionTakes) {
     EXPECT_NE(told.out.find("a factor of 3 takes"), std::string::npos) << told.out;
     expect_picture(folder / "plan/precision.svg");
     const std::string csv = testing::contents_of(folder / "plan/precision.csv");
-    EXPECT_EQ(testing::column_of(csv, "trials"), (std::vector<std::string>{"10", "22", "80"}))
-        << "of two tracks each";
+    EXPECT_EQ(testing::column_of(csv, "trials"), (std::vector<std::string>{"10", "21", "80"}));
     const std::vector<std::string> widths = testing::column_of(csv, "width_of_most");
     EXPECT_LT(number(widths[2]), number(widths[0])) << "more trials tell more";
 
     testing::expect_refused(study({"plan", protocol, "--precision", "0.9"}), "--precision is 0.9");
     testing::expect_refused(study({"plan", protocol, "--trials", "0"}), "trials");
-    testing::expect_refused(study({"plan", testing::assets() / "protocols/hardness.toml"}),
-                            "--threshold and --slope");
+    const fs::path without = testing::without_expected("hardness", folder);
+    testing::expect_refused(study({"plan", without}), "--threshold and --slope");
 }
 
 TEST(StudyCommandLine, NamesOptionsThatCouldBeMeant) {
