@@ -60,6 +60,13 @@ TEST_P(ShippedProtocol, ComesFromNewToTheFigure) {
     if (name != "hardness") { // constant stimuli have no course
         expect_picture(folder / "results/traces_P02.svg");
     }
+    // What cannot be written is told before anything is.
+    const fs::path blocked = folder / "blocked";
+    fs::create_directories(blocked / "group.svg");
+    const testing::Ending told =
+        study({"analyse", file, "--device", "simulated", "--out", blocked});
+    testing::expect_refused(told, "group.svg: is a folder");
+    EXPECT_EQ(told.out, "");
     testing::expect_one_line(study({"analyse", file, "--device", "usb"}), 1,
                              "there are none on usb devices");
 }
@@ -82,6 +89,13 @@ TEST(StudyPlan, TellsWhatAPrecisionTakes) {
     EXPECT_LT(number(widths[2]), number(widths[0])) << "more trials tell more";
 
     testing::expect_refused(study({"plan", protocol, "--precision", "0.9"}), "--precision is 0.9");
+    for (const char *const wrong : {"1.0", "1e-300", "1e308", "inf", "nan"}) {
+        testing::expect_refused(study({"plan", protocol, "--precision", wrong}),
+                                "it must be from 1.01 to 1000: a factor");
+        testing::expect_refused(
+            study({"plan", protocol, "--slope", wrong == std::string("1.0") ? "0" : wrong}),
+            "slope is");
+    }
     testing::expect_refused(study({"plan", protocol, "--trials", "0"}), "trials");
     const fs::path without = testing::without_expected("hardness", folder);
     testing::expect_refused(study({"plan", without}), "--threshold and --slope");
