@@ -148,7 +148,8 @@ void make_output_folder(const std::filesystem::path &folder) {
     std::error_code problem;
     std::filesystem::create_directories(folder, problem);
     if (problem) {
-        throw InputError("--out " + folder.string() + ": cannot be created: " + problem.message());
+        throw InputError("--out " + folder.string() + ": cannot be created: " + problem.message() +
+                         "; name another folder");
     }
     if (access(folder.c_str(), W_OK | X_OK) != 0) {
         throw InputError("--out " + folder.string() +

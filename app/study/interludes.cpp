@@ -1,4 +1,5 @@
 // What a sitting shows between its trials: questions, the noise, breaks, the warm-up.
+#include "app/study/questions.h"
 #include "app/study/sitting.h"
 
 #include "app/study/answers.h"
@@ -177,7 +178,6 @@ void Sitting::say_goodbye() {
 
 /// One after the other; each answer is on the disk before the next question.
 void Sitting::ask_questions(study::QuestionnaireTime when) {
-    const study::Texts &texts = plan_.protocol.texts;
     const study::StudyContents contents = store_.contents();
     for (const study::QuestionnaireItem &item : plan_.protocol.questionnaire) {
         const bool is_answered =
@@ -188,77 +188,17 @@ void Sitting::ask_questions(study::QuestionnaireTime when) {
             continue;
         }
         state_.step = SittingStep::questionnaire;
-        ParticipantPicture picture;
-        picture.heading = when == study::QuestionnaireTime::before ? texts.questionnaire_before
-                                                                   : texts.questionnaire_after;
-        picture.text = item.text;
-        if (const std::optional<std::string> answer = answer_to(item, std::move(picture))) {
+        if (const std::optional<std::string> answer = answer_to(item)) {
             static_cast<void>(store_.add({plan_.participant, state_.session, item.name, item.text,
                                           *answer, study::utc_now()}));
         }
     }
 }
 
-namespace {
-
-/// A way to answer a question: its plate, and what it stands for.
-struct QuestionChoice {
-    AnswerChoice plate;
-    std::string key;                   ///< as inputs name it; empty: by a click only
-    std::optional<std::string> answer; ///< nothing: none is given; of a free text: what is typed
-};
-
-constexpr std::size_t kMostKeys = 9; ///< digits from 1
-
-std::vector<QuestionChoice> choices_of(const study::QuestionnaireItem &item,
-                                       const study::Texts &texts) {
-    std::vector<QuestionChoice> choices;
-    const std::vector<std::string> possible = study::possible_answers(item);
-    for (std::size_t i = 0; i < possible.size(); ++i) {
-        const bool is_scale = item.kind == study::QuestionnaireKind::scale;
-        const std::string number = is_scale ? possible[i] : fmt::format("{}", i + 1);
-        const std::string label = !is_scale                  ? possible[i]
-                                  : i == 0                   ? item.lowest_label
-                                  : i + 1 == possible.size() ? item.highest_label
-                                                             : std::string();
-        const bool has_key = is_scale ? is_key_name(number) : possible.size() <= kMostKeys;
-        const bool shows_number = is_scale || has_key;
-        choices.push_back(
-            {{label, shows_number ? number : ""}, has_key ? number : "", possible[i]});
-    }
-    if (possible.empty()) {
-        choices.push_back({{texts.next_question, shown_key("enter", false)}, "enter", ""});
-    }
-    choices.push_back({{texts.no_answer, ""}, "", std::nullopt});
-    return choices;
-}
-
-const QuestionChoice *chosen_by(const std::vector<QuestionChoice> &choices,
-                                const ParticipantInput &input) {
-    if (!input.is_press) {
-        return nullptr;
-    }
-    if (input.source == InputSource::choice) {
-        return input.choice < choices.size() ? &choices[input.choice] : nullptr;
-    }
-    if (input.source != InputSource::key || input.name.empty()) {
-        return nullptr;
-    }
-    const auto found = std::ranges::find(choices, input.name, &QuestionChoice::key);
-    return found == choices.end() ? nullptr : &*found;
-}
-
-} // namespace
-
 /// Nothing if the participant would rather not say.
-std::optional<std::string> Sitting::answer_to(const study::QuestionnaireItem &item,
-                                              ParticipantPicture picture) {
+std::optional<std::string> Sitting::answer_to(const study::QuestionnaireItem &item) {
     const std::vector<QuestionChoice> choices = choices_of(item, plan_.protocol.texts);
-    for (const QuestionChoice &choice : choices) {
-        picture.choices.push_back(choice.plate);
-    }
-    picture.choices_take_clicks = true;
-    picture.has_text_field = item.kind == study::QuestionnaireKind::text;
+    ParticipantPicture picture = picture_of(item, plan_.protocol.texts);
     while (true) {
         const std::vector<ParticipantInput> inputs = show(picture).inputs;
         picture.typed = typed_on(picture.typed, inputs, study::kLongestAnswer);

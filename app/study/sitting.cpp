@@ -1,6 +1,7 @@
 #include "app/study/sitting.h"
 
 #include "app/study/answers.h"
+#include "app/study/person_checks.h"
 #include "base/input_error.h"
 #include "base/machine_name.h"
 #include "engine/study/conduct/conduct.h"
@@ -41,8 +42,7 @@ Sitting::Sitting(study::StudyStore &store, SittingPlan plan, session::Session &s
     : store_(store), plan_(std::move(plan)), session_(session), port_(port),
       presenter_({plan_.protocol, plan_.setting, plan_.folders, session_, port_, state_,
                   [this](ParticipantPicture picture) { return show(std::move(picture)); }}) {
-    if (const std::string wrong = what_is_wrong_with_answers(plan_.protocol.responses);
-        !wrong.empty()) {
+    if (const std::string wrong = what_keeps_persons_out(plan_.protocol); !wrong.empty()) {
         throw InputError(wrong);
     }
 }

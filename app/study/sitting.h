@@ -63,8 +63,7 @@ private:
     void begin();
     void say_goodbye();
     void ask_questions(study::QuestionnaireTime when);
-    [[nodiscard]] std::optional<std::string> answer_to(const study::QuestionnaireItem &item,
-                                                       ParticipantPicture picture);
+    [[nodiscard]] std::optional<std::string> answer_to(const study::QuestionnaireItem &item);
     void make_ready(const study::PlannedTrial &planned);
     void reset_device_when_calm();
     void note_stop();

@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <fstream>
 #include <iostream>
@@ -31,9 +32,21 @@ std::string text_in(const fs::path &file) {
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+bool is_sqlite_file(const fs::path &file) {
+    constexpr std::string_view kBegin("SQLite format 3\0", 16);
+    std::array<char, kBegin.size()> begin{};
+    std::error_code ignored;
+    if (!fs::is_regular_file(file, ignored)) { // a pipe would wait for its writer
+        return false;
+    }
+    std::ifstream stream(file, std::ios::binary);
+    return stream.read(begin.data(), begin.size()) &&
+           std::string_view(begin.data(), begin.size()) == kBegin;
+}
+
 /// The protocol as it was typed, which can be run.
 study::Protocol checked_protocol(const fs::path &file) {
-    const study::Protocol protocol = study::read_protocol_file(file);
+    const study::Protocol protocol = typed_protocol(file);
     study::CheckOptions options;
     options.simulates = false;
     const auto errors =
@@ -68,6 +81,15 @@ OpenedStudy read_opened_study(const std::filesystem::path &file) {
 study::Protocol protocol_in(const study::StudyContents &contents,
                             const std::filesystem::path &file) {
     return study::read_protocol_text(contents.facts.protocol, file.string() + " (its protocol)");
+}
+
+study::Protocol typed_protocol(const std::filesystem::path &file) {
+    if (is_sqlite_file(file)) {
+        throw InputError(fmt::format("{}: is a study, no protocol; name the TOML file that it was "
+                                     "begun with, or springdrive study status {}",
+                                     file.string(), file.string()));
+    }
+    return study::read_protocol_file(file);
 }
 
 std::vector<std::filesystem::path> files_of_study(const std::filesystem::path &file) {

@@ -29,6 +29,10 @@ struct OpenedStudy {
 [[nodiscard]] study::Protocol protocol_in(const study::StudyContents &contents,
                                           const std::filesystem::path &file);
 
+/// A protocol that was typed. @throw InputError as `read_protocol_file` does, and for a study file,
+/// saying what that is
+[[nodiscard]] study::Protocol typed_protocol(const std::filesystem::path &file);
+
 /// The study to run: `typed` itself, or the one of the protocol in `typed`, which is created if
 /// there is none. A protocol with errors begins none.
 /// @param study     the study of a protocol; empty: it has the protocol's name, ending in .study

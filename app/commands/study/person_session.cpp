@@ -2,6 +2,7 @@
 
 #include "app/asset_folder.h"
 #include "app/open_session.h"
+#include "app/study/person_checks.h"
 #include "base/input_error.h"
 #include "engine/session/session_report.h"
 #include "engine/study/protocol/presented.h"
@@ -107,6 +108,9 @@ session::SessionOptions session_options_of(const study::Protocol &protocol,
 void run_person_session(study::StudyStore &store, const study::Protocol &protocol,
                         const study::StudySetting &setting, const study::ProtocolFolders &folders,
                         const std::string &code, const TypedSitting &typed) {
+    if (const std::string wrong = study_screen::what_keeps_persons_out(protocol); !wrong.empty()) {
+        throw InputError(store.file().string() + ": " + wrong);
+    }
     session::Session session = open_session(session_options_of(protocol, folders, typed));
     say_what_it_is(session);
     study_screen::StudyWindow window(typed.window, session, store, protocol);

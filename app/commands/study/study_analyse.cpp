@@ -33,15 +33,21 @@ RunFiles tables_of(const TypedAnalysis &typed) {
     return files;
 }
 
-/// The pictures are the last: all numbers are there even if nothing can be drawn.
-void write_files(const TypedAnalysis &typed, const study::Protocol &protocol,
-                 const study::StudyResults &results) {
-    const std::vector<Chart> pictures = results_pictures(protocol, results, typed.out);
+/// What `write_files` will draw, if all of it can be written.
+std::vector<Chart> checked_pictures(const TypedAnalysis &typed, const study::Protocol &protocol,
+                                    const study::StudyResults &results) {
+    std::vector<Chart> pictures = results_pictures(protocol, results, typed.out);
     RunFiles files = tables_of(typed);
     for (const Chart &picture : pictures) {
         files.written.push_back(typed.out / picture.svg);
     }
     check_outputs(files, typed.existing);
+    return pictures;
+}
+
+/// The pictures are the last: all numbers are there even if nothing can be drawn.
+void write_files(const TypedAnalysis &typed, const study::Protocol &protocol,
+                 const study::StudyResults &results, const std::vector<Chart> &pictures) {
     for (const study::ResultsTable &table : study::kResultsTables) {
         write_output((typed.out / table.file).string(),
                      [&](std::ostream &out) { table.write(out, protocol, results); },
@@ -67,9 +73,13 @@ void analyse(const TypedAnalysis &typed) {
         results = study::results_of(opened.protocol, opened.contents, typed.device,
                                     [&line](double share) { line.show("fits", share); });
     }
+    std::vector<Chart> pictures;
+    if (!typed.out.empty()) {
+        pictures = checked_pictures(typed, opened.protocol, results);
+    }
     write_results(std::cout, opened.protocol, results);
     if (!typed.out.empty()) {
-        write_files(typed, opened.protocol, results);
+        write_files(typed, opened.protocol, results, pictures);
         std::cerr << "written: tables and pictures in " << typed.out.string() << '\n';
     }
     if (const std::string text = left_out_text(opened.contents, typed.device, typed.study);

@@ -1,9 +1,9 @@
 #include "app/commands/study/study_commands.h"
 
-#include "app/asset_folder.h"
 #include "app/commands/study/check_report.h"
+#include "app/commands/study/opened_study.h"
+#include "app/study/person_checks.h"
 #include "engine/study/protocol/protocol_check.h"
-#include "engine/study/protocol/protocol_file.h"
 
 #include <CLI/CLI.hpp>
 
@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <memory>
 
 namespace springdrive::app {
@@ -25,11 +26,14 @@ struct TypedProtocolCheck {
 };
 
 void check_typed(const TypedProtocolCheck &typed) {
-    const study::Protocol protocol = study::read_protocol_file(typed.protocol);
+    const study::Protocol protocol = typed_protocol(typed.protocol);
     study::CheckOptions options;
     options.simulates = typed.simulates;
-    const study::CheckedProtocol checked =
-        study::check_protocol(protocol, {typed.protocol.parent_path(), asset_folder()}, options);
+    study::CheckedProtocol checked =
+        study::check_protocol(protocol, folders_beside(typed.protocol), options);
+    std::ranges::move(study_screen::check_for_persons(protocol),
+                      std::back_inserter(checked.findings));
+    std::ranges::stable_sort(checked.findings, {}, &study::ProtocolFinding::severity);
     write_study_check(std::cout, protocol, checked);
     const auto errors = std::ranges::count(checked.findings, study::Severity::error,
                                            &study::ProtocolFinding::severity);

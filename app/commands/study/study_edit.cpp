@@ -9,6 +9,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -26,11 +27,8 @@ struct TypedNote {
 
 void append_note(const TypedNote &typed) {
     study::StudyStore store(typed.study);
-    study::Note note{study::utc_now(), "note", typed.text, std::nullopt, std::nullopt};
-    if (!typed.participant.empty()) {
-        note.participant = study::participant_of(store.contents(), typed.participant).code;
-    }
-    store.append(note);
+    const auto about = typed.participant.empty() ? std::nullopt : std::optional(typed.participant);
+    store.append({study::utc_now(), "note", typed.text, about, std::nullopt});
 }
 
 void add_note(CLI::App &study) {
@@ -54,18 +52,28 @@ struct TypedRemove {
 void remove_typed(const TypedRemove &typed) {
     if (!typed.is_sure) {
         const study::StudyContents contents = study::read_study(typed.study);
-        const std::string code = study::participant_of(contents, typed.participant).code;
+        const std::string &code = typed.participant;
+        if (std::ranges::count(contents.participants, code, &study::Participant::code) == 0) {
+            throw InputError(typed.study.string() + ": " + study::no_participant_text(code));
+        }
         throw InputError(fmt::format("{}: participant {} has {} trials, which would be gone for "
                                      "good, with their records; add --yes to remove them",
                                      typed.study.string(), code,
                                      study::trials_of(contents, code).size()));
     }
     study::StudyStore store(typed.study);
-    store.remove_participant(typed.participant);
-    std::cerr << fmt::format(
-        "removed: {} with all trials, answers and records; copies and exports of the "
-        "study are not reached\n",
-        typed.participant);
+    const study::Removed removed = store.remove_participant(typed.participant);
+    std::cerr << fmt::format("removed: {} with all trials, answers and records", typed.participant);
+    if (removed.redacted > 0) {
+        std::cerr << fmt::format("; the code was replaced in {} text{} of others or of the study",
+                                 removed.redacted, removed.redacted == 1 ? "" : "s");
+    }
+    std::cerr << "; copies and exports of the study are not reached\n";
+    if (removed.is_in_study) {
+        std::cerr << fmt::format("springdrive: {}: its title, protocol or name has the code {}, "
+                                 "too, and stays as it was; begin later studies without\n",
+                                 typed.study.string(), typed.participant);
+    }
 }
 
 void add_remove(CLI::App &study) {

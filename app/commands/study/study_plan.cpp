@@ -3,11 +3,12 @@
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
 #include "app/commands/study/observer_options.h"
+#include "app/commands/study/opened_study.h"
 #include "app/commands/study/plan_report.h"
 #include "app/figures/study_pictures.h"
 #include "base/input_error.h"
+#include "engine/study/methods/wrong_value.h"
 #include "engine/study/protocol/analysis_plan.h"
-#include "engine/study/protocol/protocol_file.h"
 
 #include <CLI/CLI.hpp>
 
@@ -65,17 +66,22 @@ std::vector<int> possible_trials(const study::Method &method, std::vector<int> t
 /// On the scale.
 double wanted_width(double typed, study::Scale scale) {
     const bool are_ratios = scale == study::Scale::logarithmic;
-    if (!(typed > (are_ratios ? 1.0 : 0.0)) || !std::isfinite(typed)) {
-        throw InputError(fmt::format("--precision is {:g}; it must be {}", typed,
-                                     are_ratios ? "above 1: a factor from end to end of the "
-                                                  "interval, as the levels' scale is logarithmic"
-                                                : "above 0: a width in the level's unit"));
+    constexpr double kLeastFactor = 1.01; // far below what any participant's patience gives
+    constexpr double kMostFactor = 1000.0;
+    const double least = are_ratios ? kLeastFactor : study::kSmallestRatioTyped;
+    const double most = are_ratios ? kMostFactor : study::kLargestTyped;
+    if (!(typed >= least && typed <= most)) { // a NaN too
+        throw InputError(fmt::format(
+            "--precision is {:g}; it must be from {:g} to {:g}: {}", typed, least, most,
+            are_ratios ? "a factor from end to end of the interval, as the levels' scale is "
+                         "logarithmic"
+                       : "a width in the level's unit"));
     }
     return are_ratios ? std::log(typed) : typed;
 }
 
 void plan_typed(const TypedPlan &typed) {
-    const study::Protocol protocol = study::read_protocol_file(typed.protocol);
+    const study::Protocol protocol = typed_protocol(typed.protocol);
     PrecisionPlan plan;
     plan.observer = observer_of(typed.truth, protocol);
     plan.question = study::precision_question(protocol, plan.observer);

@@ -4,6 +4,7 @@
 #include "app/commands/study/opened_study.h"
 #include "app/commands/study/study_turns.h"
 #include "app/ending_signal.h"
+#include "app/study/person_checks.h"
 #include "base/input_error.h"
 
 #include <CLI/CLI.hpp>
@@ -54,6 +55,9 @@ void run_typed(const TypedRun &typed) {
         study_to_run(typed.file, typed.study, [&typed](const study::Protocol &protocol) {
             if (typed.is_simulated()) {
                 static_cast<void>(observer_of(typed.truth, protocol));
+            } else if (const std::string wrong = study_screen::what_keeps_persons_out(protocol);
+                       !wrong.empty()) {
+                throw InputError(typed.file.string() + ": " + wrong);
             }
         });
     StudyTurns turns(file, typed);
@@ -65,11 +69,18 @@ void run_typed(const TypedRun &typed) {
         turns.run(typed.participant);
         return;
     }
+    bool has_run = false;
     for (int i = 1; i <= typed.participants && !asked_to_end(); ++i) {
         const std::string code = StudyTurns::code_of(i);
         if (!turns.is_through(code)) {
             turns.run(code);
+            has_run = true;
         }
+    }
+    if (!has_run && !asked_to_end()) {
+        std::cout << fmt::format("{}: all {} participants are through already; a larger "
+                                 "--participants adds some\n",
+                                 file.string(), typed.participants);
     }
 }
 

@@ -34,9 +34,6 @@ TEST_P(ShippedProtocol, ComesFromNewToTheFigure) {
     ASSERT_EQ(study({"check", protocol, "--no-simulation"}).exit_status, 0);
     std::vector<std::string> run{"run",       protocol, "--participants", "2",        "--observer",
                                  "simulated", "--felt", "once",           "--spread", "0.1"};
-    if (name == "hardness") { // [expected] is not in it
-        run.insert(run.end(), {"--threshold", "0", "--slope", "8"});
-    }
     const testing::Ending ran = study(run);
     ASSERT_EQ(ran.exit_status, 0) << ran.error;
     const fs::path file = folder / (name + ".study");
@@ -63,6 +60,13 @@ TEST_P(ShippedProtocol, ComesFromNewToTheFigure) {
     if (name != "hardness") { // constant stimuli have no course
         expect_picture(folder / "results/traces_P02.svg");
     }
+    // What cannot be written is told before anything is.
+    const fs::path blocked = folder / "blocked";
+    fs::create_directories(blocked / "group.svg");
+    const testing::Ending told =
+        study({"analyse", file, "--device", "simulated", "--out", blocked});
+    testing::expect_refused(told, "group.svg: is a folder");
+    EXPECT_EQ(told.out, "");
     testing::expect_one_line(study({"analyse", file, "--device", "usb"}), 1,
                              "there are none on usb devices");
 }
@@ -80,15 +84,21 @@ TEST(StudyPlan, TellsWhatAPrecisionTakes) {
     EXPECT_NE(told.out.find("a factor of 3 takes"), std::string::npos) << told.out;
     expect_picture(folder / "plan/precision.svg");
     const std::string csv = testing::contents_of(folder / "plan/precision.csv");
-    EXPECT_EQ(testing::column_of(csv, "trials"), (std::vector<std::string>{"10", "22", "80"}))
-        << "of two tracks each";
+    EXPECT_EQ(testing::column_of(csv, "trials"), (std::vector<std::string>{"10", "21", "80"}));
     const std::vector<std::string> widths = testing::column_of(csv, "width_of_most");
     EXPECT_LT(number(widths[2]), number(widths[0])) << "more trials tell more";
 
     testing::expect_refused(study({"plan", protocol, "--precision", "0.9"}), "--precision is 0.9");
+    for (const char *const wrong : {"1.0", "1e-300", "1e308", "inf", "nan"}) {
+        testing::expect_refused(study({"plan", protocol, "--precision", wrong}),
+                                "it must be from 1.01 to 1000: a factor");
+        testing::expect_refused(
+            study({"plan", protocol, "--slope", wrong == std::string("1.0") ? "0" : wrong}),
+            "slope is");
+    }
     testing::expect_refused(study({"plan", protocol, "--trials", "0"}), "trials");
-    testing::expect_refused(study({"plan", testing::assets() / "protocols/hardness.toml"}),
-                            "--threshold and --slope");
+    const fs::path without = testing::without_expected("hardness", folder);
+    testing::expect_refused(study({"plan", without}), "--threshold and --slope");
 }
 
 TEST(StudyCommandLine, NamesOptionsThatCouldBeMeant) {

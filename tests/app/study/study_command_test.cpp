@@ -1,4 +1,5 @@
 // Covers app/commands/study/study_new.cpp, study_check.cpp and check_report.cpp, from outside.
+#include "engine/study/store/study_store.h"
 #include "tests/app/study/study_program.h"
 
 #include <gtest/gtest.h>
@@ -63,6 +64,32 @@ TEST(StudyCommand, ChecksWhatItHasWritten) {
     std::ofstream(file) << text;
     testing::expect_refused(study({"check", file}),
                             "K_P_V_per_rad is 900; it must be a number from 0");
+}
+
+TEST(StudyCommand, FindsWhatKeepsPersonsOutBeforeAStudyBegins) {
+    const std::filesystem::path folder = testing::fresh_folder("study_check_person");
+    std::string text = testing::contents_of(testing::assets() / "protocols/blow.toml");
+    const std::string keys = "keys = [\"right\", \"left\"]";
+    ASSERT_NE(text.find(keys), std::string::npos);
+    text.replace(text.find(keys), keys.size(), "keys = [\"right\", \"two\"]");
+    const std::filesystem::path file = folder / "s.toml";
+    std::ofstream(file) << text;
+    const testing::Ending bad = study({"check", file, "--no-simulation"});
+    EXPECT_EQ(bad.exit_status, 1);
+    EXPECT_EQ(bad.out.find("error: with a person: responses.keys has \"two\""), 0U) << bad.out;
+    testing::expect_refused(study({"run", file}), "with a person: responses.keys has \"two\"");
+    EXPECT_FALSE(std::filesystem::exists(folder / "s.study"));
+}
+
+TEST(StudyCommand, RefusesAStudyInThePlaceOfItsProtocol) {
+    const std::filesystem::path file = testing::fresh_folder("study_check_study") / "s.study";
+    study::create_study(file, {"s", "title = \"s\"", "1.0"}, study::utc_now());
+    for (const char *const command : {"check", "plan"}) {
+        testing::expect_refused(study({command, file}), "s.study: is a study, no protocol; name");
+    }
+    testing::expect_refused(study({"run", file, "--study", "other.study"}), "is a study already");
+    std::filesystem::copy_file(file, file.parent_path() / "s.toml");
+    testing::expect_refused(study({"check", file.parent_path() / "s.toml"}), "is a study");
 }
 
 TEST(StudyCommand, LeavesTheSimulationOutIfAsked) {

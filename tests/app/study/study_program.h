@@ -36,6 +36,15 @@ inline std::string shortened(const std::string &name) {
     return text;
 }
 
+/// A shipped protocol in `folder` that does not say what is expected.
+inline std::filesystem::path without_expected(const std::string &name,
+                                              const std::filesystem::path &folder) {
+    const std::filesystem::path file = folder / (name + "_without_expected.toml");
+    std::ofstream(file) << std::regex_replace(shortened(name),
+                                              std::regex(R"(\n\[expected\][^\[]*)"), "\n");
+    return file;
+}
+
 /// Rows of a CSV file without its header.
 inline std::vector<std::string> rows_of(const std::string &csv) {
     std::vector<std::string> rows;

@@ -94,6 +94,11 @@ TEST_F(StudyRun, BeginsAStudyAndGoesOnInIt) {
     EXPECT_EQ(contents.facts.protocol, testing::contents_of(protocol()));
 
     testing::expect_refused(run({"--participant", "P01"}), "P01 has done all");
+    const testing::Ending nobody = run({"--participants", "1"});
+    EXPECT_EQ(nobody.exit_status, 0) << nobody.error;
+    EXPECT_EQ(nobody.out, file("stiffness.study").string() +
+                              ": all 1 participants are through already; a larger --participants "
+                              "adds some\n");
 }
 
 TEST_F(StudyRun, TellsWhereItStands) {
@@ -184,10 +189,12 @@ TEST_F(StudyRun, RefusesInOneLineAndLosesNothing) {
 
     testing::expect_refused(study({"resume", study_file, "--participant", "P02"}),
                             "no participant P02");
-    testing::expect_refused(study({"note", study_file, "x", "--participant", "P02"}), "P02");
+    testing::expect_refused(study({"note", study_file, "x", "--participant", "P02"}),
+                            "stiffness.study: has no participant 'P02'; springdrive study status");
     testing::expect_refused(study({"note", study_file, " "}), "no text");
     testing::expect_refused(run({"--participant", "P02", "--seed", "-1"}), "--seed");
-    testing::expect_refused(study({"remove", study_file, "P02"}), "P02");
+    testing::expect_refused(study({"remove", study_file, "P02"}),
+                            "stiffness.study: has no participant 'P02'; springdrive study status");
     testing::expect_refused(study({"remove", study_file, "P01"}), "add --yes");
     testing::expect_refused(study({"status", protocol()}), "stiffness.toml");
     testing::expect_refused(study({"status", file("none.study")}), "none.study");
@@ -239,7 +246,13 @@ TEST_F(StudyRun, GoesOnWhenAFullDiskHasSpaceAgain) {
 
 TEST_F(StudyRun, RemovesAParticipantOnRequest) {
     ASSERT_EQ(run({"--participants", "2"}).exit_status, 0);
-    ASSERT_EQ(study({"remove", file("stiffness.study"), "P01", "--yes"}).exit_status, 0);
+    ASSERT_EQ(study({"note", file("stiffness.study"), "P01 and P02 met"}).exit_status, 0);
+    const testing::Ending removed = study({"remove", file("stiffness.study"), "P01", "--yes"});
+    ASSERT_EQ(removed.exit_status, 0);
+    EXPECT_NE(removed.error.find("the code was replaced in 1 text of others or of the study"),
+              std::string::npos)
+        << removed.error;
+    EXPECT_EQ(testing::contents_of(file("stiffness.study")).find("P01"), std::string::npos);
     const study::StudyContents contents = study::read_study(file("stiffness.study"));
     ASSERT_EQ(contents.participants.size(), 1U);
     EXPECT_EQ(contents.participants.front().code, "P02");
@@ -267,9 +280,9 @@ TEST_F(StudyRun, DrawsObserversAsTypedAndRemembersThem) {
         EXPECT_GT(threshold, 0.05 * std::exp(-4.0 * 0.3)); // 4 standard deviations
         EXPECT_LT(threshold, 0.05 * std::exp(4.0 * 0.3));
     }
-    testing::expect_refused(
-        study({"run", protocol("hardness"), "--participant", "P01", "--observer", "simulated"}),
-        "--threshold and --slope");
+    testing::expect_refused(study({"run", testing::without_expected("hardness", file("")),
+                                   "--participant", "P01", "--observer", "simulated"}),
+                            "--threshold and --slope");
     testing::expect_refused(
         run({"--participants", "4", "--lapse", "2", "--study", file("other.study")}), "lapse");
     EXPECT_FALSE(fs::exists(file("other.study")));
