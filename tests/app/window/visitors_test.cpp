@@ -37,16 +37,16 @@ fs::path short_protocol(const fs::path &folder) {
     return file;
 }
 
-/// Regular files that a process has open for writing, apart from its output.
+/// Regular files that a process has open for writing, apart from its standard error.
 std::vector<std::string> written_files(pid_t process) {
     const fs::path proc = "/proc/" + std::to_string(process);
+    const fs::path error = fs::read_symlink(proc / "fd/2");
     std::vector<std::string> files;
     for (const fs::directory_entry &entry : fs::directory_iterator(proc / "fd")) {
         std::error_code gone;
         const fs::path target = fs::read_symlink(entry.path(), gone);
         const std::string number = entry.path().filename();
-        if (gone || number == "0" || number == "1" || number == "2" ||
-            !fs::is_regular_file(target, gone)) {
+        if (gone || target == error || !fs::is_regular_file(target, gone)) {
             continue;
         }
         const std::string info = testing::contents_of(proc / "fdinfo" / number);
