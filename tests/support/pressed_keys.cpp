@@ -10,6 +10,32 @@ namespace springdrive::testing {
 
 struct PressedKeys::Connection {
     Display *display;
+
+    /// None if there is no window of that title.
+    [[nodiscard]] Window window(const std::string &title) const {
+        Window of_root = None;
+        Window of_parent = None;
+        Window *children = nullptr;
+        unsigned count = 0;
+        Window found = None;
+        XQueryTree(display, DefaultRootWindow(display), &of_root, &of_parent, &children, &count);
+        for (unsigned i = 0; i < count; ++i) {
+            char *name = nullptr;
+            XWindowAttributes attributes;
+            if (XFetchName(display, children[i], &name) != 0 && name == title &&
+                XGetWindowAttributes(display, children[i], &attributes) != 0 &&
+                attributes.map_state == IsViewable) {
+                found = children[i];
+            }
+            if (name != nullptr) {
+                XFree(name);
+            }
+        }
+        if (children != nullptr) {
+            XFree(children);
+        }
+        return found;
+    }
 };
 
 PressedKeys::PressedKeys(const std::string &display)
@@ -31,11 +57,37 @@ void PressedKeys::tap(const std::string &key) {
     XSync(connection_->display, False);
 }
 
-void PressedKeys::click(int x, int y, int button) {
+void PressedKeys::click(int x, int y, int which) {
+    move_to(x, y);
+    button(which, true);
+    button(which, false);
+}
+
+void PressedKeys::move_to(int x, int y) {
     XTestFakeMotionEvent(connection_->display, -1, x, y, CurrentTime);
-    XTestFakeButtonEvent(connection_->display, static_cast<unsigned>(button), True, CurrentTime);
-    XTestFakeButtonEvent(connection_->display, static_cast<unsigned>(button), False, CurrentTime);
     XSync(connection_->display, False);
+}
+
+void PressedKeys::button(int button, bool is_down) {
+    XTestFakeButtonEvent(connection_->display, static_cast<unsigned>(button),
+                         is_down ? True : False, CurrentTime);
+    XSync(connection_->display, False);
+}
+
+bool PressedKeys::move_window(const std::string &title, int x, int y) {
+    const Window window = connection_->window(title);
+    if (window != None) {
+        XMoveWindow(connection_->display, window, x, y);
+        XSync(connection_->display, False);
+    }
+    return window != None;
+}
+
+void PressedKeys::focus(const std::string &title) {
+    if (const Window window = connection_->window(title); window != None) {
+        XSetInputFocus(connection_->display, window, RevertToParent, CurrentTime);
+        XSync(connection_->display, False);
+    }
 }
 
 } // namespace springdrive::testing

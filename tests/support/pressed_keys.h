@@ -1,4 +1,4 @@
-// Keys and buttons pressed on a virtual display from the test's own process, as by XTest.
+// Keys and buttons pressed on a virtual display, by XTest.
 #pragma once
 
 #include <memory>
@@ -17,6 +17,15 @@ public:
     // They return when the server has them; keys are called as in X11's keysymdef.h.
     void tap(const std::string &key);
     void click(int x, int y, int button = 1);
+    void move_to(int x, int y);
+    void button(int button, bool is_down);
+
+    // What a window manager does, which there is none of:
+
+    /// @return whether there is a window of that title, which is seen
+    [[nodiscard]] bool move_window(const std::string &title, int x, int y);
+    /// Nothing where there is no such window.
+    void focus(const std::string &title);
 
 private:
     struct Connection;

@@ -1,0 +1,424 @@
+// Covers app/commands/study/person_session.cpp, app/study/study_window.cpp and all below them: a
+// participant and an experimenter at the two real windows, by mouse and keyboard, through a study
+// in which everything happens that may: a stop, a trial that is repeated, a pause, a break, a
+// device that is lost, a program that is killed in a trial, and a day that is ended and gone on
+// with. The store must be what the same decisions give without windows, trial by trial.
+//
+// By frame time, so that a busy machine only takes longer: some minutes for each study. Therefore
+// only `tests/long study-windows` runs them: one of some trials, and each included protocol with
+// the fewest trials that its method can be told to take.
+#include "engine/study/conduct/conduct.h"
+#include "engine/study/observers/simulated_sitting.h"
+#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/protocol/study_setting.h"
+#include "engine/study/store/study_store.h"
+#include "tests/app/study/study_desk.h"
+#include "tests/app/study/study_program.h"
+#include "tests/support/cases.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <regex>
+#include <set>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+namespace springdrive::app {
+namespace {
+
+namespace fs = std::filesystem;
+using study::PlannedTrial;
+using study::Trial;
+using study::TrialPlace;
+using testing::Report;
+using testing::StudyDesk;
+
+constexpr std::chrono::minutes kLongest{15}; ///< of a day: it is stuck after that
+
+/// What the participant does when asked in that trial: which key, or none at all.
+struct Decision {
+    std::size_t key = 0;
+    bool answers = true;
+};
+Decision decision_at(const TrialPlace &place, std::size_t keys) {
+    const study::RandomKey drawn =
+        study::child(study::key_of(7, place.block),
+                     static_cast<std::uint64_t>(100 * place.position + place.attempt));
+    return {study::below(study::child(drawn, 0), keys),
+            study::uniform(study::child(drawn, 1)) > 0.12};
+}
+
+/// What else happens, and in which trial; each once.
+struct Events {
+    TrialPlace pause{1, 1, 1};
+    TrialPlace stop{1, 3, 1};    ///< the participant presses the space bar in a presentation
+    TrialPlace kill{1, 4, 1};    ///< the program is killed in the midst of it
+    TrialPlace repeat{1, 4, 1};  ///< the experimenter wants it again, after that
+    TrialPlace day_end{1, 5, 1}; ///< the experimenter ends the session in the midst of it
+    TrialPlace rest{1, 5, 1};    ///< and, on the next day, has a break after it
+};
+
+std::optional<TrialPlace> place_in(const std::string &text) {
+    std::smatch found;
+    static const std::regex pattern("block (\\d+), position (\\d+), attempt (\\d+)");
+    if (!std::regex_search(text, found, pattern)) {
+        return std::nullopt;
+    }
+    return TrialPlace{std::stoi(found[1]), std::stoi(found[2]), std::stoi(found[3])};
+}
+
+std::string x11_name(const std::string &key) {
+    static const std::map<std::string, std::string> kNames{
+        {"left", "Left"}, {"right", "Right"}, {"up", "Up"}, {"down", "Down"}, {"enter", "Return"}};
+    const auto found = kNames.find(key);
+    return found == kNames.end() ? key : found->second;
+}
+
+/// Both people, through as many days as it takes.
+class Day {
+public:
+    Day(const study::Protocol &protocol, const fs::path &folder, const Events &events)
+        : protocol_(protocol), folder_(folder), events_(events) {}
+
+    /// Until the program has ended, of itself or by force.
+    void run(std::vector<std::string> arguments, const std::vector<std::string> &more = {}) {
+        arguments.insert(arguments.end(), {"--device", "emulated", "--lockstep", "--without-noise",
+                                           "--without-records"});
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        StudyDesk desk(arguments, folder_);
+        const auto give_up = std::chrono::steady_clock::now() + kLongest;
+        while (act(desk)) {
+            if (std::chrono::steady_clock::now() > give_up || ::testing::Test::HasFailure()) {
+                FAIL() << "stuck: " << desk.look().texts();
+            }
+        }
+    }
+
+    /// What the participant was seen to do, by the words of the experimenter's window.
+    [[nodiscard]] const std::set<std::string> &steps() const { return steps_; }
+
+private:
+    [[nodiscard]] bool is_due(const TrialPlace &when) {
+        return place_ == when && !done_.contains(&when) && done_.insert(&when).second;
+    }
+
+    /// One look at the windows, and what both people do then. @return false after the end
+    bool act(StudyDesk &desk) {
+        const Report report = desk.look();
+        const std::string step = report.item("participant/step").at("text");
+        place_ = place_in(report.item("participant/trial").at("text"));
+        steps_.insert(step);
+        if (step != "is asked") {
+            asked_.reset();
+        }
+        if (step == "feels") {
+            return feel(desk, report);
+        }
+        if (step == "is asked") {
+            answer(desk);
+        } else if (step == "answers the questionnaire") {
+            fill_in(desk, report);
+        } else if (step == "waits: paused") {
+            desk.click("pause");
+        } else if (step == "waits for the device, which was stopped" && is_stopped_by_hand_) {
+            desk.click("Let the device go on");
+        } else if (step == "is told that it counts from now on") {
+            desk.press(x11_name(protocol_.responses.keys[1])); // no more practice
+        } else if (step == "is through") {
+            press_answer(desk, 0);
+            EXPECT_EQ(desk.program().end(0).exit_status, 0) << desk.program().error();
+            return false;
+        } else if (step == "reads the instructions" || step == "has a break" ||
+                   step == "is told that the practice begins") {
+            press_answer(desk, 0);
+        }
+        return true;
+    }
+
+    bool feel(StudyDesk &desk, const Report &report) {
+        if (report.item("participant/phase").at("text") != "the stimulus is presented") {
+            return true;
+        }
+        is_stopped_by_hand_ = false;
+        if (is_due(events_.kill)) {
+            kill(desk.program().process(), SIGKILL);
+            static_cast<void>(desk.program().end(0));
+            return false;
+        }
+        if (is_due(events_.day_end)) {
+            desk.click("Stop the session");
+            desk.click_last("Yes");
+            EXPECT_EQ(desk.program().end(0).exit_status, 0) << desk.program().error();
+            return false;
+        }
+        if (is_due(events_.stop)) {
+            desk.press("space");
+            is_stopped_by_hand_ = true;
+        } else if (is_due(events_.repeat)) {
+            desk.click("Repeat this trial");
+        } else if (is_due(events_.pause)) {
+            desk.click("pause");
+        } else if (is_due(events_.rest)) {
+            desk.click("Break");
+        }
+        return true;
+    }
+
+    void press_answer(StudyDesk &desk, std::size_t key) {
+        if (protocol_.responses.device == study::ResponseDevice::mouse) {
+            desk.click_participant(protocol_.responses.keys[key] == "right" ? 3 : 1);
+        } else {
+            desk.press(x11_name(protocol_.responses.keys[key]));
+        }
+    }
+
+    /// Once each time that it is asked.
+    void answer(StudyDesk &desk) {
+        const Decision decision = decision_at(*place_, protocol_.responses.keys.size());
+        if (decision.answers && asked_ != place_) {
+            press_answer(desk, decision.key);
+        }
+        asked_ = place_;
+    }
+
+    /// Choices by the mouse, scales by the keys, texts by both.
+    void fill_in(StudyDesk &desk, const Report &report) {
+        const std::string text = report.item("participant/text").at("text");
+        if (text == filled_in_) {
+            return; // the answer is on its way
+        }
+        filled_in_ = text;
+        const auto item =
+            std::ranges::find(protocol_.questionnaire, text, &study::QuestionnaireItem::text);
+        ASSERT_NE(item, protocol_.questionnaire.end()) << text;
+        switch (item->kind) {
+        case study::QuestionnaireKind::choice:
+            desk.click_plate(report, 1);
+            break;
+        case study::QuestionnaireKind::scale:
+            desk.press("3");
+            break;
+        default:
+            for (const char *key : {"b", "y", "space", "e", "a", "r"}) {
+                desk.press(key);
+            }
+            static_cast<void>(desk.look());
+            desk.click_plate(desk.look(), 0); // "next"
+        }
+    }
+
+    study::Protocol protocol_;
+    fs::path folder_;
+    Events events_;
+    std::set<const TrialPlace *> done_;
+    std::set<std::string> steps_;
+    std::optional<TrialPlace> place_; ///< of the present trial
+    std::optional<TrialPlace> asked_;
+    std::string filled_in_; ///< the question that was answered last
+    bool is_stopped_by_hand_ = false;
+};
+
+/// The same decisions without windows, and in one go; what is delivered is simulated on a device
+/// without a board.
+std::vector<Trial> without_windows(const fs::path &protocol_file, const fs::path &file,
+                                   const Events &events) {
+    const study::Protocol protocol = study::read_protocol_file(protocol_file);
+    study::create_study(file, {protocol.title, "text", "0.1.0"}, study::utc_now());
+    study::StudyStore store(file);
+    store.add({"P01", 1, study::utc_now()});
+    study::Session session;
+    session.participant = "P01";
+    session.started = study::utc_now();
+    session.software = "0.1.0";
+    session.id = store.begin(session);
+    study::SimulatedSitting sitting(
+        protocol, study::study_setting(protocol, {protocol_file.parent_path(), testing::assets()}),
+        {{}, 0.6, 0.25, 0.0, 1}, study::FeltStimuli::measured_once);
+    study::Conduct how;
+    how.ends = [] { return std::nullopt; };
+    how.present = [&](const PlannedTrial &planned) {
+        std::optional<study::TrialResult> result = sitting.present(planned);
+        const Decision decision = decision_at(planned.place, protocol.responses.keys.size());
+        result->response = study::NoResponse{};
+        result->response_time_s.reset();
+        if (planned.place == events.stop) {
+            result->presentations.resize(1);
+            result->safety_events.push_back({0.0, "the emergency stop"});
+        } else if (decision.answers) {
+            const bool is_yes_no = protocol.task.kind == study::TaskKind::yes_no;
+            result->response =
+                is_yes_no ? study::Response(study::YesNo{decision.key == 1})
+                          : study::Response(study::Chosen{static_cast<int>(decision.key) + 1});
+        }
+        if (planned.place == events.repeat) {
+            result->marks.emplace_back("repeated at the experimenter's wish");
+        }
+        return result;
+    };
+    EXPECT_EQ(study::conduct(store, protocol, session, how), study::SessionEnding::completed);
+    return store.contents().trials;
+}
+
+/// Of what is delivered, the larger difference from the same on a device without a board, as a
+/// share of it.
+double expect_same(const Trial &seen, const Trial &wanted) {
+    EXPECT_EQ(seen.place, wanted.place);
+    EXPECT_EQ(seen.condition, wanted.condition);
+    EXPECT_EQ(seen.track, wanted.track);
+    EXPECT_EQ(seen.is_practice, wanted.is_practice);
+    EXPECT_EQ(seen.is_catch, wanted.is_catch);
+    EXPECT_EQ(seen.is_presented_again, wanted.is_presented_again);
+    EXPECT_EQ(seen.seed, wanted.seed);
+    EXPECT_EQ(seen.level_name, wanted.level_name);
+    EXPECT_EQ(seen.level, wanted.level);
+    EXPECT_EQ(seen.target, wanted.target);
+    EXPECT_EQ(seen.response, wanted.response);
+    EXPECT_EQ(seen.is_correct, wanted.is_correct);
+    EXPECT_EQ(seen.repetition_of, wanted.repetition_of);
+    EXPECT_EQ(seen.repeated_by, wanted.repeated_by);
+    if (wanted.safety_events.empty()) {
+        EXPECT_EQ(seen.marks, wanted.marks);
+    } // what is delivered until somebody presses a key may be marked, too
+    EXPECT_EQ(seen.safety_events.size(), wanted.safety_events.size());
+    EXPECT_EQ(seen.presentations.size(), wanted.presentations.size());
+    if (!wanted.safety_events.empty()) {
+        return 0.0; // broken off when somebody pressed a key
+    }
+    double worst = 0.0;
+    for (std::size_t i = 0; i < std::min(seen.presentations.size(), wanted.presentations.size());
+         ++i) {
+        const std::vector<study::StimulusValue> &a = seen.presentations[i].values;
+        const std::vector<study::StimulusValue> &b = wanted.presentations[i].values;
+        EXPECT_EQ(a.size(), b.size());
+        for (std::size_t j = 0; j < std::min(a.size(), b.size()); ++j) {
+            EXPECT_EQ(a[j].name, b[j].name);
+            EXPECT_EQ(a[j].intended, b[j].intended);
+            EXPECT_EQ(a[j].delivered.has_value(), b[j].delivered.has_value());
+            if (a[j].intended && a[j].delivered && b[j].delivered && *b[j].delivered != 0.0) {
+                worst = std::max(worst, std::abs(*a[j].delivered / *b[j].delivered - 1.0));
+            }
+        }
+    }
+    return worst;
+}
+
+/// A study from the first day to the last, in the folder.
+void run_through(const std::string &name, const std::string &text) {
+    const Events events;
+    SCOPED_TRACE(name);
+    const fs::path folder = testing::fresh_folder("study_window_" + name);
+    const fs::path protocol_file = folder / "short.toml";
+    std::ofstream(protocol_file) << text;
+    const study::Protocol protocol = study::read_protocol_file(protocol_file);
+    Day day(protocol, folder, events);
+    const std::string file = (folder / "short.study").string();
+    day.run({"run", protocol_file.string(), "--participant", "P01"}, {"--fault", "unplug@9-10"});
+    ASSERT_FALSE(::testing::Test::HasFailure());
+    day.run({"resume", file});
+    ASSERT_FALSE(::testing::Test::HasFailure());
+    day.run({"run", file, "--participant", "P01"});
+    ASSERT_FALSE(::testing::Test::HasFailure());
+
+    const study::StudyContents contents = study::read_study(file);
+    const std::vector<Trial> wanted =
+        without_windows(protocol_file, folder / "without.study", events);
+    ASSERT_EQ(contents.trials.size(), wanted.size());
+    double worst = 0.0;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        SCOPED_TRACE(text_of(wanted[i].place));
+        worst = std::max(worst, expect_same(contents.trials[i], wanted[i]));
+        const std::optional<double> time_s = contents.trials[i].response_time_s;
+        EXPECT_EQ(time_s.has_value(),
+                  !std::holds_alternative<study::NoResponse>(wanted[i].response));
+        EXPECT_GE(time_s.value_or(0.0), 0.0);
+        EXPECT_LE(time_s.value_or(0.0), protocol.timing.response_s);
+    }
+    ASSERT_EQ(contents.sessions.size(), 3U);
+    EXPECT_EQ(contents.sessions[0].ending, study::SessionEnding::interrupted);
+    EXPECT_EQ(contents.sessions[1].ending, study::SessionEnding::stopped);
+    EXPECT_EQ(contents.sessions[2].ending, study::SessionEnding::completed);
+    EXPECT_EQ(contents.answers.size(), protocol.questionnaire.size());
+    for (const char *step : {"waits: paused", "has a break",
+                             "waits for the device, which was "
+                             "stopped",
+                             "waits for the device, which is not connected or not zeroed"}) {
+        EXPECT_TRUE(day.steps().contains(step)) << step;
+    }
+    std::printf("counts: %s: %zu trials in the windows as without; worst difference of what was "
+                "delivered %.2f %%\n",
+                name.c_str(), wanted.size(), 100.0 * worst);
+}
+
+/// Short of all that only takes time.
+std::string hurried(std::string text) {
+    const std::vector<std::pair<const char *, const char *>> shorter{
+        {"\nbreak_s = [\\d.]+", "\nbreak_s = 1"},
+        {"\nbetween_blocks_s = [\\d.]+", "\nbetween_blocks_s = 1"},
+        {"\nfrom_C = [\\d.]+", "\nfrom_C = 24"},
+        {"\nair_C = [\\d.]+", ""},
+        {"\n\\[windings\\]", "\n[windings]\nair_C = 25"},
+        {"\nresponse_s = [\\d.]+", ""},
+        {"\nbetween_trials_s = [\\d.]+", ""},
+        {"\nrest_s = [\\d.]+", ""},
+        {"\n\\[timing\\]", "\n[timing]\nrest_s = 0.2\nbetween_trials_s = 0.1\nresponse_s = 1.5"},
+    };
+    for (const auto &[long_key, short_key] : shorter) {
+        text = std::regex_replace(text, std::regex(long_key), short_key);
+    }
+    return text;
+}
+
+TEST(StudyWindows, StoreWhatTheSameDecisionsGiveWithoutThem) {
+    if (testing::cases(0, 1) == 0) {
+        GTEST_SKIP() << "tests/long study-windows";
+    }
+    std::string text = hurried(testing::shortened("stiffness"));
+    const std::vector<std::pair<const char *, const char *>> shorter{
+        {"\nstart_levels = [^\n]*", "\nstart_levels = [0.3]"},
+        {"\ntrials = \\d+", "\ntrials = 3"},
+        {"\nreversals = \\d+", "\nreversals = 2"},
+        {"\npresentation_s = [\\d.]+", "\npresentation_s = 0.4"},
+        {"\npause_s = [\\d.]+", "\npause_s = 0.1"},
+        {"\nmost_trials = \\d+", "\nmost_trials = 2"},
+        {"\n\\[\\[block\\]\\]\nname = \"firm\"\nconditions = \\[\"firm press\"\\]", ""},
+        {"\n\\[\\[condition\\]\\]\nname = \"firm press\"\npress_N = 1.5", ""},
+    };
+    for (const auto &[long_key, short_key] : shorter) {
+        text = std::regex_replace(text, std::regex(long_key), short_key);
+    }
+    run_through("stiffness", text);
+}
+
+class StudyWindowsOf : public ::testing::TestWithParam<const char *> {};
+
+TEST_P(StudyWindowsOf, AnIncludedProtocolStoreWhatTheSameDecisionsGiveWithoutThem) {
+    if (testing::cases(0, 1) == 0) {
+        GTEST_SKIP() << "tests/long study-windows";
+    }
+    const std::string name = GetParam();
+    const bool is_by_mouse = name == "by_mouse";
+    std::string text = hurried(testing::shortened(is_by_mouse ? "stiffness" : name));
+    if (is_by_mouse) {
+        text += "\n[responses]\ndevice = \"mouse\"\nkeys = [\"left\", \"right\"]\n";
+    }
+    run_through(name, text);
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, StudyWindowsOf,
+                         ::testing::Values("direction", "stiffness", "blow", "hardness", "mass",
+                                           "by_mouse"),
+                         [](const auto &one) { return std::string(one.param); });
+
+} // namespace
+} // namespace springdrive::app
