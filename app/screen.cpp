@@ -494,6 +494,9 @@ ViewState Screen::view_state() {
                               state.touching ? state.proxy_m : state.tip_m, state.floor_height_m);
     state.shown = habits_.settings().shown;
     state.touch = shown_values_.at(state.shown, device, now, opened_.subject(session_));
+    if (kiosk_) {
+        state.arrow = exhibit::kArrow;
+    }
     return state;
 }
 

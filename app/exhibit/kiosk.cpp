@@ -252,7 +252,8 @@ void Kiosk::renew_read_out(const KioskParts &parts) {
     }
     const bool is_due = !read_out_ || now_.time_s >= next_read_out_s_;
     KioskReadOut fresh = read_out_.value_or(KioskReadOut{});
-    fresh.arrow_m = now.tip_m + kArrowMetresPerNewton * now.tip_force_N;
+    fresh.arrow_from_m = now.contact.x0_m;
+    fresh.arrow_m = fresh.arrow_from_m + kArrow.m_per_N * now.tip_force_N;
     if (is_due) {
         next_read_out_s_ = now_.time_s + kReadOut_s;
         fresh.force_N = now.tip_force_N.norm();

@@ -184,6 +184,7 @@ private:
         const ImVec2 size{430.0F * u_, 138.0F * u_};
         const Rectangle free = free_in_kiosk(view_);
         ImVec2 corner = free.corner;
+        report_arrow(values);
         if (const auto end = camera_.pixel_of(values.arrow_m, {view_.size.x, view_.size.y})) {
             const float gap = 30.0F * u_;
             corner = {view_.corner.x + static_cast<float>(end->x_px) + gap,
@@ -207,6 +208,20 @@ private:
                        ? ui::formatted("{:.0f}°", kDegreesPerRadian * *values.angle_rad)
                        : "–");
         ImGui::EndTable();
+    }
+
+    /// Its box in the picture: drawn with the scene, it is no widget.
+    void report_arrow(const KioskReadOut &values) const {
+        const auto from = camera_.pixel_of(values.arrow_from_m, {view_.size.x, view_.size.y});
+        const auto to = camera_.pixel_of(values.arrow_m, {view_.size.x, view_.size.y});
+        if (from && to) {
+            const auto left = static_cast<float>(std::min(from->x_px, to->x_px));
+            const auto top = static_cast<float>(std::min(from->y_px, to->y_px));
+            ui::enter_at({{view_.corner.x + left, view_.corner.y + top},
+                          {static_cast<float>(std::abs(to->x_px - from->x_px)),
+                           static_cast<float>(std::abs(to->y_px - from->y_px))}},
+                         "marks/arrow", "mark", "the force");
+        }
     }
 
     void draw_value(const char *name, const char *label, const ImVec4 &colour,

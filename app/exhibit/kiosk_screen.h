@@ -10,6 +10,7 @@
 #include "app/exhibit/healing.h"
 #include "app/layout.h"
 #include "app/view/camera.h"
+#include "app/view/view_state.h"
 #include "app/window.h"
 #include "engine/control/tuning.h"
 
@@ -18,9 +19,13 @@
 
 namespace springdrive::app::exhibit {
 
+/// Of the force's arrow, which has to be seen at a distance too: 1 N are 45 mm.
+inline constexpr ArrowSize kArrow{3.0 * kArrowMetresPerNewton, 2.0};
+
 struct KioskReadOut {
     double force_N = 0.0;
     std::optional<double> angle_rad;  ///< from the surface's normal to the push
+    Vector3 arrow_from_m{Vector3::Zero()};
     Vector3 arrow_m{Vector3::Zero()}; ///< end of the force's arrow
 };
 

@@ -236,11 +236,11 @@ void draw_scene_plate(session::Session &session, TuningDesk &desk,
 }
 
 void draw_captions(const session::Session &session, const Camera &camera, const Rectangle &view,
-                   float scale) {
+                   float scale, const ArrowSize &arrow) {
     const scene::Scene &scene = session.scenes().now().scene;
     Captions captions(camera, view, scale);
     const servo::ServoSample &now = session.latest();
-    captions.keep_clear(now.tip_m, now.tip_m + kArrowMetresPerNewton * now.tip_force_N);
+    captions.keep_clear(now.tip_m, now.tip_m + arrow.m_per_N * now.tip_force_N);
     for (const scene::Caption &caption : scene.captions) {
         captions.draw(caption, kInk);
     }

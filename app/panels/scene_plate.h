@@ -4,6 +4,7 @@
 #include "app/layout.h"
 #include "app/tuning_desk.h"
 #include "app/view/camera.h"
+#include "app/view/view_state.h"
 #include "engine/session/session.h"
 
 #include <array>
@@ -36,6 +37,6 @@ void draw_scene_plate(session::Session &session, TuningDesk &desk,
 
 /// The captions of the scene's parts; and where to touch, until it is touched.
 void draw_captions(const session::Session &session, const Camera &camera, const Rectangle &view,
-                   float scale);
+                   float scale, const ArrowSize &arrow = {});
 
 } // namespace springdrive::app

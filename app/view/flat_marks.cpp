@@ -25,7 +25,8 @@ void append_forces(FlatShapes &shapes, const ViewState &state) {
     constexpr double kLeast_N = 0.02;
     const auto append = [&](const std::optional<Vector3> &force_N, const Colour &colour) {
         if (force_N && force_N->allFinite() && force_N->norm() > kLeast_N) {
-            shapes.arrow(state.proxy_m, kArrowMetresPerNewton * *force_N, kArrow_px, colour);
+            shapes.arrow(state.proxy_m, state.arrow.m_per_N * *force_N,
+                         state.arrow.thickness * kArrow_px, colour);
         }
     };
     append(state.touch.inverse_force_N, kInverseColour);

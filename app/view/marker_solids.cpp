@@ -34,8 +34,9 @@ void append_line(std::vector<Solid> &solids, const Vector3 &from_m, const Vector
 }
 
 void append_arrow(std::vector<Solid> &solids, const Vector3 &from_m, const Vector3 &along_m,
-                  const MarkerScale &scale) {
-    const double shaft_m = std::max(kShaftRadius_m, scale.length_m(kShaftRadius_px, from_m));
+                  double thickness, const MarkerScale &scale) {
+    const double shaft_m =
+        thickness * std::max(kShaftRadius_m, scale.length_m(kShaftRadius_px, from_m));
     const double length_m = along_m.norm();
     const double head_m = std::min(kHeadSlenderness * kHeadPerShaft * shaft_m, 0.6 * length_m);
     const Vector3 neck_m = from_m + (1.0 - head_m / length_m) * along_m;
@@ -79,7 +80,7 @@ std::vector<Solid> marker_solids(const ViewState &state, const MarkerScale &scal
     // A force that is not finite draws no arrow.
     const bool has_force = state.tip_force_N.allFinite() && state.tip_force_N.norm() > kMinForce_N;
     const Vector3 arrow_m =
-        has_force ? Vector3(kArrowMetresPerNewton * state.tip_force_N) : Vector3::Zero();
+        has_force ? Vector3(state.arrow.m_per_N * state.tip_force_N) : Vector3::Zero();
     if (state.touching && state.shown.shows(Thing::proxy)) {
         const double min_m = scale.length_m(kProxyRadius_px, state.proxy_m);
         solids.push_back(ball(state.proxy_m, std::max(kProxyRadius_m, min_m), kProxyColour));
@@ -89,7 +90,8 @@ std::vector<Solid> marker_solids(const ViewState &state, const MarkerScale &scal
         append_normal(solids, state, arrow_m.norm(), scale);
     }
     if (has_force && state.shown.shows(Thing::force)) {
-        append_arrow(solids, state.touching ? state.proxy_m : state.tip_m, arrow_m, scale);
+        append_arrow(solids, state.touching ? state.proxy_m : state.tip_m, arrow_m,
+                     state.arrow.thickness, scale);
     }
     if (state.shown.shows(Thing::hand)) {
         append_hand_target(solids, state, scale);

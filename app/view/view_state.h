@@ -17,6 +17,14 @@ struct SurfacePlace {
     Vector3 normal{Vector3::UnitY()}; ///< unit, towards the side from which it is met
 };
 
+inline constexpr double kArrowMetresPerNewton = 0.015; ///< 2 N are 30 mm
+
+/// Of the arrows of forces; larger where they are seen from afar.
+struct ArrowSize {
+    double m_per_N = kArrowMetresPerNewton;
+    double thickness = 1.0; ///< times the usual one
+};
+
 /// World coordinates are those of the device frame.
 struct ViewState {
     device::LinkagePose linkage;
@@ -33,9 +41,9 @@ struct ViewState {
     std::optional<SurfacePlace> below; ///< straight below the tip, or the proxy: surface or floor
     ShownThings shown;                 ///< what of all this is drawn
     TouchValues touch;
+    ArrowSize arrow;
 };
 
-inline constexpr double kArrowMetresPerNewton = 0.015; ///< 2 N are 30 mm
 inline constexpr double kTipRadius_m = 2.0e-3;
 inline constexpr double kProxyRadius_m = 2.5e-3;
 

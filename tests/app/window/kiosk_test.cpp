@@ -131,6 +131,27 @@ TEST_F(KioskInTheWindow, FillsTheScreenAndAttractsWithoutPanels) {
     EXPECT_EQ(shown.column("limit_voltage_V"), exhibit::kiosk_limits().voltage_V);
 }
 
+// Half a degree at two metres is 6.5 % of the height of the picture, see kiosk_screen.h. A
+// direction takes more: a whole degree.
+TEST_F(KioskInTheWindow, ShowsTheWrongDirectionByAnArrowThatIsSeenFromTwoMetres) {
+    open();
+    take_turn();
+    window().click("choices/next scene");
+    wait_for("The wrong direction");
+    const auto force_N = [](const Report &report) {
+        const nlohmann::json *const item = report.find("read-outs/force");
+        return item != nullptr ? std::stod(item->at("text").get<std::string>()) : 0.0;
+    };
+    // The scripted hand presses with some 1.5 N.
+    const Report shown = window().wait_until(
+        [&](const Report &now) { return force_N(now) > 1.0 && now.find("marks/arrow") != nullptr; },
+        "it presses", 40.0);
+    const nlohmann::json &arrow = shown.item("marks/arrow");
+    const double length =
+        std::hypot(arrow.at("width").get<double>(), arrow.at("height").get<double>());
+    EXPECT_GT(length, 2.0 * 0.065 * kExhibit.height) << "at " << force_N(shown) << " N";
+}
+
 TEST_F(KioskInTheWindow, NoKeyNoFileAndNoTitleBarLeadsOut) {
     std::ofstream(folder() / "own.csv") << "t,x,y,z\n0,0,0.05,0\n1,0,0.05,0\n";
     open();
