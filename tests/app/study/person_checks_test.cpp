@@ -95,8 +95,8 @@ TEST(Questions, AreAnsweredByTheKeysOnTheirPlates) {
     EXPECT_EQ(answer_by({.source = InputSource::key, .name = "2"}), "left");
     EXPECT_EQ(answer_by({.source = InputSource::key, .name = "2", .is_press = false}), "-");
     EXPECT_EQ(answer_by({.source = InputSource::key, .name = "3"}), "-");
-    EXPECT_EQ(answer_by({.source = InputSource::choice, .choice = 2}), "none");
-    EXPECT_EQ(answer_by({.source = InputSource::choice, .choice = 3}), "-");
+    EXPECT_EQ(answer_by({.source = InputSource::choice, .name = "", .choice = 2}), "none");
+    EXPECT_EQ(answer_by({.source = InputSource::choice, .name = "", .choice = 3}), "-");
 }
 
 } // namespace
