@@ -19,8 +19,8 @@
 
 namespace springdrive::app::exhibit {
 
-/// Of the force's arrow, which has to be seen at a distance too: 1 N are 45 mm.
-inline constexpr ArrowSize kArrow{3.0 * kArrowMetresPerNewton, 2.0};
+/// Of the force's arrow, which has to be seen at a distance too: 1 N is 60 mm.
+inline constexpr ArrowSize kArrow{4.0 * kArrowMetresPerNewton, 2.0};
 
 struct KioskReadOut {
     double force_N = 0.0;

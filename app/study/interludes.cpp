@@ -74,7 +74,8 @@ void Sitting::end_practice() {
     const study::ResponseWays &ways = plan_.protocol.responses;
     ParticipantPicture picture;
     picture.heading = texts.practice_ends;
-    if (ways.device == study::ResponseDevice::gesture || ways.keys.size() < 2) {
+    if (!plan_.offers_practice_again || ways.device == study::ResponseDevice::gesture ||
+        ways.keys.size() < 2) {
         picture.text = texts.ready;
         show_until_key(SittingStep::practice_ends, picture);
         return;

@@ -29,6 +29,7 @@ struct SittingPlan {
     bool keeps_records = true;           ///< a servo record of each trial
     bool plays_noise = true;             ///< the protocol's masking noise
     std::vector<study::Setting> facts{}; ///< of the session, besides those of the device
+    bool offers_practice_again = true;   ///< after the practice, where two keys answer
 };
 
 class Sitting {

@@ -109,6 +109,7 @@ std::optional<Visitor> Visits::wait_for_visitor() {
 
 VisitEnd Visits::sit(study::StudyStore &store, Visitor visitor) {
     study_screen::SittingPlan plan{plan_.protocol, plan_.setting, plan_.folders, kVisitor};
+    plan.offers_practice_again = false; // nobody has the time
     plan.keeps_records = false;
     const bool is_made_up = visitor == Visitor::made_up;
     if (is_made_up) {

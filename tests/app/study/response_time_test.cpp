@@ -43,6 +43,7 @@ std::string pressed_protocol(int presses) {
     const std::vector<std::pair<std::string, std::string>> changes{
         {"\nfrom_C = [\\d.]+", "\nfrom_C = 24"},
         {"\npresentation_s = [\\d.]+", fmt::format("\npresentation_s = {}", kPresentation_s)},
+        {"\nmost_trials = 3", "\nmost_trials = 2"}, // the practice's
         {"\napproach_s = [\\d.]+",
          "\napproach_s = 1.0\nrest_s = 0.1\nbetween_trials_s = 0.0\nresponse_s = 4.0"},
         {"\nresponse_s = 5.0", ""},
