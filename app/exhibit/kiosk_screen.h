@@ -24,7 +24,7 @@ inline constexpr ArrowSize kArrow{4.0 * kArrowMetresPerNewton, 2.0};
 
 struct KioskReadOut {
     double force_N = 0.0;
-    std::optional<double> angle_rad;  ///< from the surface's normal to the push
+    std::optional<double> angle_rad; ///< from the surface's normal to the push
     Vector3 arrow_from_m{Vector3::Zero()};
     Vector3 arrow_m{Vector3::Zero()}; ///< end of the force's arrow
 };

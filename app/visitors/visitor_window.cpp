@@ -128,11 +128,11 @@ SittingFrame VisitorWindow::show(const ParticipantPicture &picture, const Sittin
     durations_.add(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     if (is_reported) {
         const Window::Size size = window_.framebuffer();
-        requests_.answer(json_line(ui::report(),
-                                   {frame_, static_cast<float>(size.width),
-                                    static_cast<float>(size.height), hidden_.scale(),
-                                    durations_.quantile_s(0.5), durations_.quantile_s(0.99)},
-                                   session_.latest()));
+        requests_.answer(
+            json_line(ui::report(),
+                      {frame_, static_cast<float>(size.width), static_cast<float>(size.height),
+                       hidden_.scale(), durations_.quantile_s(0.5), durations_.quantile_s(0.99)},
+                      session_.latest()));
     }
     return frame;
 }

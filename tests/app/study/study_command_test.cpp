@@ -36,7 +36,8 @@ TEST(StudyCommand, WritesAProtocolAndNeverOverAnother) {
 }
 
 TEST(StudyCommand, RefusesNamesThatAreNoProtocolInOneLine) {
-    testing::expect_refused(study({"new", "directions"}), "blow, direction, hardness");
+    testing::expect_refused(study({"new", "directions"}),
+                            "blow, can_you_feel_it, direction, hardness");
     testing::expect_refused(study({"new"}), "--list");
     testing::expect_refused(study({"check", "/nonexistent/p.toml"}), "p.toml");
 }

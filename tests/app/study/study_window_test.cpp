@@ -270,8 +270,8 @@ std::vector<Trial> without_windows(const fs::path &protocol_file, const fs::path
     return store.contents().trials;
 }
 
-/// Of what is delivered, the larger difference from the same on a device without a board, as a
-/// share of it.
+/// Of what is delivered where something is intended, the largest difference from the same on a
+/// device without a board, as a share of it.
 double expect_same(const Trial &seen, const Trial &wanted) {
     EXPECT_EQ(seen.place, wanted.place);
     EXPECT_EQ(seen.condition, wanted.condition);
@@ -305,7 +305,7 @@ double expect_same(const Trial &seen, const Trial &wanted) {
             EXPECT_EQ(a[j].name, b[j].name);
             EXPECT_EQ(a[j].intended, b[j].intended);
             EXPECT_EQ(a[j].delivered.has_value(), b[j].delivered.has_value());
-            if (a[j].intended && a[j].delivered && b[j].delivered && *b[j].delivered != 0.0) {
+            if (a[j].intended.value_or(0.0) != 0.0 && a[j].delivered && b[j].delivered) {
                 worst = std::max(worst, std::abs(*a[j].delivered / *b[j].delivered - 1.0));
             }
         }
