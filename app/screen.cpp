@@ -340,10 +340,9 @@ std::string Screen::finish() {
 
 std::string Screen::report_line() const {
     const Window::Size size = window_.size();
-    const WindowFacts window{
-        frame_,          static_cast<float>(size.width),   static_cast<float>(size.height),
-        window_.scale(), frame_durations_.quantile_s(0.5), frame_durations_.quantile_s(0.99)};
-    return json_line(ui::report(), window, session_.latest());
+    return json_line(ui::report(),
+                     facts_of(frame_, size.width, size.height, window_.scale(), frame_durations_),
+                     session_.latest());
 }
 
 void Screen::draw_contents() {

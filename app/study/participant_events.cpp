@@ -1,10 +1,11 @@
 #include "app/study/participant_events.h"
 
+#include "app/study/input_times.h"
+
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <utility>
 
 namespace springdrive::app::study_screen {
@@ -94,11 +95,6 @@ std::string utf8_of(unsigned code_point) {
     }
     return {byte(0xF0U | code_point >> 18U), byte(0x80U | (code_point >> 12U & 0x3FU)),
             byte(0x80U | (code_point >> 6U & 0x3FU)), byte(0x80U | (code_point & 0x3FU))};
-}
-
-double steady_clock_s() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 #include "app/study/participant_window.h"
 
 #include "app/study/embedded_shaders.h"
+#include "app/study/input_times.h"
 #include "app/study/monitors.h"
 #include "base/input_error.h"
 
@@ -9,7 +10,6 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 namespace springdrive::app::study_screen {
@@ -22,11 +22,6 @@ constexpr double kWaitingShare = 0.9; ///< of a frame
 /// A swap that waits may begin so much before the display takes the picture.
 constexpr double kBeforeSwap_s = 0.003;
 constexpr double kBetweenLooks_s = 0.5;
-
-double clock_s() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
 
 /// Makes a context current, and again the former one at the end.
 class CurrentContext {
@@ -82,7 +77,8 @@ double frame_s_on(GLFWmonitor *monitor) {
 
 /// Each event is noted as it arrives: in both windows, also in the midst of the wait.
 void take_events_until(double until_s) {
-    for (double left_s = until_s - clock_s(); left_s > 0.0; left_s = until_s - clock_s()) {
+    for (double left_s = until_s - steady_clock_s(); left_s > 0.0;
+         left_s = until_s - steady_clock_s()) {
         glfwWaitEventsTimeout(left_s);
     }
 }
@@ -152,10 +148,10 @@ std::vector<std::string> ParticipantWindow::monitors() {
 
 /// It may be switched off, replaced or set to another size at any time.
 void ParticipantWindow::follow_monitor() {
-    if (monitor_.empty() || clock_s() < next_look_s_) {
+    if (monitor_.empty() || steady_clock_s() < next_look_s_) {
         return;
     }
-    next_look_s_ = clock_s() + kBetweenLooks_s;
+    next_look_s_ = steady_clock_s() + kBetweenLooks_s;
     GLFWmonitor *const monitor = monitor_named(monitor_);
     if (monitor != nullptr && !fills(window_, monitor)) {
         fill(window_, monitor);
@@ -192,11 +188,10 @@ void ParticipantWindow::show(ParticipantView &view, const ParticipantPicture &pi
     take_events_until(paced_clock_s_ + frame_s_ - kBeforeSwap_s);
     // The next picture must not be drawn into this one while it is being shown.
     present()->wait();
-    shown_clock_s_ = clock_s();
-    if (shown_clock_s_ < paced_clock_s_ + kWaitingShare * frame_s_) { // the swap has not waited
+    if (steady_clock_s() < paced_clock_s_ + kWaitingShare * frame_s_) { // the swap has not waited
         take_events_until(paced_clock_s_ + frame_s_);
     }
-    paced_clock_s_ = clock_s();
+    paced_clock_s_ = steady_clock_s();
 }
 
 bool ParticipantWindow::has_focus() const {

@@ -54,9 +54,6 @@ public:
     /// @param view  must outlive the window, or the next call with another one
     void show(ParticipantView &view, const ParticipantPicture &picture);
 
-    /// When the last picture was handed to the display: after its swap, in the steady clock [s].
-    [[nodiscard]] double shown_clock_s() const { return shown_clock_s_; }
-
     /// Since the last call, in order. Letters only while the picture has a text field, and then no
     /// presses of keys that type one.
     [[nodiscard]] std::vector<ParticipantInput> take_inputs() { return events_->take(); }
@@ -89,9 +86,8 @@ private:
     std::unique_ptr<ParticipantEvents> events_;
     std::unique_ptr<Presenter> presenter_; ///< of the window's own context
     double frame_s_ = 0.0;                 ///< of the monitor
-    double shown_clock_s_ = 0.0;
-    double paced_clock_s_ = 0.0; ///< end of the last frame
-    double next_look_s_ = 0.0;   ///< at the monitors
+    double paced_clock_s_ = 0.0;           ///< end of the last frame
+    double next_look_s_ = 0.0;             ///< at the monitors
 };
 
 } // namespace springdrive::app::study_screen

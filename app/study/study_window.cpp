@@ -2,6 +2,7 @@
 
 #include "app/ending_signal.h"
 #include "app/open_session.h"
+#include "app/study/input_times.h"
 #include "app/study/monitors.h"
 #include "app/view/pick.h"
 #include "app/widgets/widgets.h"
@@ -20,11 +21,6 @@ namespace {
 constexpr float kColumn = 24.0F;      ///< of buttons, in heights of text
 constexpr float kHidden = 6.5F;       ///< the panel of stimuli while they are hidden, the same
 constexpr float kStimuliShare = 0.5F; ///< of the window's height, while they are shown
-
-double steady_s() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
 
 ViewState view_of(const session::Session &session) {
     const servo::ServoSample &now = session.latest();
@@ -82,31 +78,9 @@ void StudyWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &
                                 workspace.centre_m.y() - 0.5 * workspace.size_m.y());
 }
 
-/// Of the servo's clock. This thread may be held up between the two readings: those closest to each
-/// other count.
-double StudyWindow::servo_ahead_s() const {
-    double shortest_s = std::numeric_limits<double>::infinity();
-    double ahead_s = 0.0;
-    for (int i = 0; i < 5; ++i) {
-        const double before_s = steady_s();
-        const double now_s = session_.servo().now_s();
-        const double after_s = steady_s();
-        if (after_s - before_s < shortest_s) {
-            shortest_s = after_s - before_s;
-            ahead_s = now_s - 0.5 * (before_s + after_s);
-        }
-    }
-    return ahead_s;
-}
-
-/// Their times by the servo's clock.
 std::vector<ParticipantInput> StudyWindow::taken_inputs() {
     std::vector<ParticipantInput> inputs = participant_window_.take_inputs();
-    const double ahead_s = servo_ahead_s();
-    for (ParticipantInput &input : inputs) {
-        input.clock_s =
-            session_.servo().is_in_lockstep() ? session_.servo().now_s() : input.clock_s + ahead_s;
-    }
+    tell_by_servo(inputs, session_.servo());
     return inputs;
 }
 
@@ -188,7 +162,7 @@ void StudyWindow::report_participant(const SittingState &state, const Participan
     enter("phase", std::string(description(state.phase)));
     enter("trial", state.trial ? text_of(state.trial->place) : "");
     enter("interval", "", static_cast<double>(state.interval + 1));
-    enter("servo_ahead_s", "", servo_ahead_s());
+    enter("servo_ahead_s", "", servo_ahead_s(session_.servo()));
     enter("longest_frame_s", "", std::exchange(longest_frame_s_, 0.0));
     const std::vector<PlacedChoice> &plates = participant_view_.layout().choices;
     for (std::size_t i = 0; i < plates.size(); ++i) {
@@ -236,11 +210,9 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
     if (is_reported) {
         report_participant(state, picture);
         const Window::Size size = window_.size();
-        requests_.answer(
-            json_line(ui::report(),
-                      {frame_, static_cast<float>(size.width), static_cast<float>(size.height),
-                       window_.scale(), durations_.quantile_s(0.5), durations_.quantile_s(0.99)},
-                      session_.latest()));
+        requests_.answer(json_line(
+            ui::report(), facts_of(frame_, size.width, size.height, window_.scale(), durations_),
+            session_.latest()));
     }
     return frame;
 }

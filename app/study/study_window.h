@@ -48,7 +48,6 @@ public:
 private:
     void draw_experimenter(const SittingState &state, ExperimenterActs &acts);
     void report_participant(const SittingState &state, const ParticipantPicture &picture);
-    [[nodiscard]] double servo_ahead_s() const;
     void draw_view(const Rectangle &place);
     void renew_fit(const SittingState &state);
     [[nodiscard]] std::vector<ParticipantInput> taken_inputs();

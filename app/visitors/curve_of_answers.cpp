@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <variant>
 #include <vector>
@@ -13,7 +14,7 @@ namespace springdrive::app::visitors {
 
 namespace {
 
-constexpr double kTicks[] = {1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 90.0}; ///< degrees
+constexpr std::array kTicks_deg{1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 90.0};
 /// So near to an end of what is thought possible, an interval is open there: within a cell of the
 /// usual grids.
 constexpr double kEnd = 1.05;
@@ -72,7 +73,7 @@ study_screen::OwnCurve curve_of(const study::Protocol &protocol,
     curve.lowest_level = levels.lowest;
     curve.highest_level = levels.highest;
     curve.guess = 1.0 / protocol.task.alternatives;
-    std::ranges::copy_if(kTicks, std::back_inserter(curve.ticks), [&](double tick) {
+    std::ranges::copy_if(kTicks_deg, std::back_inserter(curve.ticks), [&](double tick) {
         return tick >= curve.lowest_level && tick <= curve.highest_level;
     });
     curve.level_label = "how far the force was turned (degrees)";

@@ -3,6 +3,7 @@
 #include "app/ending_signal.h"
 #include "app/frame_pace.h"
 #include "app/open_session.h"
+#include "app/study/input_times.h"
 #include "app/widgets/widgets.h"
 #include "base/complaint.h"
 
@@ -22,11 +23,6 @@ using study_screen::ParticipantPicture;
 using study_screen::PixelBox;
 using study_screen::SittingFrame;
 using study_screen::SittingState;
-
-double steady_now_s() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
 
 Window::Wish smallest() {
     Window::Wish wish;
@@ -49,14 +45,9 @@ void VisitorWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot
                     workspace.centre_m.y() - 0.5 * workspace.size_m.y());
 }
 
-/// Their times by the servo's clock.
 std::vector<ParticipantInput> VisitorWindow::taken_inputs() {
     std::vector<ParticipantInput> inputs = window_.take_inputs();
-    const double ahead_s = session_.servo().now_s() - steady_now_s();
-    for (ParticipantInput &input : inputs) {
-        input.clock_s =
-            session_.servo().is_in_lockstep() ? session_.servo().now_s() : input.clock_s + ahead_s;
-    }
+    study_screen::tell_by_servo(inputs, session_.servo());
     return inputs;
 }
 
@@ -128,11 +119,9 @@ SittingFrame VisitorWindow::show(const ParticipantPicture &picture, const Sittin
     durations_.add(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     if (is_reported) {
         const Window::Size size = window_.framebuffer();
-        requests_.answer(
-            json_line(ui::report(),
-                      {frame_, static_cast<float>(size.width), static_cast<float>(size.height),
-                       hidden_.scale(), durations_.quantile_s(0.5), durations_.quantile_s(0.99)},
-                      session_.latest()));
+        requests_.answer(json_line(
+            ui::report(), facts_of(frame_, size.width, size.height, hidden_.scale(), durations_),
+            session_.latest()));
     }
     return frame;
 }

@@ -67,6 +67,12 @@ json json_of(const servo::ServoSample &sample) {
 
 } // namespace
 
+WindowFacts facts_of(std::uint64_t frame, int width, int height, float scale,
+                     const servo::DurationHistogram &durations) {
+    return {frame, static_cast<float>(width), static_cast<float>(height),
+            scale, durations.quantile_s(0.5), durations.quantile_s(0.99)};
+}
+
 std::string json_line(const WindowReport &report, const WindowFacts &window,
                       const servo::ServoSample &sample) {
     json items = json::array();

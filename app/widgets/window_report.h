@@ -5,6 +5,7 @@
 #pragma once
 
 #include "app/layout.h"
+#include "engine/servo/duration_histogram.h"
 #include "engine/servo/servo_sample.h"
 
 #include <cstdint>
@@ -57,6 +58,10 @@ struct WindowFacts {
     double frame_median_s = 0.0; ///< time to compute and draw a frame
     double frame_p99_s = 0.0;
 };
+
+/// @param durations  of its frames
+[[nodiscard]] WindowFacts facts_of(std::uint64_t frame, int width, int height, float scale,
+                                   const servo::DurationHistogram &durations);
 
 /// One line of JSON: `window`, `items`, and `sample`, the servo's latest sample by telemetry
 /// column.
