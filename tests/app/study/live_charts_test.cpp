@@ -4,7 +4,7 @@
 
 #include "app/study/live_fit.h"
 #include "app/widgets/widgets.h"
-#include "engine/study/conduct/conduct.h"
+#include "tests/app/study/headless_study.h"
 #include "tests/app/study/made_up_people.h"
 #include "tests/support/files.h"
 #include "tests/support/imgui_frame.h"
@@ -23,27 +23,14 @@ namespace {
 class StudyLiveCharts : public testing::ImGuiFrame {
 protected:
     StudyLiveCharts() {
-        const std::filesystem::path file = testing::fresh_folder("live_charts") / "a.study";
-        study::create_study(file, {"title", "text", "0.1.0"}, study::utc_now());
-        study::StudyStore store(file);
-        store.add({"P01", 1, study::utc_now()});
-        study::Session session;
-        session.participant = "P01";
-        session.started = study::utc_now();
-        session.software = "0.1.0";
-        session.id = store.begin(session);
-        study::Conduct how;
-        how.ends = [] { return std::nullopt; };
         // Right above a level of 0.1, wrong below it.
-        how.present = [](const study::PlannedTrial &planned) {
+        contents_ = testing::conducted(protocol_, [](const study::PlannedTrial &planned) {
             study::TrialResult result;
             const bool is_felt = planned.presented.level > 0.1;
             const int target = planned.presented.target;
             result.response = study::Chosen{1 + (is_felt ? target : 1 - target)};
             return result;
-        };
-        EXPECT_EQ(study::conduct(store, protocol_, session, how), study::SessionEnding::completed);
-        contents_ = store.contents();
+        });
     }
 
     /// Waits for it, as frames would.

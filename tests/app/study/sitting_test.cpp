@@ -6,8 +6,8 @@
 #include "app/study/answers.h"
 #include "base/complaint.h"
 #include "base/input_error.h"
-#include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/protocol_file.h"
+#include "tests/app/study/headless_study.h"
 #include "tests/app/study/made_up_people.h"
 #include "tests/support/child_process.h"
 #include "tests/support/devices.h"
@@ -77,18 +77,7 @@ protected:
 
     /// The same decisions without screens and without a device.
     [[nodiscard]] std::vector<Trial> headless() const {
-        const fs::path other = folder_ / "headless.study";
-        study::create_study(other, {protocol_.title, "text", "0.1.0"}, study::utc_now());
-        study::StudyStore store(other);
-        store.add({"P01", 1, study::utc_now()});
-        study::Session session;
-        session.participant = "P01";
-        session.started = study::utc_now();
-        session.software = "0.1.0";
-        session.id = store.begin(session);
-        study::Conduct how;
-        how.ends = [] { return std::nullopt; };
-        how.present = [this](const PlannedTrial &planned) {
+        const auto present = [this](const PlannedTrial &planned) {
             study::TrialResult result;
             const Decision decision = decision_of(planned);
             if (decision.after_s >= 0.0) {
@@ -96,8 +85,7 @@ protected:
             }
             return result;
         };
-        EXPECT_EQ(study::conduct(store, protocol_, session, how), SessionEnding::completed);
-        return store.contents().trials;
+        return testing::conducted(protocol_, present).trials;
     }
 
     bool plays_noise_ = false;

@@ -7,11 +7,11 @@
 // By frame time, so that a busy machine only takes longer: some minutes for each study. Therefore
 // only `tests/long study-windows` runs them: one of some trials, and each included protocol with
 // the fewest trials that its method can be told to take.
-#include "engine/study/conduct/conduct.h"
 #include "engine/study/observers/simulated_sitting.h"
 #include "engine/study/protocol/protocol_file.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/store/study_store.h"
+#include "tests/app/study/headless_study.h"
 #include "tests/app/study/study_desk.h"
 #include "tests/app/study/study_program.h"
 #include "tests/support/cases.h"
@@ -231,23 +231,12 @@ private:
 
 /// The same decisions without windows, and in one go; what is delivered is simulated on a device
 /// without a board.
-std::vector<Trial> without_windows(const fs::path &protocol_file, const fs::path &file,
-                                   const Events &events) {
+std::vector<Trial> without_windows(const fs::path &protocol_file, const Events &events) {
     const study::Protocol protocol = study::read_protocol_file(protocol_file);
-    study::create_study(file, {protocol.title, "text", "0.1.0"}, study::utc_now());
-    study::StudyStore store(file);
-    store.add({"P01", 1, study::utc_now()});
-    study::Session session;
-    session.participant = "P01";
-    session.started = study::utc_now();
-    session.software = "0.1.0";
-    session.id = store.begin(session);
     study::SimulatedSitting sitting(
         protocol, study::study_setting(protocol, {protocol_file.parent_path(), testing::assets()}),
         {{}, 0.6, 0.25, 0.0, 1}, study::FeltStimuli::measured_once);
-    study::Conduct how;
-    how.ends = [] { return std::nullopt; };
-    how.present = [&](const PlannedTrial &planned) {
+    const auto present = [&](const PlannedTrial &planned) {
         std::optional<study::TrialResult> result = sitting.present(planned);
         const Decision decision = decision_at(planned.place, protocol.responses.keys.size());
         result->response = study::NoResponse{};
@@ -266,8 +255,7 @@ std::vector<Trial> without_windows(const fs::path &protocol_file, const fs::path
         }
         return result;
     };
-    EXPECT_EQ(study::conduct(store, protocol, session, how), study::SessionEnding::completed);
-    return store.contents().trials;
+    return testing::conducted(protocol, present).trials;
 }
 
 /// Of what is delivered where something is intended, the largest difference from the same on a
@@ -331,8 +319,7 @@ void run_through(const std::string &name, const std::string &text) {
     ASSERT_FALSE(::testing::Test::HasFailure());
 
     const study::StudyContents contents = study::read_study(file);
-    const std::vector<Trial> wanted =
-        without_windows(protocol_file, folder / "without.study", events);
+    const std::vector<Trial> wanted = without_windows(protocol_file, events);
     ASSERT_EQ(contents.trials.size(), wanted.size());
     double worst = 0.0;
     for (std::size_t i = 0; i < wanted.size(); ++i) {

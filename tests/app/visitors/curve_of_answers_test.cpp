@@ -2,9 +2,9 @@
 // whose thresholds are known.
 #include "app/visitors/curve_of_answers.h"
 
-#include "engine/study/conduct/conduct.h"
 #include "engine/study/observers/simulated_answer.h"
 #include "engine/study/protocol/protocol_file.h"
+#include "tests/app/study/headless_study.h"
 #include "tests/support/cases.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
@@ -26,24 +26,13 @@ study::Protocol shipped(const std::string &name) {
 /// A whole visit without the hand.
 study::StudyContents visit_of(const study::Protocol &protocol,
                               const study::SimulatedParticipant &visitor, int number) {
-    study::StudyStore store =
-        study::StudyStore::in_memory({protocol.title, "text", "0.1.0"}, study::utc_now());
-    store.add({"V1", number, study::utc_now()});
-    study::Session session;
-    session.participant = "V1";
-    session.started = study::utc_now();
-    session.software = "0.1.0";
-    session.id = store.begin(session);
-    study::Conduct how;
-    how.ends = [] { return std::nullopt; };
-    how.present = [&](const study::PlannedTrial &planned) {
+    const auto present = [&](const study::PlannedTrial &planned) {
         study::TrialResult result;
         result.response =
             study::simulated_answer(protocol, visitor, planned, planned.presented.level).response;
         return result;
     };
-    EXPECT_EQ(study::conduct(store, protocol, session, how), study::SessionEnding::completed);
-    return store.contents();
+    return testing::conducted(protocol, present, number);
 }
 
 /// Visitors drawn from what the method thinks possible: then a 95 % interval holds 95 of 100, of
