@@ -53,7 +53,7 @@ std::string pressed_protocol(int presses) {
          "\n[marking]\nstiffness_percent = 100\ndirection_deg = 90\nforce_percent = 100\n\n"},
         {"\nmost_trials = 3", "\nmost_trials = 2"}, // the practice's
         {"\napproach_s = [\\d.]+",
-         "\napproach_s = 1.0\nrest_s = 0.1\nbetween_trials_s = 0.0\nresponse_s = 4.0"},
+         "\napproach_s = 1.0\nrest_s = 0.1\nbetween_trials_s = 0.8\nresponse_s = 4.0"},
         {"\nresponse_s = 5.0", ""},
         {"\nevery_trials = \\d+", "\nevery_trials = 0"},
         {"\nbetween_blocks_s = [\\d.]+", "\nbetween_blocks_s = 1"},
