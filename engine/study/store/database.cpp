@@ -45,8 +45,7 @@ std::string meaning_of(int code, const std::string &system, const std::string &s
     }
     if (code == SQLITE_READONLY_DBMOVED) {
         return "was moved or deleted while it was open: nothing of this was stored; put it back, "
-               "or "
-               "a copy of it, and repeat";
+               "or a copy of it, and repeat";
     }
     switch (code & 0xff) {
     case SQLITE_NOTADB:
