@@ -168,13 +168,21 @@ bool draw_offers(std::vector<assistant::Offer> offers) {
     return !is_first;
 }
 
+/// What is to be done changes while it is done; what is below stays where it is, under the cursor.
+void draw_to_do(const std::string &text) {
+    constexpr float kLines = 4.0F; // of the longest, in a panel as wide as at the start
+    const float below_px = ImGui::GetCursorPosY() + kLines * ImGui::GetTextLineHeightWithSpacing();
+    ui::wrapped(kTransposeMap, "{}", text);
+    ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), below_px));
+}
+
 void draw_step(session::Session &session, Assistant &assistant, DoctorPopup &doctor) {
     const StepReport report = assistant.report(session);
     const std::size_t at = assistant::index_of(assistant.present());
     const ui::Scope scope(assistant::kStepTitles[at].name);
     ui::text(kInk, "{} of {}: {}", at + 1, assistant::kSteps, assistant::kStepTitles[at].title);
     ImGui::Spacing();
-    ui::wrapped(kTransposeMap, "{}", report.to_do);
+    draw_to_do(report.to_do);
     draw_gap();
     if (report.shows_pose) {
         draw_pose(session.description().geometry);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 namespace springdrive::testing {
 
@@ -105,10 +106,22 @@ void ShownWindow::wait_until_running() {
 }
 
 Point ShownWindow::point_in(const std::string &id, float x, float y) {
-    const Report report = look();
-    const nlohmann::json &item = report.item(id);
-    return {item.at("x").get<float>() + x * item.at("width").get<float>(),
-            item.at("y").get<float>() + y * item.at("height").get<float>()};
+    const auto place = [&] {
+        const Report report = look();
+        const nlohmann::json &item = report.item(id);
+        return Point{item.at("x").get<float>() + x * item.at("width").get<float>(),
+                     item.at("y").get<float>() + y * item.at("height").get<float>()};
+    };
+    // A person does not press on what moves: a message that appears may shift what is below it.
+    constexpr int kMostFrames = 20;
+    Point there = place();
+    for (int frame = 0; frame < kMostFrames; ++frame) {
+        const Point before = std::exchange(there, place());
+        if (there.x == before.x && there.y == before.y) {
+            break;
+        }
+    }
+    return there;
 }
 
 void ShownWindow::click(const std::string &id, int button) {

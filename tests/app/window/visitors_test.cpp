@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -37,16 +38,29 @@ fs::path short_protocol(const fs::path &folder) {
     return file;
 }
 
-/// Regular files that a process has open for writing, apart from its standard error.
+/// Files that this test has open, from whoever started it (CTest, say): a program inherits them.
+std::set<fs::path> inherited_files() {
+    std::set<fs::path> files;
+    for (const fs::directory_entry &entry : fs::directory_iterator("/proc/self/fd")) {
+        std::error_code gone;
+        files.insert(fs::read_symlink(entry.path(), gone));
+    }
+    return files;
+}
+
+/// Regular files that a process has open for writing, apart from its standard error and from what
+/// it inherited.
 std::vector<std::string> written_files(pid_t process) {
     const fs::path proc = "/proc/" + std::to_string(process);
     const fs::path error = fs::read_symlink(proc / "fd/2");
+    const std::set<fs::path> inherited = inherited_files();
     std::vector<std::string> files;
     for (const fs::directory_entry &entry : fs::directory_iterator(proc / "fd")) {
         std::error_code gone;
         const fs::path target = fs::read_symlink(entry.path(), gone);
         const std::string number = entry.path().filename();
-        if (gone || target == error || !fs::is_regular_file(target, gone)) {
+        if (gone || target == error || inherited.contains(target) ||
+            !fs::is_regular_file(target, gone)) {
             continue;
         }
         const std::string info = testing::contents_of(proc / "fdinfo" / number);
