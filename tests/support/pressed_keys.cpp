@@ -1,5 +1,6 @@
 #include "tests/support/pressed_keys.h"
 
+#include <map>
 #include <stdexcept>
 
 // Last: these define macros such as None and Bool.
@@ -11,21 +12,21 @@ namespace springdrive::testing {
 struct PressedKeys::Connection {
     Display *display;
 
-    /// None if there is no window of that title.
-    [[nodiscard]] Window window(const std::string &title) const {
+    /// Those that are seen, by title.
+    [[nodiscard]] std::map<std::string, Window> windows() const {
         Window of_root = None;
         Window of_parent = None;
         Window *children = nullptr;
         unsigned count = 0;
-        Window found = None;
+        std::map<std::string, Window> found;
         XQueryTree(display, DefaultRootWindow(display), &of_root, &of_parent, &children, &count);
         for (unsigned i = 0; i < count; ++i) {
             char *name = nullptr;
             XWindowAttributes attributes;
-            if (XFetchName(display, children[i], &name) != 0 && name == title &&
+            if (XFetchName(display, children[i], &name) != 0 &&
                 XGetWindowAttributes(display, children[i], &attributes) != 0 &&
                 attributes.map_state == IsViewable) {
-                found = children[i];
+                found[name] = children[i];
             }
             if (name != nullptr) {
                 XFree(name);
@@ -35,6 +36,13 @@ struct PressedKeys::Connection {
             XFree(children);
         }
         return found;
+    }
+
+    /// None if there is no window of that title.
+    [[nodiscard]] Window window(const std::string &title) const {
+        const std::map<std::string, Window> all = windows();
+        const auto found = all.find(title);
+        return found == all.end() ? None : found->second;
     }
 };
 
@@ -88,6 +96,14 @@ void PressedKeys::focus(const std::string &title) {
         XSetInputFocus(connection_->display, window, RevertToParent, CurrentTime);
         XSync(connection_->display, False);
     }
+}
+
+std::set<std::string> PressedKeys::window_titles() const {
+    std::set<std::string> titles;
+    for (const auto &[title, window] : connection_->windows()) {
+        titles.insert(title);
+    }
+    return titles;
 }
 
 } // namespace springdrive::testing

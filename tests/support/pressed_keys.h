@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <string>
 
 namespace springdrive::testing {
@@ -26,6 +27,8 @@ public:
     [[nodiscard]] bool move_window(const std::string &title, int x, int y);
     /// Nothing where there is no such window.
     void focus(const std::string &title);
+    /// Of all windows that are seen.
+    [[nodiscard]] std::set<std::string> window_titles() const;
 
 private:
     struct Connection;

@@ -1,10 +1,11 @@
 // What a participant sees of a trial until the response, as pixels: the same of each condition,
 // level and order of the included protocols, each with its own scene and spot. Software OpenGL
-// draws the same picture twice to the same bytes, so they are compared byte by byte; and as many
-// frames are drawn of each.
+// draws the same picture twice to the same bytes, so they are compared byte by byte; as many frames
+// are drawn of each, and each by as many draw calls.
 //
 // Takes minutes: only `tests/long study-pixels` runs it.
 #include "app/study/participant_view.h"
+#include "app/view/gl_objects.h"
 #include "tests/app/study/made_up_people.h"
 #include "tests/support/cases.h"
 #include "tests/support/hidden_window.h"
@@ -20,18 +21,21 @@
 namespace springdrive::app::study_screen {
 namespace {
 
-using Pixels = std::vector<std::uint8_t>;
+struct Frame {
+    std::vector<std::uint8_t> pixels;
+    int draw_calls = 0; ///< the work that a frame's duration could tell of
+    bool operator==(const Frame &) const = default;
+};
 
 bool is_all() { return testing::cases(0, 1) == 1; }
 
 /// Frames of the first interval until the hand leaves, and each other picture once until the
 /// response: how long a hand is on its way says how deep it was, to whom it belongs.
-std::vector<Pixels> frames_of(const study::Protocol &protocol,
-                              const study::ProtocolFolders &folders,
-                              const study::PlannedTrial &planned) {
+std::vector<Frame> frames_of(const study::Protocol &protocol, const study::ProtocolFolders &folders,
+                             const study::PlannedTrial &planned) {
     ParticipantView view(0);
     const double floor_m = -0.09; // of any workspace: the same for all
-    std::vector<Pixels> frames;
+    std::vector<Frame> frames;
     ParticipantPicture last;
     present_alone(protocol, folders, planned, [&](MadeUpPort &port) {
         port.on_scene = [&](const scene::Scene &scene, const scene::TouchSpot &spot) {
@@ -43,8 +47,9 @@ std::vector<Pixels> frames_of(const study::Protocol &protocol,
             const bool is_still =
                 state.step == SittingStep::between_intervals || state.step == SittingStep::response;
             if ((is_first && !is_way_back) || ((is_first || is_still) && picture != last)) {
+                const int before = draw_calls();
                 view.draw(picture, is_all() ? 640 : 320, is_all() ? 360 : 180);
-                frames.push_back(view.pixels());
+                frames.push_back({view.pixels(), draw_calls() - before});
             }
             last = picture;
         };
@@ -67,16 +72,17 @@ TEST(StudyPixels, AreTheSameOfEachConditionLevelAndOrderUntilTheResponse) {
         const std::vector<double> all = study::presentable_levels(protocol);
         const std::vector<double> levels =
             is_all() ? std::vector<double>{all.front(), all.back()} : std::vector{all.back()};
-        std::vector<Pixels> first;
+        std::vector<Frame> first;
         for (const study::PlannedTrial &planned : trials_of_conditions(
                  protocol, levels, is_all() ? std::vector<int>{0, 1} : std::vector<int>{0})) {
             SCOPED_TRACE(::testing::Message() << protocol.conditions[planned.condition].name
                                               << " at " << planned.presented.level);
-            const std::vector<Pixels> frames = frames_of(protocol, folders, planned);
+            const std::vector<Frame> frames = frames_of(protocol, folders, planned);
             if (first.empty()) {
                 first = frames;
                 EXPECT_GT(frames.size(), 10U);
-                EXPECT_NE(frames.front(), frames.back()); // there is something to be seen
+                EXPECT_NE(frames.front().pixels,
+                          frames.back().pixels); // there is something to be seen
             }
             ASSERT_EQ(frames.size(), first.size());
             for (std::size_t i = 0; i < frames.size(); ++i) {

@@ -8,6 +8,7 @@
 #include "tests/support/virtual_display.h"
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,9 @@ public:
     void click_last(const std::string &id);
     /// The participant's mouse, beside all plates; X11's buttons.
     void click_participant(int button);
+
+    /// Of all windows that are seen at present.
+    [[nodiscard]] std::set<std::string> window_titles() const { return keys_.window_titles(); }
 
     [[nodiscard]] RunningProgram &program() { return program_; }
 

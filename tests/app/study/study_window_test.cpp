@@ -107,6 +107,8 @@ public:
 
     /// What the participant was seen to do, by the words of the experimenter's window.
     [[nodiscard]] const std::set<std::string> &steps() const { return steps_; }
+    /// That windows had at any look.
+    [[nodiscard]] const std::set<std::string> &titles() const { return titles_; }
 
 private:
     [[nodiscard]] bool is_due(const TrialPlace &when) {
@@ -119,6 +121,7 @@ private:
         const std::string step = report.item("participant/step").at("text");
         place_ = place_in(report.item("participant/trial").at("text"));
         steps_.insert(step);
+        titles_.merge(desk.window_titles());
         if (step != "is asked") {
             asked_.reset();
         }
@@ -223,6 +226,7 @@ private:
     Events events_;
     std::set<const TrialPlace *> done_;
     std::set<std::string> steps_;
+    std::set<std::string> titles_;
     std::optional<TrialPlace> place_; ///< of the present trial
     std::optional<TrialPlace> asked_;
     std::string filled_in_; ///< the question that was answered last
@@ -336,6 +340,8 @@ void run_through(const std::string &name, const std::string &text) {
     EXPECT_EQ(contents.sessions[1].ending, study::SessionEnding::stopped);
     EXPECT_EQ(contents.sessions[2].ending, study::SessionEnding::completed);
     EXPECT_EQ(contents.answers.size(), protocol.questionnaire.size());
+    EXPECT_EQ(day.titles(), (std::set<std::string>{"springdrive", "springdrive: experimenter"}))
+        << "a title tells of the study";
     for (const char *step : {"waits: paused", "has a break",
                              "waits for the device, which was "
                              "stopped",

@@ -1,0 +1,78 @@
+// Covers app/study/sitting.cpp: a session with masking noise, on a sound output that is a file, or
+// on none.
+#include "base/complaint.h"
+#include "tests/app/study/sitting_rig.h"
+#include "tests/support/child_process.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace springdrive::app::study_screen {
+namespace {
+
+namespace fs = std::filesystem;
+
+using study::SessionEnding;
+
+constexpr const char *kSystems = "/usr/share/alsa/alsa.conf"; ///< of the package libasound2-data
+
+TEST_F(StudySitting, TheNoiseIsHeardCheckedAndStored) {
+    if (!fs::exists(kSystems)) {
+        GTEST_SKIP() << kSystems << " is not there";
+    }
+    const fs::path configuration = folder_ / "asound.conf";
+    const fs::path raw = folder_ / "played.raw";
+    std::ofstream(configuration) << "<" << kSystems
+                                 << ">\npcm.!default { type file slave.pcm \"null\" file \""
+                                 << raw.string() << "\" format \"raw\" }\n";
+    protocol_.noise = study::MaskingNoise{-40.0};
+    plays_noise_ = true;
+    const std::string said = testing::said_in_child(
+        [&] { setenv("ALSA_CONFIG_PATH", configuration.c_str(), 1); },
+        [&] {
+            ::testing::internal::CaptureStderr(); // what the sound system says of missing devices
+            bool was_checked = false;
+            const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+                port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+                    was_checked = was_checked || (state.step == SittingStep::noise_check &&
+                                                  picture.text == protocol_.texts.noise_check);
+                    port.orders.stops = state.step == SittingStep::interval;
+                };
+            });
+            return std::string(was_checked ? "checked, " : "not checked, ") +
+                   std::string(name_of(ending));
+        });
+    EXPECT_EQ(said, "checked, stopped");
+    EXPECT_GT(fs::file_size(raw), 0U);
+    const std::vector<study::Setting> facts = study::read_study(file()).sessions.at(0).facts;
+    EXPECT_EQ(std::ranges::count(facts, study::Setting{"noise_level_dBFS", -40.0}), 1);
+    EXPECT_EQ(std::ranges::count(facts, study::Setting{"noise_output", std::string("default")}), 1);
+}
+
+TEST_F(StudySitting, WithoutASoundOutputThereIsNoSession) {
+    protocol_.noise = study::MaskingNoise{-80.0};
+    plays_noise_ = true;
+    const std::string said = testing::said_in_child(
+        [] {},
+        [&] {
+            ::testing::internal::CaptureStderr();
+            return complaint_of([&] {
+                static_cast<void>(
+                    run([](MadeUpPort &port, session::Session &) { port.orders.stops = true; }));
+            });
+        });
+    if (said.empty()) {
+        GTEST_SKIP() << "this machine has a sound output";
+    }
+    EXPECT_NE(said.find("there is no sound output"), std::string::npos) << said;
+    EXPECT_TRUE(study::read_study(file()).sessions.empty());
+}
+
+} // namespace
+} // namespace springdrive::app::study_screen

@@ -1,0 +1,121 @@
+// A whole session on the simulated device, in lockstep, with a participant and an experimenter that
+// are made up; the study is in a folder of its own.
+#pragma once
+
+#include "app/study/sitting.h"
+#include "engine/study/protocol/protocol_file.h"
+#include "tests/app/study/headless_study.h"
+#include "tests/app/study/made_up_people.h"
+#include "tests/support/devices.h"
+#include "tests/support/files.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace springdrive::app::study_screen {
+
+class StudySitting : public ::testing::Test {
+protected:
+    explicit StudySitting(const std::string &protocol = "direction")
+        : folder_(testing::fresh_folder("sitting")),
+          protocol_(short_protocol(protocol)), folders_{testing::assets() / "protocols",
+                                                        testing::assets()} {
+        study::create_study(file(), {protocol_.title, "text", "0.1.0"}, study::utc_now());
+        study::StudyStore(file()).add({"P01", 1, study::utc_now()});
+    }
+
+    [[nodiscard]] std::filesystem::path file() const { return folder_ / "a.study"; }
+
+    [[nodiscard]] session::SessionOptions options() const {
+        session::SessionOptions options;
+        options.scene = study::scene_file_of(protocol_.conditions.front(), folders_);
+        options.device.file = study::device_file_of(protocol_, folders_);
+        options.device.kind = kind_;
+        options.starts_at_zero = kind_ == factory::DeviceKind::emulated;
+        options.lockstep = true;
+        return options;
+    }
+
+    [[nodiscard]] SittingPlan plan() const {
+        return {protocol_,   study::study_setting(protocol_, folders_), folders_, "P01", false,
+                plays_noise_};
+    }
+
+    study::SessionEnding
+    run(const std::function<void(MadeUpPort &, session::Session &)> &prepare = {}) {
+        study::StudyStore store(file());
+        session::Session session(options());
+        MadeUpPort port(session, protocol_);
+        if (prepare) {
+            prepare(port, session);
+        }
+        session.start();
+        Sitting sitting(store, plan(), session, port);
+        const study::SessionEnding ending = sitting.run();
+        steps_ = port.steps;
+        return ending;
+    }
+
+    /// The same decisions without screens and without a device.
+    [[nodiscard]] std::vector<study::Trial> headless() const {
+        const auto present = [this](const study::PlannedTrial &planned) {
+            study::TrialResult result;
+            const Decision decision = decision_of(planned);
+            if (decision.after_s >= 0.0) {
+                result.response = response_of(protocol_.task, decision.key);
+            }
+            return result;
+        };
+        return testing::conducted(protocol_, present).trials;
+    }
+
+    bool plays_noise_ = false;
+    factory::DeviceKind kind_ = factory::DeviceKind::simulated;
+    std::filesystem::path folder_;
+    study::Protocol protocol_;
+    study::ProtocolFolders folders_;
+    std::set<SittingStep> steps_;
+};
+
+inline void expect_same_decisions(const std::vector<study::Trial> &seen,
+                                  const std::vector<study::Trial> &wanted) {
+    ASSERT_EQ(seen.size(), wanted.size());
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        SCOPED_TRACE(text_of(wanted[i].place));
+        EXPECT_EQ(seen[i].place, wanted[i].place);
+        EXPECT_EQ(seen[i].condition, wanted[i].condition);
+        EXPECT_EQ(seen[i].level, wanted[i].level);
+        EXPECT_EQ(seen[i].target, wanted[i].target);
+        EXPECT_EQ(seen[i].seed, wanted[i].seed);
+        EXPECT_EQ(seen[i].response, wanted[i].response);
+        EXPECT_EQ(seen[i].is_correct, wanted[i].is_correct);
+        EXPECT_EQ(seen[i].repetition_of, wanted[i].repetition_of);
+        EXPECT_EQ(seen[i].marks, wanted[i].marks);
+    }
+}
+
+/// Once, in the midst of the first presentation of the trial at that place.
+class Once {
+public:
+    explicit Once(int position) : position_(position) {}
+
+    [[nodiscard]] bool is_now(const SittingState &state) {
+        const bool is_meant = !is_done_ && state.step == SittingStep::interval &&
+                              state.phase == study::StimulusPhase::presenting && state.trial &&
+                              state.trial->place.block == 1 &&
+                              state.trial->place.position == position_;
+        is_done_ = is_done_ || is_meant;
+        return is_meant;
+    }
+
+private:
+    int position_;
+    bool is_done_ = false;
+};
+
+} // namespace springdrive::app::study_screen

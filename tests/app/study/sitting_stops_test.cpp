@@ -1,0 +1,87 @@
+// Covers app/study/{sitting,trial_presenter}.cpp: a device that is stopped or lost in a trial.
+#include "tests/app/study/sitting_rig.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace springdrive::app::study_screen {
+namespace {
+
+using study::SessionEnding;
+using study::Trial;
+
+TEST_F(StudySitting, ATripIsStoredAndItsTrialComesAgain) {
+    Once once(3);
+    std::string shown;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+            if (once.is_now(state)) {
+                session.servo().emergency_stop();
+            }
+            if (state.step == SittingStep::device_stopped) {
+                shown = picture.text;
+                port.orders.resets_device = true;
+            }
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    EXPECT_EQ(shown, protocol_.texts.device_stopped);
+    const std::vector<Trial> trials = study::read_study(file()).trials;
+    const auto tripped = std::ranges::find_if(
+        trials, [](const Trial &trial) { return !trial.safety_events.empty(); });
+    ASSERT_NE(tripped, trials.end());
+    EXPECT_EQ(tripped->place.position, 3);
+    EXPECT_TRUE(std::holds_alternative<study::NoResponse>(tripped->response));
+    EXPECT_TRUE(tripped->is_presented_again);
+    EXPECT_EQ(
+        std::ranges::count_if(
+            trials, [&](const Trial &trial) { return trial.repetition_of == tripped->place; }),
+        1);
+}
+
+TEST_F(StudySitting, AStopByHandWaitsForTheExperimenter) {
+    Once once(2);
+    int frames_stopped = 0;
+    run([&](MadeUpPort &port, session::Session &session) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            if (once.is_now(state)) {
+                session.servo().emergency_stop();
+            }
+            // Ten seconds, three times what another stop takes to be reset.
+            if (state.step == SittingStep::device_stopped && ++frames_stopped == 600) {
+                port.orders.stops = true;
+            }
+        };
+    });
+    EXPECT_EQ(frames_stopped, 600);
+    EXPECT_EQ(study::read_study(file()).sessions.front().ending, SessionEnding::stopped);
+}
+
+void set_plugged(session::Session &session, bool is_plugged) {
+    session.servo().paused([&] { session.device().emulated()->set_plugged(is_plugged); });
+}
+
+TEST_F(StudySitting, ATrialInWhichTheCableIsPulledBeginsAnew) {
+    kind_ = factory::DeviceKind::emulated;
+    Once once(3);
+    int lost = 0;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            if (once.is_now(state)) {
+                set_plugged(session, false);
+            }
+            if (state.step == SittingStep::device_lost && ++lost == 60) {
+                set_plugged(session, true);
+            }
+        };
+    });
+    EXPECT_GE(lost, 60);
+    EXPECT_EQ(ending, SessionEnding::completed);
+    expect_same_decisions(study::read_study(file()).trials, headless());
+}
+
+} // namespace
+} // namespace springdrive::app::study_screen

@@ -1,0 +1,65 @@
+// Covers app/study/{sitting,trial_presenter}.cpp: what a participant sees of a stimulus does not
+// tell which it is. See same_pixels_test.cpp for what is drawn of it.
+#include "engine/study/protocol/protocol_file.h"
+#include "tests/app/study/made_up_people.h"
+#include "tests/support/devices.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace springdrive::app::study_screen {
+namespace {
+
+using study::PlannedTrial;
+
+/// All that a participant sees of the first interval until the hand leaves.
+std::vector<ParticipantPicture> pictures_of_first_interval(const study::Protocol &protocol,
+                                                           const study::ProtocolFolders &folders,
+                                                           const PlannedTrial &planned) {
+    std::vector<ParticipantPicture> pictures;
+    present_alone(protocol, folders, planned, [&](MadeUpPort &port) {
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+            if (state.step != SittingStep::interval || state.interval != 0) {
+                return;
+            }
+            if (state.phase == study::StimulusPhase::leaving) {
+                EXPECT_EQ(picture, pictures.back()); // for as long as a hand was deep
+            } else {
+                pictures.push_back(picture);
+            }
+        };
+    });
+    return pictures;
+}
+
+TEST(StudyPictures, AreTheSameOfEachConditionAndLevelUntilTheHandLeaves) {
+    const study::ProtocolFolders folders{testing::assets() / "protocols", testing::assets()};
+    for (const char *name : {"direction", "stiffness", "blow", "hardness", "mass"}) {
+        SCOPED_TRACE(name);
+        study::Protocol protocol = study::read_protocol_file(testing::assets() / "protocols" /
+                                                             (std::string(name) + ".toml"));
+        protocol.timing.response_s = 1.0;
+        const std::vector<double> levels = study::presentable_levels(protocol);
+        std::vector<ParticipantPicture> first;
+        for (const PlannedTrial &planned :
+             trials_of_conditions(protocol, {levels.front(), levels.back()}, {0, 1})) {
+            SCOPED_TRACE(::testing::Message() << protocol.conditions[planned.condition].name
+                                              << " at " << planned.presented.level);
+            const std::vector<ParticipantPicture> pictures =
+                pictures_of_first_interval(protocol, folders, planned);
+            EXPECT_GT(pictures.size(), 10U);
+            if (first.empty()) {
+                first = pictures;
+            }
+            ASSERT_EQ(pictures.size(), first.size());
+            for (std::size_t i = 0; i < pictures.size(); ++i) {
+                ASSERT_EQ(pictures[i], first[i]) << "frame " << i;
+            }
+        }
+    }
+}
+
+} // namespace
+} // namespace springdrive::app::study_screen
