@@ -2,8 +2,8 @@
 #pragma once
 
 #include "app/assistant/assistant.h"
-#include "app/layout.h"
 #include "app/panels/doctor_popup.h"
+#include "app/window/layout.h"
 
 namespace springdrive::app {
 

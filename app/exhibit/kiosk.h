@@ -11,7 +11,7 @@
 #include "app/exhibit/healing.h"
 #include "app/exhibit/kiosk_screen.h"
 #include "app/exhibit/performer.h"
-#include "app/view_control.h"
+#include "app/window/view_control.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -8,10 +8,10 @@
 
 #include "app/exhibit/course.h"
 #include "app/exhibit/healing.h"
-#include "app/layout.h"
 #include "app/view/camera.h"
 #include "app/view/view_state.h"
-#include "app/window.h"
+#include "app/window/layout.h"
+#include "app/window/window.h"
 #include "engine/control/tuning.h"
 
 #include <optional>

@@ -1,9 +1,9 @@
 // What is drawn in the scene, by name and colour, each with its switch.
 #pragma once
 
-#include "app/layout.h"
 #include "app/view/shown_things.h"
 #include "app/view/touch_values.h"
+#include "app/window/layout.h"
 
 namespace springdrive::app {
 

@@ -1,10 +1,10 @@
 // Over the scene: what it is there to let one feel, and words on its parts.
 #pragma once
 
-#include "app/layout.h"
-#include "app/tuning_desk.h"
+#include "app/demo/tuning_desk.h"
 #include "app/view/camera.h"
 #include "app/view/view_state.h"
+#include "app/window/layout.h"
 #include "engine/session/session.h"
 
 #include <array>

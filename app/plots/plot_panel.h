@@ -1,11 +1,11 @@
 // The panel of plots: several of them, with what they have in common: time, cursors and trigger.
 #pragma once
 
-#include "app/layout.h"
 #include "app/plots/plot.h"
 #include "app/plots/plot_trigger.h"
 #include "app/plots/plot_view.h"
 #include "app/plots/stiffness_curves.h"
+#include "app/window/layout.h"
 #include "engine/session/session.h"
 #include "engine/session/tuning_history.h"
 

@@ -5,7 +5,7 @@
 //   sitting ◄──inputs── answers of a visitor who is made up ◄── window
 #pragma once
 
-#include "app/study/sitting_port.h"
+#include "app/study/sitting/sitting_port.h"
 #include "app/visitors/presence.h"
 #include "engine/session/session.h"
 #include "engine/study/observers/simulated_sitting.h"

@@ -1,13 +1,12 @@
 #include "app/visitors/visitor_window.h"
 
 #include "app/ending_signal.h"
-#include "app/frame_pace.h"
 #include "app/open_session.h"
-#include "app/study/input_times.h"
+#include "app/study/participant/input_times.h"
 #include "app/widgets/widgets.h"
+#include "app/window/frame_pace.h"
 #include "base/complaint.h"
 
-#include <GLFW/glfw3.h>
 #include <fmt/core.h>
 
 #include <chrono>
@@ -24,20 +23,19 @@ using study_screen::PixelBox;
 using study_screen::SittingFrame;
 using study_screen::SittingState;
 
-Window::Wish smallest() {
+Window::Wish hidden() {
     Window::Wish wish;
     wish.size = {640, 400};
+    wish.is_hidden = true;
     return wish;
 }
 
 } // namespace
 
 VisitorWindow::VisitorWindow(const VisitorWindowOptions &options, session::Session &session)
-    : session_(session), hidden_("springdrive", smallest()),
+    : session_(session), hidden_("springdrive", hidden()),
       view_(Window::draws_in_software() ? 0 : 4), window_(hidden_, options.window),
-      reports_(options.reports) {
-    glfwHideWindow(hidden_.glfw());
-}
+      reports_(options.reports) {}
 
 void VisitorWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) {
     const device::Workspace &workspace = session_.description().workspace;

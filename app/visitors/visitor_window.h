@@ -1,11 +1,11 @@
 // The one window of the visitors' task: the participant's, on whatever screen visitors have.
 #pragma once
 
-#include "app/report_requests.h"
-#include "app/study/participant_view.h"
-#include "app/study/participant_window.h"
-#include "app/study/sitting_port.h"
-#include "app/window.h"
+#include "app/study/participant/participant_view.h"
+#include "app/study/participant/participant_window.h"
+#include "app/study/sitting/sitting_port.h"
+#include "app/window/report_requests.h"
+#include "app/window/window.h"
 #include "engine/servo/duration_histogram.h"
 #include "engine/session/session.h"
 

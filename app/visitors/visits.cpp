@@ -1,6 +1,6 @@
 #include "app/visitors/visits.h"
 
-#include "app/study/sitting.h"
+#include "app/study/sitting/sitting.h"
 #include "app/visitors/curve_of_answers.h"
 #include "base/input_error.h"
 #include "engine/study/conduct/conduct.h"

@@ -8,7 +8,7 @@
 // a visitor is in any file.
 #pragma once
 
-#include "app/study/sitting_port.h"
+#include "app/study/sitting/sitting_port.h"
 #include "app/visitors/visitor_port.h"
 #include "engine/session/session.h"
 #include "engine/study/methods/psychometric_function.h"

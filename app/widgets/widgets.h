@@ -7,9 +7,9 @@
 // is then the item.
 #pragma once
 
-#include "app/layout.h"
 #include "app/widgets/look.h"
 #include "app/widgets/window_report.h"
+#include "app/window/layout.h"
 #include "base/print.h"
 
 #include <imgui.h>

@@ -1,5 +1,5 @@
-// Covers app/scene_message.cpp: which message stands over the scene, and what its button does.
-#include "app/scene_message.h"
+// Covers app/demo/scene_message.cpp: which message stands over the scene, and what its button does.
+#include "app/demo/scene_message.h"
 
 #include <gtest/gtest.h>
 

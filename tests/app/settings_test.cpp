@@ -1,6 +1,6 @@
-// Covers app/settings.cpp: what the window remembers, and files that are damaged or cannot be
+// Covers app/demo/settings.cpp: what the window remembers, and files that are damaged or cannot be
 // written.
-#include "app/settings.h"
+#include "app/demo/settings.h"
 
 #include "base/input_error.h"
 #include "tests/support/complaint.h"

@@ -1,5 +1,5 @@
-// Covers app/shown_values.cpp: the trace, and what is computed for what is switched on.
-#include "app/shown_values.h"
+// Covers app/demo/shown_values.cpp: the trace, and what is computed for what is switched on.
+#include "app/demo/shown_values.h"
 
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"

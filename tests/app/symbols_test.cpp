@@ -1,6 +1,6 @@
-// Covers app/symbols.cpp: every parameter, limit and channel has its text, with equations that the
-// paper has.
-#include "app/symbols.h"
+// Covers app/demo/symbols.cpp: every parameter, limit and channel has its text, with equations that
+// the paper has.
+#include "app/demo/symbols.h"
 
 #include "engine/control/tuning.h"
 #include "engine/servo/safety_limits.h"

@@ -1,6 +1,6 @@
-// Covers app/tip_inside.cpp: a point in a solid is told from one beside it, below an open mesh or
-// in a bowl.
-#include "app/tip_inside.h"
+// Covers app/demo/tip_inside.cpp: a point in a solid is told from one beside it, below an open mesh
+// or in a bowl.
+#include "app/demo/tip_inside.h"
 
 #include <gtest/gtest.h>
 

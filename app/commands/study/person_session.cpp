@@ -2,7 +2,7 @@
 
 #include "app/asset_folder.h"
 #include "app/open_session.h"
-#include "app/study/person_checks.h"
+#include "app/study/sitting/person_checks.h"
 #include "base/input_error.h"
 #include "engine/session/session_report.h"
 #include "engine/study/protocol/presented.h"

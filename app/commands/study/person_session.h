@@ -2,8 +2,8 @@
 #pragma once
 
 #include "app/commands/common_options.h"
-#include "app/study/sitting.h"
-#include "app/study/study_window.h"
+#include "app/study/experimenter/study_window.h"
+#include "app/study/sitting/sitting.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/store/study_store.h"
 

@@ -2,7 +2,7 @@
 
 #include "app/commands/study/check_report.h"
 #include "app/commands/study/opened_study.h"
-#include "app/study/person_checks.h"
+#include "app/study/sitting/person_checks.h"
 #include "engine/study/protocol/protocol_check.h"
 
 #include <CLI/CLI.hpp>

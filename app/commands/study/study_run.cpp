@@ -4,7 +4,7 @@
 #include "app/commands/study/opened_study.h"
 #include "app/commands/study/study_turns.h"
 #include "app/ending_signal.h"
-#include "app/study/person_checks.h"
+#include "app/study/sitting/person_checks.h"
 #include "base/input_error.h"
 
 #include <CLI/CLI.hpp>

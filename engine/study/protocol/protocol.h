@@ -126,7 +126,7 @@ struct ResponseWays {
 };
 
 /// Pink noise from the system's sound output, which masks the device's own;
-/// app/study/masking_noise.h.
+/// app/study/sound/masking_noise.h.
 struct MaskingNoise {
     double level_dBFS = -30.0; ///< RMS, of full scale; what that is at the ear is for the volume
 

@@ -1,7 +1,7 @@
-// Covers app/study/curve_chart.cpp, and where participant_layout.cpp puts a curve.
-#include "app/study/curve_chart.h"
+// Covers app/study/experimenter/curve_chart.cpp, and where participant_layout.cpp puts a curve.
+#include "app/study/experimenter/curve_chart.h"
 
-#include "app/study/participant_layout.h"
+#include "app/study/participant/participant_layout.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 // frame a sixtieth of a second.
 #pragma once
 
-#include "app/study/answers.h"
-#include "app/study/sitting.h"
+#include "app/study/participant/answers.h"
+#include "app/study/sitting/sitting.h"
 #include "engine/study/protocol/protocol_file.h"
 #include "tests/support/devices.h"
 

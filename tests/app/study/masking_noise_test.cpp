@@ -1,6 +1,6 @@
-// Covers app/study/masking_noise.cpp: what the system's sound output is given, by an output of ALSA
-// that writes to a file; and what is said where there is none.
-#include "app/study/masking_noise.h"
+// Covers app/study/sound/masking_noise.cpp: what the system's sound output is given, by an output
+// of ALSA that writes to a file; and what is said where there is none.
+#include "app/study/sound/masking_noise.h"
 
 #include "base/input_error.h"
 #include "tests/support/child_process.h"

@@ -1,7 +1,8 @@
-// Covers app/study/participant_layout.cpp, choice_plates.cpp, participant_input.cpp, monitors.cpp.
-#include "app/study/monitors.h"
-#include "app/study/participant_input.h"
-#include "app/study/participant_layout.h"
+// Covers app/study/participant/participant_layout.cpp, choice_plates.cpp, participant_input.cpp,
+// monitors.cpp.
+#include "app/study/participant/monitors.h"
+#include "app/study/participant/participant_input.h"
+#include "app/study/participant/participant_layout.h"
 #include "base/input_error.h"
 #include "tests/app/study/participant_pictures.h"
 

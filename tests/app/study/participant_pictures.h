@@ -1,7 +1,7 @@
 // One picture of each kind that a participant sees.
 #pragma once
 
-#include "app/study/participant_picture.h"
+#include "app/study/participant/participant_picture.h"
 
 #include <string>
 #include <utility>

@@ -1,7 +1,8 @@
-// Covers app/study/participant_view.cpp, participant_scene.cpp, app/view/text_painter.cpp.
+// Covers app/study/participant/participant_view.cpp, participant_scene.cpp,
+// app/view/text_painter.cpp.
 //
 // With SPRINGDRIVE_PICTURES set to a folder, all pictures are written there, to be looked at.
-#include "app/study/participant_view.h"
+#include "app/study/participant/participant_view.h"
 #include "engine/scene/gltf.h"
 #include "tests/app/study/participant_pictures.h"
 #include "tests/support/devices.h"

@@ -1,6 +1,7 @@
-// Covers app/study/participant_window.cpp, participant_events.cpp: both windows on one virtual
-// display. There is no window manager: both are at the top left, this one above the main one.
-#include "app/study/participant_window.h"
+// Covers app/study/participant/participant_window.cpp, participant_events.cpp: both windows on one
+// virtual display. There is no window manager: both are at the top left, this one above the main
+// one.
+#include "app/study/participant/participant_window.h"
 #include "base/input_error.h"
 #include "tests/app/study/participant_pictures.h"
 #include "tests/support/pressed_keys.h"

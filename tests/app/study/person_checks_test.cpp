@@ -1,7 +1,7 @@
-// Covers app/study/person_checks.cpp and questions.cpp.
-#include "app/study/person_checks.h"
+// Covers app/study/sitting/person_checks.cpp and questions.cpp.
+#include "app/study/sitting/person_checks.h"
 
-#include "app/study/questions.h"
+#include "app/study/sitting/questions.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
-// Covers app/study/pink_noise.cpp and faded_noise.h: level, spectrum, clipping and fades against
-// theory.
-#include "app/study/faded_noise.h"
-#include "app/study/pink_noise.h"
+// Covers app/study/sound/pink_noise.cpp and faded_noise.h: level, spectrum, clipping and fades
+// against theory.
+#include "app/study/sound/faded_noise.h"
+#include "app/study/sound/pink_noise.h"
 
 #include "base/split_mix.h"
 

@@ -1,6 +1,6 @@
-// Covers the times of app/study/participant_events.cpp and what becomes of them in the store: keys
-// are pressed at known times of CLOCK_MONOTONIC, 10 to 2000 ms after a presentation, and each
-// stored response time is held against them. The servo runs by its clock, in real time.
+// Covers the times of app/study/participant/participant_events.cpp and what becomes of them in the
+// store: keys are pressed at known times of CLOCK_MONOTONIC, 10 to 2000 ms after a presentation,
+// and each stored response time is held against them. The servo runs by its clock, in real time.
 //
 // The default tests press some keys; `tests/long response-times` 200.
 #include "engine/study/store/study_store.h"

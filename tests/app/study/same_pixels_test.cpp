@@ -4,7 +4,7 @@
 // are drawn of each, and each by as many draw calls.
 //
 // Takes minutes: only `tests/long study-pixels` runs it.
-#include "app/study/participant_view.h"
+#include "app/study/participant/participant_view.h"
 #include "app/view/gl_objects.h"
 #include "tests/app/study/made_up_people.h"
 #include "tests/support/cases.h"

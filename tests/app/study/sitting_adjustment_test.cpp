@@ -1,5 +1,5 @@
-// Covers app/study/{sitting,trial_presenter,answers}.cpp: sessions by method of adjustment.
-#include "app/study/answers.h"
+// Covers app/study/{sitting/sitting,participant/answers}.cpp: sessions by method of adjustment.
+#include "app/study/participant/answers.h"
 #include "tests/app/study/sitting_rig.h"
 
 #include <gtest/gtest.h>

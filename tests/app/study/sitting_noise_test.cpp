@@ -1,5 +1,5 @@
-// Covers app/study/sitting.cpp: a session with masking noise, on a sound output that is a file, or
-// on none.
+// Covers app/study/sitting/sitting.cpp: a session with masking noise, on a sound output that is a
+// file, or on none.
 #include "base/complaint.h"
 #include "tests/app/study/sitting_rig.h"
 #include "tests/support/child_process.h"

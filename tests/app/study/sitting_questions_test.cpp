@@ -1,5 +1,5 @@
-// Covers app/study/{sitting,answers}.cpp: the questionnaire.
-#include "app/study/answers.h"
+// Covers app/study/{sitting/sitting,participant/answers}.cpp: the questionnaire.
+#include "app/study/participant/answers.h"
 #include "tests/app/study/sitting_rig.h"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 // are made up; the study is in a folder of its own.
 #pragma once
 
-#include "app/study/sitting.h"
+#include "app/study/sitting/sitting.h"
 #include "engine/study/protocol/protocol_file.h"
 #include "tests/app/study/headless_study.h"
 #include "tests/app/study/made_up_people.h"

@@ -1,4 +1,5 @@
-// Covers app/study/{sitting,trial_presenter}.cpp: a device that is stopped or lost in a trial.
+// Covers app/study/sitting/{sitting,trial_presenter}.cpp: a device that is stopped or lost in a
+// trial.
 #include "tests/app/study/sitting_rig.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Covers app/study/{sitting,trial_presenter}.cpp: whole sessions, what an experimenter may do in
-// them, and that they go on. See study_window_test.cpp for the real windows.
+// Covers app/study/sitting/{sitting,trial_presenter}.cpp: whole sessions, what an experimenter may
+// do in them, and that they go on. See study_window_test.cpp for the real windows.
 #include "tests/app/study/sitting_rig.h"
 
 #include <gtest/gtest.h>

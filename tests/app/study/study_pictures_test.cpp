@@ -1,5 +1,5 @@
-// Covers app/study/{sitting,trial_presenter}.cpp: what a participant sees of a stimulus does not
-// tell which it is. See same_pixels_test.cpp for what is drawn of it.
+// Covers app/study/sitting/{sitting,trial_presenter}.cpp: what a participant sees of a stimulus
+// does not tell which it is. See same_pixels_test.cpp for what is drawn of it.
 #include "engine/study/protocol/protocol_file.h"
 #include "tests/app/study/made_up_people.h"
 #include "tests/support/devices.h"

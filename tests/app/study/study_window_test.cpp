@@ -1,8 +1,8 @@
-// Covers app/commands/study/person_session.cpp, app/study/study_window.cpp and all below them: a
-// participant and an experimenter at the two real windows, by mouse and keyboard, through a study
-// in which everything happens that may: a stop, a trial that is repeated, a pause, a break, a
-// device that is lost, a program that is killed in a trial, and a day that is ended and gone on
-// with. The store must be what the same decisions give without windows, trial by trial.
+// Covers app/commands/study/person_session.cpp, app/study/experimenter/study_window.cpp and all
+// below them: a participant and an experimenter at the two real windows, by mouse and keyboard,
+// through a study in which everything happens that may: a stop, a trial that is repeated, a pause,
+// a break, a device that is lost, a program that is killed in a trial, and a day that is ended and
+// gone on with. The store must be what the same decisions give without windows, trial by trial.
 //
 // By frame time, so that a busy machine only takes longer: some minutes for each study. Therefore
 // only `tests/long study-windows` runs them: one of some trials, and each included protocol with

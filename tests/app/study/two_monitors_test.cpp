@@ -1,10 +1,11 @@
-// Covers the monitors of app/study/participant_window.cpp: two of them, one of which goes away and
-// comes back. Xvfb has only one; Xorg with its driver "dummy" has sixteen that can be plugged in
-// (packages xserver-xorg-video-dummy and x11-xserver-utils). Run by hand, skipped otherwise:
+// Covers the monitors of app/study/participant/participant_window.cpp: two of them, one of which
+// goes away and comes back. Xvfb has only one; Xorg with its driver "dummy" has sixteen that can be
+// plugged in (packages xserver-xorg-video-dummy and x11-xserver-utils). Run by hand, skipped
+// otherwise:
 //
 //   Xorg -noreset -novtswitch -sharevts -config CONFIG :87 &     a Device with Driver "dummy"
 //   SPRINGDRIVE_TWO_MONITORS=:87 participant_tests --gtest_filter='TwoMonitors.*'
-#include "app/study/participant_window.h"
+#include "app/study/participant/participant_window.h"
 
 #include <gtest/gtest.h>
 #include <imgui.h>

@@ -80,7 +80,7 @@ TEST(ShownThings, EachSwitchTakesSomethingAway) {
         ViewState without = full_state();
         without.shown = all.shown;
         without.shown.show(look.thing, false);
-        // What the values hold is computed only if it is switched on: app/shown_values.cpp.
+        // What the values hold is computed only if it is switched on: app/demo/shown_values.cpp.
         TouchValues &touch = without.touch;
         switch (look.thing) {
         case Thing::both_forces:

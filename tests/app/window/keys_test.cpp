@@ -1,4 +1,4 @@
-// Covers the keys, the servo panel's speed, limits and log: app/screen.cpp,
+// Covers the keys, the servo panel's speed, limits and log: app/demo/screen.cpp,
 // app/panels/servo_panel.cpp.
 #include "engine/servo/safety_status.h"
 #include "tests/support/devices.h"

@@ -1,4 +1,5 @@
-// Covers app/panels/legend.cpp with what it switches: app/shown_values.cpp, app/view/renderer.cpp.
+// Covers app/panels/legend.cpp with what it switches: app/demo/shown_values.cpp,
+// app/view/renderer.cpp.
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/shown_boxes.h"

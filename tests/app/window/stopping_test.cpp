@@ -1,4 +1,4 @@
-// Covers what a person does to stop the device, and to start it again: app/window.cpp and
+// Covers what a person does to stop the device, and to start it again: app/window/window.cpp and
 // app/panels/scene_overlay.cpp.
 #include "engine/servo/safety_status.h"
 #include "tests/support/devices.h"

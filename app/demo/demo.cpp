@@ -1,0 +1,131 @@
+#include "app/demo/demo.h"
+
+#include "app/commands/output_files.h"
+#include "app/demo/screen.h"
+#include "app/ending_signal.h"
+#include "app/exhibit/lost_display.h"
+#include "app/exhibit/supervisor.h"
+#include "app/open_session.h"
+#include "app/window/frame_pace.h"
+#include "app/window/software_renderer.h"
+#include "base/print.h"
+#include "engine/session/session_report.h"
+
+#include <iostream>
+
+#include <malloc.h>
+
+namespace springdrive::app {
+
+namespace {
+
+/// Keeps hours of scene after scene from adding up. Memory is locked for the servo, so what is
+/// freed within an arena of the heap is never given back, and each thread that loads a scene may
+/// have an arena of its own. Hence one arena, and what is large is mapped by itself: that is given
+/// back whole.
+void limit_heap() {
+#ifdef __GLIBC__
+    constexpr int kMapped_bytes = 256 * 1024;
+    if (mallopt(M_ARENA_MAX, 1) != 1 || mallopt(M_MMAP_THRESHOLD, kMapped_bytes) != 1) {
+        std::cerr << "springdrive: the heap cannot be limited; memory may grow in use\n";
+    }
+#endif
+}
+
+/// Until the window is closed, the frames are over, or termination is requested.
+void play(const DemoOptions &options, session::Session &session, Screen &screen) {
+    FramePace pace;
+    const bool lockstep = options.session.lockstep;
+    for (int frame = 0; !asked_to_end() && !screen.window().is_closing(); ++frame) {
+        const double elapsed_s = lockstep ? frame * kFrame_s : pace.elapsed_s();
+        if ((options.frames > 0 && frame >= options.frames) ||
+            (options.seconds > 0.0 && elapsed_s >= options.seconds - 1e-9)) {
+            return;
+        }
+        session.advance(kFrame_s);
+        print_new_remarks(session);
+        screen.draw_frame();
+        if (screen.kiosk() != nullptr && screen.kiosk()->ending() != exhibit::KioskEnding::none) {
+            return;
+        }
+        if (!lockstep) {
+            pace.wait();
+        }
+    }
+}
+
+void print_frames(const servo::DurationHistogram &frames) {
+    print(std::cout, "window: {} frames, median {:.1f} ms, 99 % {:.1f} ms, longest {:.1f} ms\n",
+          frames.count(), 1e3 * frames.quantile_s(0.5), 1e3 * frames.quantile_s(0.99),
+          1e3 * frames.longest_s());
+}
+
+void print_load(const FrameLoad &load) {
+    print(std::cout, "view: {} draw calls, {} triangles and lines, {} samples drawn in a frame\n",
+          load.draw_calls, load.primitives, load.samples);
+}
+
+/// Whether it is to be started again.
+bool finish_kiosk(Screen &screen) {
+    exhibit::Kiosk *const kiosk = screen.kiosk();
+    if (kiosk == nullptr) {
+        return false;
+    }
+    const bool starts_again = kiosk->ending() == exhibit::KioskEnding::start_again;
+    if (starts_again) {
+        std::cerr << "springdrive: the kiosk was stopped by a failed assertion, which only a new "
+                     "start clears; start it again\n";
+    }
+    kiosk->finish(starts_again                                     ? "only a new start helps"
+                  : kiosk->ending() == exhibit::KioskEnding::asked ? "by Ctrl+Alt+Q"
+                  : asked_to_end()                                 ? "by a signal"
+                                                                   : "its time is over");
+    return starts_again;
+}
+
+} // namespace
+
+int run_demo(const DemoOptions &options) {
+    limit_heap();
+    if (options.kiosk) {
+        draw_without_threads(); // days count more than frames
+    }
+    session::Session session = open_session(options.session);
+    Screen screen(options, session);
+    note_ending_signals();
+    exhibit::end_well_without_display([&] {
+        session.stop();
+        if (screen.kiosk() != nullptr) {
+            screen.kiosk()->finish("the display is lost");
+        }
+    });
+    session.start();
+    print_new_remarks(session);
+    play(options, session, screen);
+    exhibit::end_well_without_display({});
+    session.stop();
+    const bool starts_again = finish_kiosk(screen);
+    const std::string unkept = screen.finish();
+    if (!unkept.empty()) {
+        std::cerr << "springdrive: the session was not kept completely: " << unkept << '\n';
+    }
+    if (!options.screenshot.empty()) {
+        write_output(
+            options.screenshot.string(),
+            [&](std::ostream &out) { screen.window().write_screenshot(out); }, options.existing);
+    }
+    if (options.unattended()) {
+        session::write_session_report(std::cout, session);
+        print_frames(screen.frame_durations());
+        print_load(screen.frame_load());
+        if (!options.screenshot.empty()) {
+            std::cout << "screenshot: " << options.screenshot.string() << '\n';
+        }
+    }
+    // An attended run shows the stop in its window.
+    const bool stopped = options.unattended() && session::was_stopped(session, std::cerr);
+    const bool is_well = session::record_is_whole(session, std::cerr) && !stopped && unkept.empty();
+    return starts_again ? exhibit::kStartAgain : is_well ? 0 : 1;
+}
+
+} // namespace springdrive::app

@@ -1,0 +1,156 @@
+// What stands over the scene and below it: messages, read-outs, the window's menu, the first
+// minute.
+#include "app/demo/screen.h"
+
+#include "app/asset_folder.h"
+#include "app/panels/legend.h"
+#include "base/complaint.h"
+
+#include <iostream>
+
+namespace springdrive::app {
+
+bool Screen::shows_start() const {
+    return habits_.wants_start() && !assistant_.is_open() && !opened_.is_shown() &&
+           !plot_panel_.is_large && // nor is there a scene to speak of
+           session_.device_choice().kind == factory::DeviceKind::simulated;
+}
+
+void Screen::obey(SceneAction action) {
+    switch (action) {
+    case SceneAction::none:
+        return;
+    case SceneAction::reset:
+        session_.servo().reset_safety();
+        return;
+    case SceneAction::go_on:
+        toggle_pause();
+        return;
+    case SceneAction::show_present:
+        opened_.view = RecordView::present;
+        return;
+    case SceneAction::zero:
+        if (const std::string complaint =
+                complaint_of([this] { session_.zero_device(Vector3::Zero()); });
+            !complaint.empty()) {
+            habits_.say(complaint, true);
+        }
+        return;
+    case SceneAction::lift_hand:
+        lift_.start();
+        return;
+    }
+}
+
+/// Beside the plots made large there is only a strip of the scene, for messages and the stop.
+bool Screen::has_room_for_plates(const Rectangle &view) const {
+    constexpr float kLeast = 160.0F; // what lesson, views and help take below each other
+    return view.size.y > kLeast * window_.scale();
+}
+
+bool Screen::shows_lesson() const {
+    return !kiosk_ && !opened_.is_shown() && !assistant_.is_open();
+}
+
+Rectangle Screen::free_part(const Rectangle &view) const {
+    if (kiosk_) {
+        return exhibit::free_in_kiosk(view);
+    }
+    SidePlates plates;
+    if (has_room_for_plates(view)) {
+        plates.left = shows_lesson() ? width_of_scene_plate(session_, scene_panel_.plate, view,
+                                                            window_.scale())
+                                     : 0.0F;
+        plates.right = legend_width_;
+    }
+    Rectangle free = free_of_overlays(view, plates, opened_.is_shown(), window_.scale());
+    if (!has_panels()) {
+        free.size.y -= height_of_read_outs(view);
+    }
+    return free;
+}
+
+/// Nothing else stands over it: no menu, no views, no files.
+void Screen::draw_over_kiosk(const Rectangle &view, bool is_inside) {
+    draw_captions(session_, view_control_.camera(), view, window_.scale(), exhibit::kArrow);
+    kiosk_->update({{session_, desk_, lift_}, view_control_}, {ImGui::GetIO().DeltaTime, is_inside},
+                   view, window_.large_text());
+    if (const std::string complaint = kiosk_->take_complaint(); !complaint.empty()) {
+        std::cerr << "springdrive: " << complaint << '\n';
+    }
+    if (view_control_.holds_hand()) {
+        lift_.stop();
+    }
+    lift_.update(session_, is_inside, ImGui::GetIO().DeltaTime);
+}
+
+void Screen::draw_over_scene(const Rectangle &view) {
+    const bool is_inside = tip_inside_.at(session_.scenes().now().scene, session_.scenes().id(),
+                                          session_.latest().tip_m, ImGui::GetTime());
+    if (kiosk_) {
+        draw_over_kiosk(view, is_inside);
+        return;
+    }
+    SceneOverlay shown{situation_of(session_, opened_), habits_.notice(),
+                       !shows_start() && has_room_for_plates(view)};
+    shown.now.is_inside = is_inside && !assistant_.is_open();
+    const SceneAnswer answer = draw_scene_overlay(session_, opened_, shown, view, window_.scale());
+    obey(answer.action);
+    if (shows_lesson() && has_room_for_plates(view)) {
+        draw_captions(session_, view_control_.camera(), view, window_.scale());
+        draw_scene_plate(session_, desk_, scene_panel_.files, scene_panel_.plate, answer.free,
+                         window_.scale());
+    }
+    if (view_control_.holds_hand()) {
+        lift_.stop();
+    }
+    lift_.update(session_, is_inside, ImGui::GetIO().DeltaTime);
+    guide_.update({session_, desk_, lift_}, ImGui::GetTime());
+    if (!has_panels()) {
+        const servo::ServoSample now =
+            opened_.is_shown() ? opened_.playback().sample() : session_.latest();
+        draw_read_outs(opened_.subject(session_), now.tuning.map, view, window_.large_text(),
+                       window_.scale());
+    }
+    if (has_room_for_plates(view)) {
+        if (const auto viewpoint = draw_view_buttons(view, window_.scale())) {
+            view_control_.look_from(*viewpoint);
+        }
+        legend_width_ = draw_legend(habits_.shown(), habits_.opens_legend(), shown_values_.last(),
+                                    view, bottom_of_view_buttons(view, window_.scale()),
+                                    width_of_view_buttons(), window_.scale());
+    }
+    const WindowMenuChoice choice = draw_window_menu(habits_, view, window_.scale());
+    obey(choice.order);
+    if (!choice.opened.empty()) {
+        open(choice.opened);
+    }
+}
+
+void Screen::draw_start(const Rectangle &place) {
+    if (place.size.y <= 0.0F) {
+        return;
+    }
+    const StartAnswer answer = draw_start_plate(place, start_height_);
+    if (answer == StartAnswer::got_it) {
+        habits_.dismiss_start();
+    } else if (answer == StartAnswer::keys) {
+        shows_keys_ = true;
+    } else if (answer == StartAnswer::wrong_direction) {
+        open(asset_folder() / "scenes/wrong_direction.gltf");
+    }
+}
+
+/// Among recent files: scenes that are not included, and records, once they are there.
+void Screen::note_opened() {
+    const session::RecordPlayback &playback = opened_.playback();
+    const std::filesystem::path record = !playback.is_open() ? std::filesystem::path()
+                                         : opened_.run()     ? opened_.run()->folder
+                                                             : playback.record().file;
+    if (record != noted_record_ && !record.empty()) {
+        habits_.note_opened(record);
+    }
+    noted_record_ = record;
+}
+
+} // namespace springdrive::app

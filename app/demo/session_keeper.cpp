@@ -1,0 +1,280 @@
+#include "app/demo/session_keeper.h"
+
+#include "base/file_names.h"
+#include "base/input_error.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <exception>
+#include <memory>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace springdrive::app {
+
+namespace {
+
+/// Where a recording ends by itself or is stopped, its last ticks may not be in its file: so many
+/// are written again, which harms nothing.
+constexpr std::uint64_t kOverlap = 2000;
+
+std::chrono::sys_seconds now() {
+    return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+double newest_time_s(const session::Session &session) {
+    const record::ChannelStore &store = session.servo().history().store();
+    return store.is_empty() ? 0.0 : store.time_s(store.end() - 1);
+}
+
+struct PastFile {
+    std::filesystem::path file;
+    session::PastRecord past;
+};
+
+} // namespace
+
+SessionKeeper::SessionKeeper(std::filesystem::path parent)
+    : parent_(std::move(parent)), started_(now()) {}
+
+void SessionKeeper::keep(session::Session &session, const session::TuningHistory &tuning,
+                         const EventLog &log) {
+    error_.clear();
+    try {
+        std::error_code ignored;
+        if (!folder_ || !std::filesystem::exists(folder_->path(), ignored)) {
+            begin_folder(session);
+        }
+        record_from_now_on(session);
+        write_uncovered(session);
+        save(session, tuning, log);
+        wants_picture_ = true;
+    } catch (const InputError &error) {
+        error_ = error.what();
+        std::error_code ignored;
+        if (folder_ && std::filesystem::remove(folder_->path(), ignored)) { // if it is empty
+            folder_.reset();
+        }
+    }
+}
+
+/// The first one, or another one if that was deleted.
+void SessionKeeper::begin_folder(session::Session &session) {
+    if (folder_) {
+        writing_.give_up();
+        if (session.recording().file().parent_path() == folder_->path()) {
+            session.recording().stop(); // into a file that is gone
+        }
+        folder_.reset();
+    }
+    records_.clear();
+    being_written_.clear();
+    pictures_.clear();
+    covered_to_row_ = 0;
+    was_recording_ = false;
+    std::error_code ignored; // without the parent, the folder cannot be made, which is said
+    std::filesystem::create_directories(parent_, ignored);
+    folder_ = session::RunFolder::create(parent_);
+}
+
+/// "past.rec", "past-2.rec", ...
+std::filesystem::path SessionKeeper::name_of_new(const std::string &stem) const {
+    return unused_name(stem, ".rec", [this](const std::string &name) {
+        std::error_code ignored;
+        return std::filesystem::exists(folder_->path() / name, ignored) ||
+               std::ranges::find(being_written_, std::filesystem::path(name), &Kept::file) !=
+                   being_written_.end();
+    });
+}
+
+/// Begun before the past is taken from memory: no tick is between them.
+void SessionKeeper::record_from_now_on(session::Session &session) {
+    if (!session.recording().is_running()) {
+        note_end_of_recording();
+        session.start_recording(folder_->path() / name_of_new("record"));
+    }
+    session.servo().take_in();
+}
+
+void SessionKeeper::write_uncovered(const session::Session &session) {
+    take_written();
+    if (writing_.is_busy()) {
+        return; // what it writes ends where the recording began
+    }
+    if (was_recording_ && session.recording().is_running()) {
+        note_recording(session);
+    }
+    const std::uint64_t begin = session.servo().history().store().begin();
+    if (covered_to_row_ != 0 && covered_to_row_ < begin) {
+        error_ = fmt::format("{}: {} ticks are in no record: they were no longer in memory",
+                             folder_->path().string(), begin - covered_to_row_);
+    }
+    auto files = std::make_shared<std::vector<PastFile>>();
+    for (session::PastRecord &past : session.past()) {
+        past.from_row = std::max(past.from_row, covered_to_row_);
+        if (past.from_row >= past.to_row) {
+            continue;
+        }
+        const std::filesystem::path name = name_of_new("past");
+        being_written_.push_back({name, past.device, past.start_s, past.from_row});
+        files->push_back({folder_->path() / name, std::move(past)});
+    }
+    note_recording(session);
+    if (!files->empty()) {
+        writing_.start([files](BackgroundTalk &talk) {
+            for (const PastFile &each : *files) {
+                session::write_past(each.file, each.past, talk);
+            }
+            return true;
+        });
+    }
+}
+
+/// Of several that were to be written, all count or none: those after a failure are missing.
+void SessionKeeper::take_written() {
+    try {
+        if (writing_.take()) {
+            records_.insert(records_.end(), being_written_.begin(), being_written_.end());
+            being_written_.clear();
+        }
+    } catch (const std::exception &error) {
+        error_ = error.what();
+        std::error_code ignored;
+        for (const Kept &kept : std::exchange(being_written_, {})) {
+            covered_to_row_ = std::min(covered_to_row_, kept.from_row);
+            std::filesystem::remove(folder_->path() / kept.file, ignored);
+        }
+        was_recording_ = false; // what it records is written again
+    }
+}
+
+/// What is recorded now, in this folder or elsewhere, is covered.
+void SessionKeeper::note_recording(const session::Session &session) {
+    const std::uint64_t end = session.servo().history().store().end();
+    if (session.recording().is_running()) {
+        std::filesystem::path file = session.recording().file();
+        file = file.parent_path() == folder_->path() ? file.filename()
+                                                     : std::filesystem::absolute(file);
+        if (std::ranges::find(records_, file, &Kept::file) == records_.end()) {
+            const std::vector<session::PastRecord> past = session.past();
+            if (past.empty() || past.back().start_s != session.servo().history().start_s()) {
+                return; // there is no tick of this device yet
+            }
+            records_.push_back({file, past.back().device, past.back().start_s, end});
+        }
+        covered_to_row_ = end;
+        was_recording_ = true;
+    } else {
+        note_end_of_recording();
+    }
+}
+
+void SessionKeeper::note_end_of_recording() {
+    if (std::exchange(was_recording_, false)) {
+        covered_to_row_ -= std::min(covered_to_row_, kOverlap);
+    }
+}
+
+void SessionKeeper::update(const session::Session &session) {
+    if (!folder_) {
+        return;
+    }
+    take_written();
+    if (!writing_.is_busy() && error_.empty()) {
+        note_recording(session);
+    }
+    if (const std::string why = session.recording().status().error; !why.empty()) {
+        error_ = why;
+    }
+}
+
+session::RunFacts SessionKeeper::facts(const session::Session &session,
+                                       const session::TuningHistory &tuning,
+                                       const EventLog &log) const {
+    session::RunFacts facts;
+    facts.software = session.program_version();
+    facts.started = started_;
+    facts.kept = now();
+    facts.until_s = newest_time_s(session);
+    facts.servo_hz = session.servo().rate_hz();
+    facts.delay_periods = session.device().device().delay_periods();
+    const session::LoadedScene &scene = session.scenes().now();
+    facts.scene = {scene.scene.file.string(), scene.sha256, scene.scene.surface.triangles.size()};
+    facts.slots = tuning.slots();
+    facts.journal.assign(tuning.journal().begin(), tuning.journal().end());
+    for (const EventLog::Event &event : log.events()) {
+        facts.events.push_back({event.time_s, event.what});
+    }
+    facts.notes = notes;
+    facts.screenshots = pictures_;
+
+    std::vector<Kept> records = records_;
+    records.insert(records.end(), being_written_.begin(), being_written_.end());
+    std::ranges::stable_sort(records, {}, &Kept::from_row);
+    const std::vector<session::PastRecord> past = session.past();
+    std::vector<double> began_s; // of each device: no two begin at the same time
+    for (const Kept &kept : records) {
+        if (began_s.empty() || began_s.back() != kept.start_s) {
+            began_s.push_back(kept.start_s);
+            facts.devices.push_back(kept.device);
+        }
+        facts.records.push_back({kept.file, kept.start_s, facts.devices.size() - 1});
+    }
+    if (!past.empty() && !began_s.empty() && began_s.back() == past.back().start_s) {
+        facts.devices.back() = past.back().device; // as it is now
+    }
+    return facts;
+}
+
+void SessionKeeper::save(const session::Session &session, const session::TuningHistory &tuning,
+                         const EventLog &log) {
+    folder_->save(facts(session, tuning, log));
+}
+
+void SessionKeeper::finish(session::Session &session, const session::TuningHistory &tuning,
+                           const EventLog &log) {
+    if (!folder_ && notes.empty()) {
+        return;
+    }
+    error_.clear();
+    try {
+        if (!folder_) {
+            begin_folder(session);
+        }
+        wait_for_writing();
+        if (was_recording_ && session.recording().status().error.empty()) {
+            covered_to_row_ = session.servo().history().store().end(); // it ended with the session
+            was_recording_ = false;
+        }
+        note_end_of_recording();
+        write_uncovered(session);
+        wait_for_writing();
+        save(session, tuning, log);
+    } catch (const InputError &error) {
+        error_ = error.what();
+    }
+}
+
+void SessionKeeper::wait_for_writing() {
+    while (writing_.is_busy()) {
+        take_written();
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+}
+
+std::optional<std::filesystem::path> SessionKeeper::take_picture() {
+    if (!std::exchange(wants_picture_, false) || !folder_) {
+        return std::nullopt;
+    }
+    return folder_->next_screenshot();
+}
+
+void SessionKeeper::note_picture(const std::filesystem::path &file, const session::Session &session,
+                                 const session::TuningHistory &tuning, const EventLog &log) {
+    pictures_.push_back(file.filename());
+    save(session, tuning, log);
+}
+
+} // namespace springdrive::app

@@ -1,0 +1,98 @@
+// Keeps a session in a run folder: what is still in memory, all that follows, and what the person
+// wrote and saw.
+//
+//   keep ──► RunFolder ──► past.rec, ... (in the background), record.rec, ... (from now on)
+//        └─► devices, tunings, log, notes, a picture: again with every keep, and at the end
+#pragma once
+
+#include "app/demo/event_log.h"
+#include "base/background.h"
+#include "engine/session/run_folder.h"
+#include "engine/session/session.h"
+#include "engine/session/tuning_history.h"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive::app {
+
+class SessionKeeper {
+public:
+    /// @param parent  folder in which those of runs are made; it is made for the first
+    explicit SessionKeeper(std::filesystem::path parent);
+
+    /// Makes the folder, or brings it up to date: ticks that are in no record yet are written, as
+    /// far as they are in memory, and the session is recorded from now on. What failed before is
+    /// tried again.
+    void keep(session::Session &session, const session::TuningHistory &tuning, const EventLog &log);
+
+    /// Once a frame: follows the session's devices and records.
+    void update(const session::Session &session);
+
+    /// Once the session has stopped, brings the folder up to date: waits until all is written.
+    /// Notes that were written but never kept are kept then.
+    void finish(session::Session &session, const session::TuningHistory &tuning,
+                const EventLog &log);
+
+    /// Empty until something was kept.
+    [[nodiscard]] std::filesystem::path folder() const {
+        return folder_ ? folder_->path() : std::filesystem::path();
+    }
+    [[nodiscard]] bool is_writing() const { return writing_.is_busy(); }
+    /// Whether the last keep succeeded, and nothing was lost since.
+    [[nodiscard]] bool is_kept() const { return folder_.has_value() && error_.empty(); }
+    /// Why something could not be kept; else empty.
+    [[nodiscard]] const std::string &error() const { return error_; }
+
+    /// The picture of the window that is to be written once the frame is complete: once for every
+    /// `keep`. Call `note_picture` when that was done, or `fail` if it could not be.
+    [[nodiscard]] std::optional<std::filesystem::path> take_picture();
+    /// @throw InputError if the folder cannot be brought up to date
+    void note_picture(const std::filesystem::path &file, const session::Session &session,
+                      const session::TuningHistory &tuning, const EventLog &log);
+    void fail(const std::string &why) { error_ = why; }
+
+    std::string notes; ///< the person's
+
+private:
+    /// A record that is in the folder, or listed in it.
+    struct Kept {
+        std::filesystem::path file;
+        session::RunDevice device;
+        double start_s = 0.0;       ///< see RunRecord
+        std::uint64_t from_row = 0; ///< of the history, for their order
+    };
+
+    void begin_folder(session::Session &session);
+    void record_from_now_on(session::Session &session);
+    void write_uncovered(const session::Session &session);
+    void take_written();
+    void note_recording(const session::Session &session);
+    void note_end_of_recording();
+    void wait_for_writing();
+    void save(const session::Session &session, const session::TuningHistory &tuning,
+              const EventLog &log);
+    [[nodiscard]] std::filesystem::path name_of_new(const std::string &stem) const;
+    [[nodiscard]] session::RunFacts facts(const session::Session &session,
+                                          const session::TuningHistory &tuning,
+                                          const EventLog &log) const;
+
+    std::filesystem::path parent_;
+    std::chrono::sys_seconds started_;
+    std::optional<session::RunFolder> folder_;
+    std::vector<Kept> records_;
+    std::vector<Kept> being_written_;
+    std::uint64_t covered_to_row_ = 0; ///< of the history: up to here, all is in records
+    bool was_recording_ = false;
+    std::vector<std::filesystem::path> pictures_;
+    bool wants_picture_ = false;
+    std::string error_;
+    Background<bool> writing_; ///< last member, so that it is joined first
+};
+
+} // namespace springdrive::app

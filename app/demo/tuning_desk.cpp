@@ -1,0 +1,197 @@
+#include "app/demo/tuning_desk.h"
+
+#include "base/bisection.h"
+#include "base/print.h"
+#include "device/core/phantom/kinematics.h"
+#include "engine/control/tuning_difference.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <utility>
+
+namespace springdrive::app {
+
+namespace {
+
+std::vector<loops::Hand> hands_of(LampHand hand) {
+    switch (hand) {
+    case LampHand::every:
+        break;
+    case LampHand::none:
+        return {loops::no_hand()};
+    case LampHand::light:
+        return {loops::hand_of_firmness(0.0)};
+    case LampHand::relaxed:
+        return {loops::hand_of_firmness(0.5)};
+    case LampHand::firm:
+        return {loops::hand_of_firmness(1.0)};
+    }
+    return loops::hand_family();
+}
+
+/// As in plots: it goes on with another device.
+double now_s(const session::Session &session) {
+    const record::ChannelStore &store = session.servo().history().store();
+    return store.is_empty() ? 0.0 : store.time_s(store.end() - 1);
+}
+
+/// On the way from one tuning to another; map and source of α are those of the end.
+control::Tuning on_the_way(const control::Tuning &from, const control::Tuning &to, double share) {
+    control::Tuning tuning = to;
+    for (const control::Parameter &parameter : control::kParameters) {
+        const double start = from.*parameter.value;
+        tuning.*parameter.value = start + share * (to.*parameter.value - start);
+    }
+    return tuning;
+}
+
+/// Changes end where K_P and K_D could grow by this factor: at the limit itself nothing decays.
+constexpr double kLockMargin = 1.02;
+
+control::Tuning with_more_gain(control::Tuning tuning) {
+    tuning.K_P_V_per_rad *= kLockMargin;
+    tuning.K_D_Vs_per_rad *= kLockMargin;
+    return tuning;
+}
+
+} // namespace
+
+double StabilityLamp::time_constant_s() const {
+    return period_s / std::abs(std::log(worst.eigenvalue));
+}
+
+loops::StabilityCase stability_case_of(const session::Session &session,
+                                       const control::Tuning &tuning) {
+    loops::StabilityCase which;
+    which.device = session.description();
+    which.tuning = tuning;
+    which.period_s = session.servo().period_s();
+    which.delay_periods = session.device().device().delay_periods();
+    which.q_rad = device::joint_from_motor(which.device.geometry, session.latest().theta_rad);
+    return which;
+}
+
+TuningDesk::TuningDesk(const session::Session &session)
+    : history_(session.servo().inputs().tuning, now_s(session)) {}
+
+StabilityLamp TuningDesk::lamp_of(const session::Session &session,
+                                  const control::Tuning &tuning) const {
+    loops::StabilityCase which = stability_case_of(session, tuning);
+    which.hands = hands_of(hand);
+    return {loops::worst_member(which), which.period_s};
+}
+
+void TuningDesk::update(const session::Session &session) {
+    const control::Tuning &active = session.servo().inputs().tuning;
+    if (active != history_.now()) {
+        history_.let_go();
+        history_.replace(active, now_s(session), "by the scene's model");
+    }
+    lamp_ = lamp_of(session, history_.now());
+}
+
+bool TuningDesk::is_behind_lock(const session::Session &session,
+                                const control::Tuning &tuning) const {
+    return !lamp_of(session, with_more_gain(tuning)).is_stable();
+}
+
+bool TuningDesk::is_refused(const session::Session &session, const control::Tuning &to) const {
+    if (is_unlocked || to == history_.now() || !is_behind_lock(session, to)) {
+        return false;
+    }
+    // From behind the lock, what is no worse may be set.
+    return !is_behind_lock(session, history_.now()) ||
+           lamp_of(session, to).worst.eigenvalue >
+               lamp_of(session, history_.now()).worst.eigenvalue;
+}
+
+void TuningDesk::apply(session::Session &session) {
+    session.servo().tune(history_.now());
+    lamp_ = lamp_of(session, history_.now());
+}
+
+void TuningDesk::drag(session::Session &session, const control::Tuning &to, std::uint32_t source) {
+    complaint_.clear();
+    control::Tuning reached = to;
+    if (is_refused(session, to)) {
+        constexpr int kHalvings = 14;
+        const control::Tuning from = history_.now();
+        const auto may_go = [&](double share) {
+            return !is_behind_lock(session, on_the_way(from, to, share));
+        };
+        // The beginning has the map and the source of α of the end.
+        reached = may_go(0.0) ? on_the_way(from, to, bisect({0.0, 1.0}, kHalvings, may_go).holds_at)
+                              : from;
+        const StabilityLamp beyond = lamp_of(session, with_more_gain(to));
+        complaint_ = fmt::format("held at the limit: beyond it motor {}, {}, is unstable",
+                                 beyond.worst.member.motor + 1,
+                                 loops::hand_text(beyond.worst.member.hand.name));
+    }
+    history_.change(reached, now_s(session), source);
+    apply(session);
+}
+
+void TuningDesk::replace(session::Session &session, const control::Tuning &to,
+                         const std::string &what) {
+    history_.let_go();
+    if (may_go_to(session, to, what.c_str())) {
+        history_.replace(to, now_s(session), what);
+        apply(session);
+    }
+}
+
+bool TuningDesk::may_go_to(const session::Session &session, const control::Tuning &to,
+                           const char *what) {
+    complaint_.clear();
+    if (!control::is_valid(to)) {
+        complaint_ = std::string(what) + ": not done, as it has values out of their ranges";
+        return false;
+    }
+    if (is_refused(session, to)) {
+        complaint_ = std::string(what) + ": not done, as that tuning is predicted to be unstable "
+                                         "now; unlock first";
+        return false;
+    }
+    return true;
+}
+
+void TuningDesk::undo(session::Session &session) {
+    history_.let_go();
+    if (history_.can_undo() &&
+        may_go_to(session, history_.steps()[history_.done() - 1].before.now(), "undo")) {
+        history_.undo(now_s(session));
+        apply(session);
+    }
+}
+
+void TuningDesk::redo(session::Session &session) {
+    history_.let_go();
+    if (history_.can_redo() &&
+        may_go_to(session, history_.steps()[history_.done()].after.now(), "redo")) {
+        history_.redo(now_s(session));
+        apply(session);
+    }
+}
+
+void TuningDesk::toggle_slot(session::Session &session) {
+    history_.let_go();
+    if (may_go_to(session, history_.slots().other(), "the other slot")) {
+        history_.toggle(now_s(session));
+        apply(session);
+    }
+}
+
+void TuningDesk::store(session::Session &session) {
+    history_.let_go();
+    history_.store(now_s(session));
+}
+
+void TuningDesk::toggle_map(session::Session &session) {
+    control::Tuning other = history_.now();
+    other.map = other.map == control::MotionMap::transpose ? control::MotionMap::inverse
+                                                           : control::MotionMap::transpose;
+    replace(session, other, "map " + std::string(control::label_of(other.map)));
+}
+
+} // namespace springdrive::app

@@ -1,0 +1,220 @@
+#include "app/study/experimenter/study_window.h"
+
+#include "app/ending_signal.h"
+#include "app/open_session.h"
+#include "app/study/participant/input_times.h"
+#include "app/study/participant/monitors.h"
+#include "app/view/pick.h"
+#include "app/widgets/widgets.h"
+#include "base/complaint.h"
+#include "device/core/phantom/kinematics.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+namespace springdrive::app::study_screen {
+
+namespace {
+
+constexpr float kButtonColumn = 24.0F; ///< of buttons, in heights of text
+constexpr float kHidden = 6.5F;        ///< the panel of stimuli while they are hidden, the same
+constexpr float kStimuliShare = 0.5F;  ///< of the window's height, while they are shown
+
+ViewState view_of(const session::Session &session) {
+    const servo::ServoSample &now = session.latest();
+    const device::DeviceDescription &device = session.description();
+    ViewState state;
+    state.linkage = device::linkage_pose(device.geometry,
+                                         device::joint_from_motor(device.geometry, now.theta_rad));
+    state.tip_m = now.tip_m;
+    state.proxy_m = now.contact.x0_m;
+    state.touching = now.contact.touching;
+    state.normal = now.contact.normal;
+    state.tip_force_N = now.tip_force_N;
+    state.hand_target_m = now.tip_m;
+    state.tripped = now.safety.state == servo::SafetyState::tripped;
+    state.workspace = device.workspace;
+    state.floor_height_m = device.workspace.centre_m.y() - 0.5 * device.workspace.size_m.y();
+    state.below = place_below(session.scenes().now().surface,
+                              state.touching ? state.proxy_m : state.tip_m, state.floor_height_m);
+    return state;
+}
+
+} // namespace
+
+StudyWindow::StudyWindow(const StudyWindowOptions &options, session::Session &session,
+                         study::StudyStore &store, const study::Protocol &protocol)
+    : session_(session), store_(store), protocol_(protocol),
+      window_("springdrive: experimenter", {options.size, {}, options.scale}),
+      renderer_(Window::draws_in_software() ? 0 : 4),
+      participant_view_(Window::draws_in_software() ? 0 : 4),
+      participant_window_(window_, options.participant), fit_(protocol), reports_(options.reports) {
+}
+
+std::vector<study::Setting> StudyWindow::facts() const {
+    const Window::Size pixels = participant_window_.framebuffer();
+    std::vector<study::Setting> facts{
+        {"picture_width_px", static_cast<double>(pixels.width)},
+        {"picture_height_px", static_cast<double>(pixels.height)},
+        {"frame_time_ms", 1e3 * participant_window_.frame_s()},
+    };
+    for (const MonitorFacts &monitor : monitors_there()) {
+        if (monitor.name == participant_window_.monitor()) {
+            facts.push_back({"monitor", monitor.name});
+            if (monitor.width_mm > 0 && monitor.height_mm > 0) {
+                facts.push_back({"monitor_width_mm", static_cast<double>(monitor.width_mm)});
+                facts.push_back({"monitor_height_mm", static_cast<double>(monitor.height_mm)});
+            }
+        }
+    }
+    return facts;
+}
+
+void StudyWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) {
+    const device::Workspace &workspace = session_.description().workspace;
+    participant_view_.set_scene(scene, {spot.point_m, spot.normal},
+                                workspace.centre_m.y() - 0.5 * workspace.size_m.y());
+}
+
+std::vector<ParticipantInput> StudyWindow::taken_inputs() {
+    std::vector<ParticipantInput> inputs = participant_window_.take_inputs();
+    tell_by_servo(inputs, session_.servo());
+    return inputs;
+}
+
+/// There is one keyboard: a click of the experimenter takes it, and what the participant then
+/// types would be lost. Only where the participant's window covers nothing of this one.
+void StudyWindow::give_keys_back() {
+    const bool is_typing = ImGui::GetIO().WantTextInput;
+    const bool is_clicking = ImGui::IsMouseDown(ImGuiMouseButton_Left);
+    if (participant_window_.is_full_screen() && window_.has_focus() && !is_typing && !is_clicking) {
+        participant_window_.take_focus();
+    }
+}
+
+void StudyWindow::store_note(const SittingState &state, const std::string &text) {
+    store_.append(study::Note{study::utc_now(), "note", text, state.participant, state.session});
+}
+
+void StudyWindow::renew_fit(const SittingState &state) {
+    if (state.trials.size() != fitted_trials_ && state.trial) {
+        fitted_trials_ = state.trials.size();
+        const study::StudyContents contents = store_.contents();
+        fit_.request(contents, state.participant, state.trial->condition,
+                     study::session_of(contents, state.session).device);
+    }
+}
+
+void StudyWindow::draw_view(const Rectangle &place) {
+    if (shown_scene_ != session_.scenes().id()) {
+        shown_scene_ = session_.scenes().id();
+        renderer_.set_scene(session_.scenes().now().scene);
+        renderer_.upload(std::numeric_limits<double>::infinity());
+    }
+    const ViewState state = view_of(session_);
+    const ImVec2 margin{0.04F * place.size.x, 0.04F * place.size.y};
+    const Rectangle free{{place.corner.x + margin.x, place.corner.y + margin.y},
+                         {place.size.x - 2.0F * margin.x, place.size.y - 2.0F * margin.y}};
+    view_control_.update(session_, state, place, free, false);
+    const Window::Size pixels = window_.framebuffer();
+    const float pixel_scale =
+        static_cast<float>(pixels.width) / static_cast<float>(std::max(1, window_.size().width));
+    const auto pixel = [&](float units) { return static_cast<int>(units * pixel_scale); };
+    const ViewportPixels viewport{pixel(place.corner.x),
+                                  pixels.height - pixel(place.corner.y + place.size.y),
+                                  pixel(place.size.x), pixel(place.size.y)};
+    if (viewport.width > 0 && viewport.height > 0) {
+        renderer_.draw(view_control_.camera(), viewport, state, pixel_scale * window_.scale());
+    }
+}
+
+void StudyWindow::draw_experimenter(const SittingState &state, ExperimenterActs &acts) {
+    const Window::Size size = window_.size();
+    const float line = ImGui::GetFontSize();
+    const ImVec2 whole{static_cast<float>(size.width), static_cast<float>(size.height)};
+    const float column = std::min(kButtonColumn * line, 0.45F * whole.x);
+    const float left = whole.x - column;
+    const float stimuli = panel_.shows_stimuli ? kStimuliShare * whole.y : kHidden * line;
+    draw_view({{0.0F, 0.0F}, {left, whole.y - stimuli}});
+    acts = draw_experimenter_panel(panel_, {{left, 0.0F}, {column, whole.y}}, state, session_,
+                                   protocol_);
+    draw_stimuli(panel_, {{0.0F, whole.y - stimuli}, {left, stimuli}}, state, protocol_,
+                 fit_.latest());
+}
+
+/// What the participant sees, for tests: the plates at their places in that window, in its pixels.
+void StudyWindow::report_participant(const SittingState &state, const ParticipantPicture &picture) {
+    const auto enter = [](const char *name, std::string text, decltype(ShownItem::value) value = {},
+                          const PixelBox &box = {}) {
+        ui::report().enter({std::string("participant/") + name,
+                            "text",
+                            std::move(text),
+                            std::move(value),
+                            {},
+                            {{static_cast<float>(box.x), static_cast<float>(box.y)},
+                             {static_cast<float>(box.width), static_cast<float>(box.height)}}});
+    };
+    enter("heading", picture.heading);
+    enter("text", picture.text);
+    enter("step", std::string(description(state.step)));
+    enter("phase", std::string(description(state.phase)));
+    enter("trial", state.trial ? text_of(state.trial->place) : "");
+    enter("interval", "", static_cast<double>(state.interval + 1));
+    enter("servo_ahead_s", "", servo_ahead_s(session_.servo()));
+    enter("longest_frame_s", "", std::exchange(longest_frame_s_, 0.0));
+    const std::vector<PlacedChoice> &plates = participant_view_.layout().choices;
+    for (std::size_t i = 0; i < plates.size(); ++i) {
+        enter("choice", picture.choices.at(i).text, {}, plates[i].plate);
+    }
+}
+
+SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingState &state) {
+    const auto start = std::chrono::steady_clock::now();
+    if (reports_) {
+        requests_.poll();
+    }
+    const bool is_reported = requests_.is_due();
+    ui::report().begin(is_reported);
+    session_.advance(kFrame_s);
+    print_new_remarks(session_);
+    window_.begin_frame();
+    window_.clear();
+    static_cast<void>(window_.take_keys());
+    static_cast<void>(window_.take_dropped_files());
+    renew_fit(state);
+    ExperimenterActs acts;
+    draw_experimenter(state, acts);
+    give_keys_back();
+    window_.end_frame();
+    participant_window_.show(participant_view_, picture);
+    const bool by_experimenter = window_.take_emergency_stop();
+    const bool by_participant = participant_window_.take_emergency_stop();
+    if (acts.emergency_stop || by_experimenter || by_participant) {
+        session_.servo().emergency_stop();
+    }
+    if (acts.zeroes_device) {
+        panel_.complaint = complaint_of([this] { session_.zero_device(Vector3::Zero()); });
+    }
+    if (acts.note) {
+        store_note(state, *acts.note);
+    }
+    SittingFrame frame{taken_inputs(), acts.orders};
+    frame.orders.stops = frame.orders.stops || window_.is_closing() || asked_to_end();
+    ++frame_;
+    const double frame_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    durations_.add(frame_s);
+    longest_frame_s_ = std::max(longest_frame_s_, frame_s);
+    if (is_reported) {
+        report_participant(state, picture);
+        const Window::Size size = window_.size();
+        requests_.answer(json_line(
+            ui::report(), facts_of(frame_, size.width, size.height, window_.scale(), durations_),
+            session_.latest()));
+    }
+    return frame;
+}
+
+} // namespace springdrive::app::study_screen

@@ -1,0 +1,76 @@
+// The two windows of a sitting: the experimenter's, with panels and the whole device, and the
+// participant's.
+#pragma once
+
+#include "app/study/experimenter/experimenter_panel.h"
+#include "app/study/experimenter/live_fit.h"
+#include "app/study/participant/participant_view.h"
+#include "app/study/participant/participant_window.h"
+#include "app/study/sitting/sitting_port.h"
+#include "app/view/renderer.h"
+#include "app/window/frame_pace.h"
+#include "app/window/report_requests.h"
+#include "app/window/view_control.h"
+#include "app/window/window.h"
+#include "engine/servo/duration_histogram.h"
+#include "engine/session/session.h"
+#include "engine/study/store/study_store.h"
+
+#include <cstddef>
+#include <optional>
+
+namespace springdrive::app::study_screen {
+
+struct StudyWindowOptions {
+    ParticipantWindow::Wish participant;
+    Window::Size size;    ///< of the experimenter's; 0 × 0 for its own
+    double scale = 0.0;   ///< of text and panels; 0 for the display's
+    bool reports = false; ///< answers requests on standard input, see ReportRequests
+};
+
+class StudyWindow final : public SittingPort {
+public:
+    /// @param session  and the store: must outlive it
+    /// @throw InputError if no window can be opened
+    StudyWindow(const StudyWindowOptions &options, session::Session &session,
+                study::StudyStore &store, const study::Protocol &protocol);
+
+    /// @throw InputError if a note cannot be stored
+    SittingFrame show(const ParticipantPicture &picture, const SittingState &state) override;
+    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) override;
+
+    /// What a session should keep of its screens.
+    [[nodiscard]] std::vector<study::Setting> facts() const;
+
+    /// Time to compute, draw and show a frame.
+    [[nodiscard]] const servo::DurationHistogram &frame_durations() const { return durations_; }
+
+private:
+    void draw_experimenter(const SittingState &state, ExperimenterActs &acts);
+    void report_participant(const SittingState &state, const ParticipantPicture &picture);
+    void draw_view(const Rectangle &place);
+    void renew_fit(const SittingState &state);
+    [[nodiscard]] std::vector<ParticipantInput> taken_inputs();
+    void give_keys_back();
+    void store_note(const SittingState &state, const std::string &text);
+
+    session::Session &session_;
+    study::StudyStore &store_;
+    study::Protocol protocol_;
+    Window window_;
+    Renderer renderer_;
+    ViewControl view_control_;
+    ParticipantView participant_view_;
+    ParticipantWindow participant_window_;
+    ExperimenterPanelState panel_;
+    LiveFit fit_;
+    ReportRequests requests_;
+    bool reports_;
+    std::uint64_t frame_ = 0;
+    double longest_frame_s_ = 0.0; ///< since the last report
+    std::size_t fitted_trials_ = 0;
+    std::uint32_t shown_scene_ = 0;
+    servo::DurationHistogram durations_;
+};
+
+} // namespace springdrive::app::study_screen

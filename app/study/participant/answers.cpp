@@ -1,0 +1,116 @@
+#include "app/study/participant/answers.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+
+namespace springdrive::app::study_screen {
+
+namespace {
+
+const std::array<Gesture, 6> kGestures{{
+    {"left", -Vector3::UnitX()},
+    {"right", Vector3::UnitX()},
+    {"up", Vector3::UnitY()},
+    {"down", -Vector3::UnitY()},
+    {"towards", Vector3::UnitZ()}, // the user
+    {"away", -Vector3::UnitZ()},
+}};
+
+bool is_gesture_name(std::string_view name) {
+    return std::ranges::count(kGestures, name, &Gesture::name) > 0;
+}
+
+std::optional<std::size_t> index_of(const study::ResponseWays &ways, std::string_view name) {
+    const auto found = std::ranges::find_if(
+        ways.keys, [name](const std::string &key) { return input_name(key) == name; });
+    return found == ways.keys.end()
+               ? std::nullopt
+               : std::optional(static_cast<std::size_t>(found - ways.keys.begin()));
+}
+
+} // namespace
+
+std::span<const Gesture> gestures() { return kGestures; }
+
+std::string what_is_wrong_with_answers(const study::ResponseWays &ways) {
+    for (const std::string &key : ways.keys) {
+        const std::string name = input_name(key);
+        switch (ways.device) {
+        case study::ResponseDevice::keyboard:
+            if (!is_key_name(name)) {
+                return fmt::format("responses.keys has \"{}\"; a key is a letter, a digit or one "
+                                   "of left, right, up, down, enter, f1 and so on",
+                                   key);
+            }
+            break;
+        case study::ResponseDevice::mouse:
+            if (!is_mouse_button_name(name)) {
+                return fmt::format("responses.keys has \"{}\"; a mouse button is left, right, "
+                                   "middle, back or forward",
+                                   key);
+            }
+            break;
+        case study::ResponseDevice::gesture:
+            if (!is_gesture_name(name)) {
+                return fmt::format("responses.keys has \"{}\"; a gesture is left, right, up, "
+                                   "down, towards or away",
+                                   key);
+            }
+            break;
+        }
+    }
+    return {};
+}
+
+std::optional<std::size_t> alternative_of(const study::ResponseWays &ways,
+                                          const ParticipantInput &input) {
+    if (!input.is_press) {
+        return std::nullopt;
+    }
+    if (input.source == InputSource::choice) {
+        return input.choice < ways.keys.size() ? std::optional(input.choice) : std::nullopt;
+    }
+    const InputSource wanted =
+        ways.device == study::ResponseDevice::mouse ? InputSource::mouse_button : InputSource::key;
+    const bool is_meant = ways.device != study::ResponseDevice::gesture && input.source == wanted;
+    return is_meant ? index_of(ways, input.name) : std::nullopt;
+}
+
+std::optional<std::size_t> alternative_of(const study::ResponseWays &ways, const Vector3 &moved_m) {
+    if (ways.device != study::ResponseDevice::gesture || !(moved_m.norm() >= kGesture_m)) {
+        return std::nullopt;
+    }
+    const auto largest = std::ranges::max_element(
+        kGestures, {}, [&](const Gesture &one) { return one.direction.dot(moved_m); });
+    return index_of(ways, largest->name);
+}
+
+study::Response response_of(const study::Task &task, std::size_t alternative) {
+    if (task.kind == study::TaskKind::yes_no) {
+        return study::YesNo{alternative == 1}; // "no" and "yes"
+    }
+    return study::Chosen{static_cast<int>(alternative) + 1};
+}
+
+std::vector<AnswerChoice> choices_of(const study::Protocol &protocol) {
+    std::vector<AnswerChoice> choices;
+    const bool is_mouse = protocol.responses.device == study::ResponseDevice::mouse;
+    for (const std::string &key : protocol.responses.keys) {
+        choices.push_back({{}, shown_key(key, is_mouse)});
+    }
+    const bool by_interval = protocol.task.kind == study::TaskKind::forced_choice_by_interval;
+    if (by_interval && choices.size() == 2) {
+        choices[0].text = protocol.texts.first_interval;
+        choices[1].text = protocol.texts.second_interval;
+        for (AnswerChoice &choice : choices) {
+            if (choice.key == choice.text) {
+                choice.text.clear(); // once is enough
+            }
+        }
+    }
+    return choices;
+}
+
+} // namespace springdrive::app::study_screen

@@ -1,0 +1,46 @@
+// From what a participant does to a response, by the protocol's ways of answering.
+#pragma once
+
+#include "app/study/participant/participant_input.h"
+#include "app/study/participant/participant_picture.h"
+#include "engine/study/protocol/protocol.h"
+#include "engine/study/store/study_contents.h"
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace springdrive::app::study_screen {
+
+/// Moves of the tip by which a participant answers, away from where it was at rest.
+struct Gesture {
+    std::string_view name;
+    Vector3 direction; ///< unit, in device coordinates
+};
+[[nodiscard]] std::span<const Gesture> gestures();
+
+/// So far a gesture goes [m].
+inline constexpr double kGesture_m = 0.02;
+
+/// The first name in `responses.keys` that this program cannot take as an answer, in a line; empty
+/// if it can take all.
+[[nodiscard]] std::string what_is_wrong_with_answers(const study::ResponseWays &ways);
+
+/// Which alternative an input gives, from 0.
+[[nodiscard]] std::optional<std::size_t> alternative_of(const study::ResponseWays &ways,
+                                                        const ParticipantInput &input);
+
+/// Which alternative a tip gives that has moved by so much; nothing within `kGesture_m`.
+[[nodiscard]] std::optional<std::size_t> alternative_of(const study::ResponseWays &ways,
+                                                        const Vector3 &moved_m);
+
+/// A forced choice or yes/no. @pre the task is no adjustment
+[[nodiscard]] study::Response response_of(const study::Task &task, std::size_t alternative);
+
+/// What is drawn of the ways to answer, with the labels of intervals where there are some.
+[[nodiscard]] std::vector<AnswerChoice> choices_of(const study::Protocol &protocol);
+
+} // namespace springdrive::app::study_screen

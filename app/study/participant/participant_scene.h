@@ -1,0 +1,68 @@
+// The scene as a participant sees it: lit and with its shadows, the marked spot as a ring, and a
+// ball. No device, no arrow, no caption, and no colour that could tell anything.
+#pragma once
+
+#include "app/study/participant/pixel_box.h"
+#include "app/view/camera.h"
+#include "app/view/lit_programs.h"
+#include "app/view/multisampled_target.h"
+#include "app/view/scene_meshes.h"
+#include "app/view/shadow_map.h"
+#include "app/view/solid_painter.h"
+#include "engine/scene/scene.h"
+
+#include <glm/vec3.hpp>
+
+#include <optional>
+
+namespace springdrive::app::study_screen {
+
+/// Where a study's stimuli are felt.
+struct MarkedSpot {
+    Vector3 point_m{Vector3::Zero()};
+    Vector3 normal{Vector3::UnitY()}; ///< unit, out of the surface
+    double radius_m = 0.005;          ///< of the ring
+
+    friend bool operator==(const MarkedSpot &, const MarkedSpot &) = default;
+};
+
+/// Looks at the spot from the participant's side and from above, steeper than the experimenter's
+/// view; so near that the surroundings of a hand's movement are seen, or the whole of a smaller
+/// scene. Depends on scene and spot alone.
+[[nodiscard]] Camera camera_on(const MarkedSpot &spot, const scene::Scene &scene);
+
+class ParticipantScene {
+public:
+    /// @param samples  per pixel
+    explicit ParticipantScene(int samples);
+
+    /// Uploads the scene, however long that takes. @param floor_height_m  as in ViewState
+    /// @throw std::runtime_error if OpenGL cannot hold it
+    void set(const scene::Scene &scene, const MarkedSpot &spot, double floor_height_m);
+
+    /// Draws into a part of a framebuffer, which is bound afterwards; over `background`, which is
+    /// in sRGB. Leaves depth test, blending and culling off. @param height  of the framebuffer
+    void draw(GLuint framebuffer, const PixelBox &part, int height,
+              const std::optional<Vector3> &tip_m, const glm::vec3 &background);
+
+private:
+    void cast_shadows(const std::vector<Solid> &ball);
+    const Program &begin(const LitVariant &variant, const glm::mat4 &view_projection);
+
+    LitPrograms lit_;
+    SolidPainter painter_;
+    SceneMeshes meshes_;
+    Program depth_;
+    Program depth_masked_;
+    ShadowMap scene_shadow_; ///< cast once
+    ShadowMap ball_shadow_;
+    MultisampledTarget target_;
+    Camera camera_;
+    MarkedSpot spot_;
+    glm::mat4 light_{1.0F};
+    float floor_height_m_ = 0.0F;
+    glm::vec3 tip_m_{0.0F};
+    bool scene_is_cast_ = false;
+};
+
+} // namespace springdrive::app::study_screen

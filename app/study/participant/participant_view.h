@@ -1,0 +1,71 @@
+// Draws a ParticipantPicture into a texture of its own.
+#pragma once
+
+#include "app/study/participant/participant_layout.h"
+#include "app/study/participant/participant_picture.h"
+#include "app/study/participant/participant_scene.h"
+#include "app/view/gl_objects.h"
+#include "app/view/plate_painter.h"
+#include "app/view/text_painter.h"
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace springdrive::app::study_screen {
+
+/// Must be used with the main window's context current; its texture may be drawn by a context that
+/// shares objects with it. What it draws depends on nothing but picture, size, scene and spot.
+class ParticipantView {
+public:
+    /// @param samples  per pixel of the scene, as for `Renderer`
+    /// @throw InputError if there is no font, with the remedy.
+    explicit ParticipantView(int samples = 4);
+    ParticipantView(const ParticipantView &) = delete;
+    ParticipantView &operator=(const ParticipantView &) = delete;
+
+    /// The scene for pictures that show it, uploaded at once; `scene` is not used afterwards.
+    /// @param spot  marked by a ring; the camera looks on it. @param floor_height_m  as in
+    /// ViewState
+    void set_scene(const scene::Scene &scene, const MarkedSpot &spot, double floor_height_m);
+
+    /// Draws the picture anew unless it, the size and the scene are those of the last call. Leaves
+    /// framebuffer 0 bound if it draws. @pre width and height > 0
+    void draw(const ParticipantPicture &picture, int width, int height);
+
+    /// Of the last picture.
+    [[nodiscard]] const ParticipantLayout &layout() const { return layout_; }
+    [[nodiscard]] const ParticipantPicture &picture() const { return picture_; }
+    /// Bottom row first; name 0 before the first picture.
+    [[nodiscard]] GLuint texture() const { return target_ ? target_->texture.name() : 0; }
+
+    /// The last picture: RGB, top row first. Waits for the drawing.
+    [[nodiscard]] std::vector<std::uint8_t> pixels() const;
+
+    [[nodiscard]] const Typeface &typeface() const { return typeface_; }
+
+private:
+    struct Target {
+        Target(int wide, int high);
+
+        Texture2D texture;
+        Framebuffer framebuffer;
+        int width;
+        int height;
+    };
+
+    void draw_plates();
+    void draw_texts();
+    void draw_text(const PlacedText &text, const glm::vec4 &colour);
+
+    Typeface typeface_;
+    TextPainter text_;
+    PlatePainter plates_;
+    ParticipantScene scene_;
+    ParticipantPicture picture_;
+    ParticipantLayout layout_;
+    std::optional<Target> target_;
+    bool is_outdated_ = true;
+};
+
+} // namespace springdrive::app::study_screen

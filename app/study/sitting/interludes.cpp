@@ -1,0 +1,214 @@
+// What a sitting shows between its trials: questions, the noise, breaks, the warm-up.
+#include "app/study/sitting/questions.h"
+#include "app/study/sitting/sitting.h"
+
+#include "app/study/participant/answers.h"
+#include "base/input_error.h"
+#include "engine/study/stimuli/live_warm_up.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace springdrive::app::study_screen {
+
+/// A break has a shortest time, and ends when the participant wants.
+void Sitting::take_break(double seconds) {
+    state_.step = SittingStep::in_break;
+    since_break_ = 0;
+    ParticipantPicture picture;
+    picture.heading = plan_.protocol.texts.pause;
+    const double until_s = session_.servo().now_s() + seconds;
+    while (session_.servo().now_s() < until_s) {
+        state_.left_s = until_s - session_.servo().now_s();
+        picture.left_share = state_.left_s / seconds;
+        picture.text = study::filled(plan_.protocol.texts.progress, "{}",
+                                     fmt::format("{:.0f}", 100.0 * state_.progress));
+        picture.left_text = study::filled(plan_.protocol.texts.break_left, "{}",
+                                          fmt::format("{:.0f}", std::ceil(state_.left_s)));
+        static_cast<void>(show(picture));
+    }
+    picture.left_share = 0.0;
+    picture.text = plan_.protocol.texts.break_over;
+    show_until_key(SittingStep::in_break, picture);
+}
+
+void Sitting::wait_while_paused() {
+    while (orders_.is_paused) {
+        state_.step = SittingStep::paused;
+        ParticipantPicture picture;
+        picture.heading = plan_.protocol.texts.paused;
+        static_cast<void>(show(picture));
+    }
+}
+
+/// What is said before a trial.
+void Sitting::introduce(const study::PlannedTrial &planned) {
+    const study::Texts &texts = plan_.protocol.texts;
+    const bool is_practice = planned.presented.kind == study::TrialKind::practice;
+    ParticipantPicture picture;
+    if (has_presented_ && planned.place.block != last_block_) {
+        take_break(plan_.protocol.breaks.between_blocks_s);
+    } else if (std::exchange(orders_.skips_to_break, false) ||
+               (plan_.protocol.breaks.every_trials > 0 &&
+                since_break_ >= plan_.protocol.breaks.every_trials)) {
+        take_break(plan_.protocol.breaks.break_s);
+    }
+    if (is_practice && !was_practising_) {
+        practised_.clear();
+        picture.heading = texts.practice_begins;
+        picture.text = texts.ready;
+        show_until_key(SittingStep::practice_begins, picture);
+    } else if (!is_practice && was_practising_) {
+        end_practice();
+    }
+    was_practising_ = is_practice;
+    last_block_ = planned.place.block;
+}
+
+/// With two answer keys the participant may practise again, as often as it takes.
+void Sitting::end_practice() {
+    const study::Texts &texts = plan_.protocol.texts;
+    const study::ResponseWays &ways = plan_.protocol.responses;
+    ParticipantPicture picture;
+    picture.heading = texts.practice_ends;
+    if (!plan_.offers_practice_again || ways.device == study::ResponseDevice::gesture ||
+        ways.keys.size() < 2) {
+        picture.text = texts.ready;
+        show_until_key(SittingStep::practice_ends, picture);
+        return;
+    }
+    const bool is_mouse = ways.device == study::ResponseDevice::mouse;
+    picture.text =
+        study::filled(study::filled(texts.understood, "{again}", shown_key(ways.keys[0], is_mouse)),
+                      "{begin}", shown_key(ways.keys[1], is_mouse));
+    while (true) {
+        state_.step = SittingStep::practice_ends;
+        for (const ParticipantInput &input : show(picture).inputs) {
+            const std::optional<std::size_t> key = alternative_of(ways, input);
+            if (key == 0U) {
+                practise_again();
+                break;
+            }
+            if (key) {
+                return;
+            }
+        }
+    }
+}
+
+/// The same trials as before. They are not of the sequence, and only a note tells of them.
+void Sitting::practise_again() {
+    for (const study::PlannedTrial &planned : practised_) {
+        make_ready(planned);
+        if (const std::optional<study::TrialResult> result = presenter_.present(planned)) {
+            tell_of(planned, *result);
+            is_stop_stored_ = !result->safety_events.empty();
+        }
+    }
+    store_.append(study::Note{
+        study::utc_now(), "practice",
+        fmt::format("practised {} trials again, which are not stored", practised_.size()),
+        plan_.participant, state_.session});
+}
+
+/// Before the first trial, and whenever they have cooled below the band. A device that is stopped
+/// or lost meanwhile is for make_ready.
+void Sitting::warm_up(const study::PlannedTrial &planned) {
+    const study::WindingBand &band = plan_.protocol.windings;
+    if (!study::WarmUp::is_needed(band, study::estimated_windings_C(session_.latest()))) {
+        return;
+    }
+    study::LiveWarmUp course(session_.description(), band, session_.servo().period_s());
+    session_.servo().follow(&course);
+    // Whatever ends it: the servo must not use the course any more.
+    const auto leave = [&] {
+        session_.servo().follow(nullptr);
+        session_.servo().paused([] {});
+    };
+    const bool is_hot = study::estimated_windings_C(session_.latest()).maxCoeff() > band.to_C;
+    ParticipantPicture picture;
+    picture.heading = is_hot ? plan_.protocol.texts.cooling_down : plan_.protocol.texts.warming_up;
+    try {
+        while (!course.is_over() && session_.latest().safety.state != servo::SafetyState::tripped) {
+            state_.step = SittingStep::warming_up;
+            static_cast<void>(show(picture));
+        }
+    } catch (...) {
+        leave();
+        throw;
+    }
+    leave();
+    if (course.is_over() && course.failure() == study::WarmUpFailure::too_long) {
+        throw InputError(fmt::format("{}: the windings cannot be warmed to {:g} °C: {}; lower "
+                                     "windings.from_C",
+                                     plan_.participant, band.from_C,
+                                     study::description(course.failure())));
+    }
+    presenter_.lead_to_start(planned);
+}
+
+/// Before the first trial of the session.
+void Sitting::begin() {
+    ask_questions(study::QuestionnaireTime::before);
+    ParticipantPicture picture;
+    if (noise_) {
+        picture.text = plan_.protocol.texts.noise_check;
+        show_until_key(SittingStep::noise_check, picture);
+    }
+    picture.text = plan_.protocol.texts.instructions;
+    if (plan_.protocol.responses.device == study::ResponseDevice::gesture) {
+        picture.text += '\n' + plan_.protocol.texts.gesture_help;
+    }
+    show_until_key(SittingStep::instructions, picture);
+}
+
+/// After the last one.
+void Sitting::say_goodbye() {
+    try {
+        ask_questions(study::QuestionnaireTime::after);
+        ParticipantPicture picture;
+        picture.heading = plan_.protocol.texts.end;
+        state_.progress = 1.0;
+        show_until_key(SittingStep::over, picture);
+    } catch (const Ends &) { // all trials are done
+    }
+}
+
+/// One after the other; each answer is on the disk before the next question.
+void Sitting::ask_questions(study::QuestionnaireTime when) {
+    const study::StudyContents contents = store_.contents();
+    for (const study::QuestionnaireItem &item : plan_.protocol.questionnaire) {
+        const bool is_answered =
+            std::ranges::any_of(contents.answers, [&](const study::QuestionnaireAnswer &answer) {
+                return answer.participant == plan_.participant && answer.item == item.name;
+            });
+        if (item.when != when || is_answered) { // a resumed session asks only what is missing
+            continue;
+        }
+        state_.step = SittingStep::questionnaire;
+        if (const std::optional<std::string> answer = answer_to(item)) {
+            static_cast<void>(store_.add({plan_.participant, state_.session, item.name, item.text,
+                                          *answer, study::utc_now()}));
+        }
+    }
+}
+
+/// Nothing if the participant would rather not say.
+std::optional<std::string> Sitting::answer_to(const study::QuestionnaireItem &item) {
+    const std::vector<QuestionChoice> choices = choices_of(item, plan_.protocol.texts);
+    ParticipantPicture picture = picture_of(item, plan_.protocol.texts);
+    while (true) {
+        const std::vector<ParticipantInput> inputs = show(picture).inputs;
+        picture.typed = typed_on(picture.typed, inputs, study::kLongestAnswer);
+        for (const ParticipantInput &input : inputs) {
+            if (const QuestionChoice *const chosen = chosen_by(choices, input)) {
+                return picture.has_text_field && chosen->answer ? picture.typed : chosen->answer;
+            }
+        }
+    }
+}
+
+} // namespace springdrive::app::study_screen

@@ -1,0 +1,91 @@
+#include "app/study/sitting/person_checks.h"
+
+#include "app/study/participant/answers.h"
+#include "app/study/participant/participant_layout.h"
+#include "app/study/sitting/questions.h"
+#include "app/view/typeface.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace springdrive::app::study_screen {
+
+namespace {
+
+constexpr const char *kWhere = "with a person";
+
+study::ProtocolFindings errors_for_persons(const study::Protocol &protocol) {
+    study::ProtocolFindings errors;
+    if (const std::string wrong = what_is_wrong_with_answers(protocol.responses); !wrong.empty()) {
+        errors.push_back({study::Severity::error, kWhere, wrong, ""});
+    }
+    const study::ParameterFacts *const variable =
+        study::condition_parameter_named(protocol.variable.parameter);
+    if (protocol.task.kind == study::TaskKind::adjustment && variable->gain == nullptr) {
+        errors.push_back(
+            {study::Severity::error, kWhere,
+             fmt::format("variable.parameter is {}, which cannot be adjusted while it is felt",
+                         variable->name),
+             "adjust a gain, such as eta, or choose another task"});
+    }
+    return errors;
+}
+
+struct NamedPicture {
+    std::string text; ///< its key in the protocol
+    ParticipantPicture picture;
+};
+
+/// Those of which a protocol's texts make the longest.
+std::vector<NamedPicture> pictures_of(const study::Protocol &protocol) {
+    std::vector<NamedPicture> pictures(2);
+    pictures[0].text = "texts.instructions";
+    pictures[0].picture.text = protocol.texts.instructions;
+    pictures[1].text = "texts.question";
+    pictures[1].picture.heading = protocol.texts.question;
+    pictures[1].picture.text = protocol.texts.respond;
+    pictures[1].picture.choices = choices_of(protocol);
+    if (std::ranges::any_of(protocol.conditions, [](const study::Condition &condition) {
+            return condition.scene != study::kNoScene;
+        })) {
+        pictures[1].picture.scene = SceneShown::scene;
+    }
+    for (const study::QuestionnaireItem &item : protocol.questionnaire) {
+        pictures.push_back({"questions." + item.name, picture_of(item, protocol.texts)});
+    }
+    for (NamedPicture &one : pictures) {
+        one.picture.footer = protocol.texts.stop_key;
+        one.picture.progress = 0.0;
+    }
+    return pictures;
+}
+
+} // namespace
+
+study::ProtocolFindings check_for_persons(const study::Protocol &protocol) {
+    study::ProtocolFindings findings = errors_for_persons(protocol);
+    const Typeface typeface;
+    for (const NamedPicture &one : pictures_of(protocol)) {
+        if (!is_readable(one.picture, typeface)) {
+            findings.push_back({study::Severity::warning, one.text,
+                                "does not fit on a screen of 1280 × 720 in letters that can be "
+                                "read from where a participant sits",
+                                "shorten it, with texts.stop_key below it"});
+        }
+    }
+    return findings;
+}
+
+std::string what_keeps_persons_out(const study::Protocol &protocol) {
+    const study::ProtocolFindings errors = errors_for_persons(protocol);
+    if (errors.empty()) {
+        return {};
+    }
+    const study::ProtocolFinding &first = errors.front();
+    return first.where + ": " + first.what + (first.remedy.empty() ? "" : "; " + first.remedy);
+}
+
+} // namespace springdrive::app::study_screen

@@ -1,0 +1,295 @@
+#include "app/study/sitting/sitting.h"
+
+#include "app/study/participant/answers.h"
+#include "app/study/sitting/person_checks.h"
+#include "base/input_error.h"
+#include "base/machine_name.h"
+#include "engine/study/conduct/conduct.h"
+#include "engine/study/conduct/marking.h"
+#include "engine/study/conduct/stored_trial.h"
+#include "engine/study/protocol/session_length.h"
+#include "engine/study/results/progress.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+namespace springdrive::app::study_screen {
+
+namespace {
+
+constexpr double kFeedback_s = 1.2;
+constexpr double kCalm_s = 3.0; ///< a tripped device is reset by itself after so much quiet
+
+study::DeviceKind kind_of(factory::DeviceKind kind) {
+    switch (kind) {
+    case factory::DeviceKind::usb:
+        return study::DeviceKind::usb;
+    case factory::DeviceKind::emulated:
+        return study::DeviceKind::emulated;
+    case factory::DeviceKind::simulated:
+        break;
+    }
+    return study::DeviceKind::simulated;
+}
+
+} // namespace
+
+Sitting::Sitting(study::StudyStore &store, SittingPlan plan, session::Session &session,
+                 SittingPort &port)
+    : store_(store), plan_(std::move(plan)), session_(session), port_(port),
+      presenter_({plan_.protocol, plan_.setting, plan_.folders, session_, port_, state_,
+                  [this](ParticipantPicture picture) { return show(std::move(picture)); }}) {
+    if (const std::string wrong = what_keeps_persons_out(plan_.protocol); !wrong.empty()) {
+        throw InputError(wrong);
+    }
+}
+
+/// Every frame of a sitting.
+SittingFrame Sitting::show(ParticipantPicture picture) {
+    picture.footer = plan_.protocol.texts.stop_key;
+    picture.progress = state_.progress;
+    SittingFrame frame = port_.show(picture, state_);
+    if (frame.orders.stops) {
+        throw Ends{study::SessionEnding::stopped};
+    }
+    if (frame.orders.participant_leaves) {
+        throw Ends{study::SessionEnding::left};
+    }
+    orders_.is_paused = frame.orders.is_paused;
+    orders_.repeats = orders_.repeats || frame.orders.repeats;
+    orders_.skips_to_break = orders_.skips_to_break || frame.orders.skips_to_break;
+    orders_.resets_device = orders_.resets_device || frame.orders.resets_device;
+    return frame;
+}
+
+void Sitting::show_for(double seconds, const ParticipantPicture &picture) {
+    const double until_s = session_.servo().now_s() + seconds;
+    while (session_.servo().now_s() < until_s) {
+        static_cast<void>(show(picture));
+    }
+}
+
+bool Sitting::is_answer_key(const std::vector<ParticipantInput> &inputs) const {
+    return std::ranges::any_of(inputs, [this](const ParticipantInput &input) {
+        const bool is_gesture = plan_.protocol.responses.device == study::ResponseDevice::gesture;
+        return input.is_press &&
+               (alternative_of(plan_.protocol.responses, input) || input.name == "enter" ||
+                (is_gesture && input.source == InputSource::key));
+    });
+}
+
+void Sitting::show_until_key(SittingStep step, const ParticipantPicture &picture) {
+    state_.step = step;
+    while (!is_answer_key(show(picture).inputs)) {
+    }
+}
+
+/// After a stop by hand the experimenter decides; after another it is quiet for a while.
+void Sitting::reset_device_when_calm() {
+    const servo::SafetyStatus &safety = session_.latest().safety;
+    const double now_s = session_.servo().now_s();
+    if (servo::is_final(safety.cause)) {
+        throw Ends{study::SessionEnding::failed};
+    }
+    const bool by_hand = safety.cause == servo::TripCause::emergency_stop;
+    if (std::exchange(orders_.resets_device, false) ||
+        (!by_hand && now_s - calm_from_s_ > kCalm_s)) {
+        session_.servo().reset_safety();
+        calm_from_s_ = now_s;
+    }
+}
+
+/// A stop between trials belongs to none of them.
+void Sitting::note_stop() {
+    store_.append(study::Note{study::utc_now(), "safety",
+                              servo::description(session_.latest().safety), plan_.participant,
+                              state_.session});
+}
+
+/// Until the motors run.
+void Sitting::make_ready(const study::PlannedTrial &planned) {
+    presenter_.set_up(planned);
+    presenter_.lead_to_start(planned);
+    calm_from_s_ = session_.servo().now_s();
+    orders_.resets_device = false;
+    bool is_lead_lost = false;
+    while (true) {
+        wait_while_paused();
+        const servo::ServoSample &latest = session_.latest();
+        if (latest.safety.state == servo::SafetyState::running) {
+            is_stop_stored_ = false;
+            warm_up(planned);
+            if (session_.latest().safety.state == servo::SafetyState::running) {
+                return;
+            }
+            continue;
+        }
+        ParticipantPicture picture;
+        if (latest.health == device::DeviceHealth::lost || !session_.is_zeroed()) {
+            state_.step = SittingStep::device_lost;
+            picture.text = plan_.protocol.texts.device_lost;
+            picture.is_calm_stop = true;
+            calm_from_s_ = session_.servo().now_s();
+            is_lead_lost = true;
+        } else if (latest.safety.state == servo::SafetyState::tripped) {
+            if (!std::exchange(is_stop_stored_, true)) {
+                note_stop();
+            }
+            state_.step = SittingStep::device_stopped;
+            picture.text = plan_.protocol.texts.device_stopped;
+            picture.is_calm_stop = true;
+            reset_device_when_calm();
+        } else {
+            if (std::exchange(is_lead_lost, false)) {
+                presenter_.lead_to_start(planned); // of a hand that is simulated anew
+            }
+            picture = presenter_.picture(SittingStep::setting_up);
+            picture.text = latest.contact.touching ? plan_.protocol.texts.please_lift
+                                                   : plan_.protocol.texts.rest_at_spot;
+            picture.tip_m = latest.tip_m;
+        }
+        static_cast<void>(show(picture));
+    }
+}
+
+/// Feedback, which in the practice tells right from wrong.
+void Sitting::tell_of(const study::PlannedTrial &planned, const study::TrialResult &result) {
+    const study::Texts &texts = plan_.protocol.texts;
+    study::Trial trial = study::before_it_is_run(plan_.protocol, planned);
+    trial.response = result.response;
+    const std::optional<bool> is_right = study::is_correct(plan_.protocol.task, trial);
+    state_.marks = result.marks;
+    for (const std::string &mark : study::marks_of(plan_.protocol.marking, result.presentations)) {
+        state_.marks.push_back(mark);
+    }
+    ParticipantPicture picture;
+    if (!result.safety_events.empty()) {
+        return; // make_ready tells of it
+    }
+    if (!state_.marks.empty()) {
+        picture.text = texts.repeated;
+    } else if (std::holds_alternative<study::NoResponse>(result.response)) {
+        picture.text = texts.too_slow;
+    } else if (trial.is_practice && is_right) {
+        picture.heading = *is_right ? texts.correct : texts.wrong;
+    } else {
+        return;
+    }
+    state_.step = SittingStep::after_response;
+    show_for(kFeedback_s, picture);
+}
+
+std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &planned) {
+    try {
+        introduce(planned);
+        while (true) {
+            make_ready(planned);
+            if (plan_.keeps_records) {
+                session_.start_recording(store_.new_record_file(plan_.participant, planned.place),
+                                         Existing::replace);
+            }
+            orders_.repeats = false;
+            std::optional<study::TrialResult> result = presenter_.present(planned);
+            session_.recording().stop();
+            if (!result) {
+                continue; // the device was lost: the trial begins anew when it is back
+            }
+            tell_of(planned, *result);
+            if (std::exchange(orders_.repeats, false)) {
+                result->marks.emplace_back("repeated at the experimenter's wish");
+            }
+            if (plan_.keeps_records) {
+                result->record = store_.link_to(session_.recording().file());
+            }
+            if (planned.presented.kind == study::TrialKind::practice) {
+                practised_.push_back(planned);
+            }
+            has_presented_ = true;
+            is_stop_stored_ = !result->safety_events.empty();
+            ++since_break_;
+            return result;
+        }
+    } catch (const Ends &ends) {
+        session_.recording().stop();
+        ending_ = ends.how;
+        return std::nullopt;
+    }
+}
+
+study::Session Sitting::begun() const {
+    study::Session begun;
+    begun.participant = plan_.participant;
+    begun.started = study::utc_now();
+    begun.device = kind_of(session_.device_choice().kind);
+    begun.device_name = session_.description().name;
+    begun.device_serial = session_.device().identity().serial;
+    begun.software = SPRINGDRIVE_VERSION;
+    begun.host = machine_name();
+    begun.facts = plan_.facts;
+    if (noise_) {
+        begun.facts.push_back({"noise_level_dBFS", plan_.protocol.noise->level_dBFS});
+        begun.facts.push_back({"noise_output", noise_->device()});
+    }
+    return begun;
+}
+
+/// It fades out. Gaps in it may have been heard.
+void Sitting::end_noise() {
+    if (noise_ && noise_->underruns() > 0) {
+        store_.append(study::Note{study::utc_now(), "noise",
+                                  fmt::format("the masking noise had {} gaps", noise_->underruns()),
+                                  plan_.participant, state_.session});
+    }
+    noise_.reset();
+}
+
+void Sitting::note_trials() {
+    state_.trials = study::trials_of(store_.contents(), plan_.participant);
+    const double most = std::max(1, study::session_length(plan_.protocol).most_trials);
+    state_.progress = std::min(1.0, static_cast<double>(state_.trials.size()) / most);
+}
+
+/// For `Conduct::ends`: what is shown before the first trial, and between two.
+std::optional<study::SessionEnding> Sitting::ending_before_next() {
+    if (ending_) {
+        return ending_;
+    }
+    note_trials();
+    try {
+        if (!std::exchange(has_begun_, true)) {
+            begin();
+        } else if (has_presented_) {
+            state_.step = SittingStep::after_response;
+            show_for(plan_.protocol.timing.between_trials_s, {});
+        }
+    } catch (const Ends &ends) {
+        ending_ = ends.how;
+    }
+    return ending_;
+}
+
+study::SessionEnding Sitting::run() {
+    if (plan_.protocol.noise && plan_.plays_noise) {
+        noise_.emplace(plan_.protocol.noise->level_dBFS); // or there is no session
+    }
+    study::Session session = begun();
+    session.id = store_.begin(session);
+    state_.participant = plan_.participant;
+    state_.session = session.id;
+    study::Conduct how;
+    how.present = [this](const study::PlannedTrial &planned) { return present(planned); };
+    how.ends = [this] { return ending_before_next(); };
+    const study::SessionEnding ending = study::conduct(store_, plan_.protocol, session, how);
+    session_.servo().release(true);
+    end_noise();
+    if (ending == study::SessionEnding::completed) {
+        note_trials();
+        say_goodbye();
+    }
+    return ending;
+}
+
+} // namespace springdrive::app::study_screen

@@ -1,0 +1,95 @@
+// A person's session of a study, from the first word on the screen to the last: instructions,
+// practice, trials, breaks, and whatever happens in between. Who draws and who types is the port's.
+//
+// What comes next, what is stored and when the session ends is for engine/study/conduct; the
+// servo's part of a trial for trial_presenter.h.
+#pragma once
+
+#include "app/study/sitting/sitting_port.h"
+#include "app/study/sitting/sitting_state.h"
+#include "app/study/sitting/trial_presenter.h"
+#include "app/study/sound/masking_noise.h"
+#include "engine/session/session.h"
+#include "engine/study/protocol/protocol.h"
+#include "engine/study/protocol/study_setting.h"
+#include "engine/study/store/study_store.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace springdrive::app::study_screen {
+
+struct SittingPlan {
+    study::Protocol protocol;
+    study::StudySetting setting;
+    study::ProtocolFolders folders;
+    std::string participant;             ///< in the store
+    bool keeps_records = true;           ///< a servo record of each trial
+    bool plays_noise = true;             ///< the protocol's masking noise
+    std::vector<study::Setting> facts{}; ///< of the session, besides those of the device
+    bool offers_practice_again = true;   ///< after the practice, where two keys answer
+};
+
+class Sitting {
+public:
+    /// @param session  started; with the protocol's device and the scene of a condition
+    /// @throw InputError for ways to answer that this program cannot take
+    Sitting(study::StudyStore &store, SittingPlan plan, session::Session &session,
+            SittingPort &port);
+
+    /// @throw InputError if the masking noise cannot be played: there is then no session; from the
+    ///        store, or for windings that cannot be warmed: it is then ended as failed, if possible
+    study::SessionEnding run();
+
+private:
+    struct Ends { ///< thrown out of whatever is shown
+        study::SessionEnding how;
+    };
+
+    SittingFrame show(ParticipantPicture picture);
+    void show_for(double seconds, const ParticipantPicture &picture);
+    void show_until_key(SittingStep step, const ParticipantPicture &picture);
+    [[nodiscard]] bool is_answer_key(const std::vector<ParticipantInput> &inputs) const;
+
+    [[nodiscard]] std::optional<study::TrialResult> present(const study::PlannedTrial &planned);
+    void introduce(const study::PlannedTrial &planned);
+    void end_practice();
+    void practise_again();
+    void end_noise();
+    void take_break(double seconds);
+    void wait_while_paused();
+    void warm_up(const study::PlannedTrial &planned);
+    void begin();
+    void say_goodbye();
+    void ask_questions(study::QuestionnaireTime when);
+    [[nodiscard]] std::optional<std::string> answer_to(const study::QuestionnaireItem &item);
+    void make_ready(const study::PlannedTrial &planned);
+    void reset_device_when_calm();
+    void note_stop();
+    void tell_of(const study::PlannedTrial &planned, const study::TrialResult &result);
+    void note_trials();
+    [[nodiscard]] std::optional<study::SessionEnding> ending_before_next();
+    [[nodiscard]] study::Session begun() const;
+
+    study::StudyStore &store_;
+    SittingPlan plan_;
+    session::Session &session_;
+    SittingPort &port_;
+    SittingState state_;
+    TrialPresenter presenter_;
+    std::optional<study::SessionEnding> ending_;
+    ExperimenterOrders orders_; ///< those that wait to be obeyed
+    bool has_begun_ = false;
+    bool was_practising_ = false;
+    std::vector<study::PlannedTrial> practised_; ///< in the present practice
+    bool has_presented_ = false;
+    int last_block_ = 0;
+    int since_break_ = 0;
+    std::optional<MaskingNoise> noise_;
+    bool is_stop_stored_ = false; ///< the present one, as a note or with its trial
+    double calm_from_s_ = 0.0;    ///< of a tripped device
+};
+
+} // namespace springdrive::app::study_screen

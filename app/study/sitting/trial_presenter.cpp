@@ -1,0 +1,300 @@
+#include "app/study/sitting/trial_presenter.h"
+
+#include "app/study/participant/answers.h"
+#include "base/input_error.h"
+#include "engine/study/conduct/presentation.h"
+#include "engine/study/protocol/hand_course.h"
+#include "engine/study/protocol/presented_stimulus.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+namespace springdrive::app::study_screen {
+
+namespace {
+
+constexpr double kAdjustingSteps = 60.0; ///< from one end of an adjustment to the other
+
+bool has_scene(const study::Condition &condition) { return condition.scene != study::kNoScene; }
+
+/// Without the wait for a servo that has just been started: this one runs.
+simulated::HandPath path_of(const study::HandCourse &course) {
+    std::vector<simulated::HandPath::Point> points;
+    for (const simulated::HandPath::Point &point : course.points) {
+        const double time_s = point.time_s - study::kServoStart_s;
+        if (time_s > 0.0) {
+            points.push_back({time_s, point.position_m});
+        }
+    }
+    points.insert(points.begin(), {0.0, course.points.front().position_m});
+    return simulated::HandPath(std::move(points));
+}
+
+} // namespace
+
+TrialPresenter::~TrialPresenter() {
+    it_.session.servo().follow(nullptr);
+    // No thread of the servo may still use the last one.
+    it_.session.servo().paused([] {});
+}
+
+bool TrialPresenter::is_device_lost() const {
+    const servo::ServoSample &latest = it_.session.latest();
+    return latest.health == device::DeviceHealth::lost ||
+           (latest.safety.state == servo::SafetyState::tripped &&
+            latest.safety.cause == servo::TripCause::device_lost);
+}
+
+ParticipantPicture TrialPresenter::picture(SittingStep step) const {
+    it_.state.step = step;
+    ParticipantPicture picture;
+    picture.heading = it_.protocol.texts.question;
+    picture.scene = shown_scene_.empty() ? SceneShown::nothing : SceneShown::scene;
+    return picture;
+}
+
+void TrialPresenter::wait(double seconds, const ParticipantPicture &shown) {
+    const double until_s = it_.session.servo().now_s() + seconds;
+    while (it_.session.servo().now_s() < until_s) {
+        static_cast<void>(it_.show(shown));
+    }
+}
+
+void TrialPresenter::load(const std::filesystem::path &scene) {
+    session::Session &session = it_.session;
+    if (session.scenes().now().scene.file == scene) {
+        return;
+    }
+    session.request_scene(scene);
+    while (session.scenes().now().scene.file != scene) {
+        if (!session.scenes().error().empty()) {
+            throw InputError(session.scenes().error());
+        }
+        static_cast<void>(it_.show(picture(SittingStep::setting_up)));
+    }
+}
+
+void TrialPresenter::set_up(const study::PlannedTrial &planned) {
+    set_up(study::intervals_of(it_.protocol, planned).front());
+}
+
+void TrialPresenter::set_up(const study::Interval &interval) {
+    const study::Condition &condition = interval.presented.parameters;
+    session::Session &session = it_.session;
+    if (session.servo().rate_hz() != condition.servo_hz) {
+        session.set_servo_rate(condition.servo_hz);
+    }
+    if (session.device().has_world() &&
+        session.simulation().delay_periods != condition.delay_periods) {
+        session.set_delay(condition.delay_periods);
+    }
+    const scene::TouchSpot &spot = it_.setting.conditions[interval.presented.condition].spot;
+    if (!has_scene(condition)) {
+        shown_scene_.clear();
+        session.servo().touch_nothing();
+        session.servo().tune(interval.presented.free_space);
+        return;
+    }
+    if (shown_scene_ != condition.scene) {
+        load(study::scene_file_of(condition, it_.folders));
+        shown_scene_ = condition.scene;
+        shown_spot_.reset();
+    }
+    if (!shown_spot_ || shown_spot_->point_m != spot.point_m ||
+        shown_spot_->normal != spot.normal) {
+        shown_spot_ = spot;
+        it_.port.show_scene(session.scenes().now().scene, spot);
+    }
+    session.servo().touch(session.scenes().now().surface, session.scenes().id(),
+                          interval.presented.free_space);
+}
+
+void TrialPresenter::lead_to_start(const study::PlannedTrial &planned) {
+    if (!it_.session.hand().is_simulated()) {
+        return;
+    }
+    const study::Interval first = study::intervals_of(it_.protocol, planned).front();
+    const Vector3 start_m = study::stimulus_of(it_.protocol, it_.setting, first.presented).start_m;
+    it_.session.follow_path(simulated::HandPath({{0.0, start_m}}));
+}
+
+/// The same for every condition and level: from the touch until the hand has left, the ball stays
+/// at the spot, wherever the tip yields to. A stroke is in free space.
+ParticipantPicture TrialPresenter::interval_picture(const study::Interval &interval) const {
+    ParticipantPicture shown = picture(SittingStep::interval);
+    const study::Texts &texts = it_.protocol.texts;
+    if (it_.protocol.task.kind == study::TaskKind::forced_choice_by_interval) {
+        shown.heading = it_.state.interval == 0   ? texts.first_interval
+                        : it_.state.interval == 1 ? texts.second_interval
+                                                  : fmt::format("{}", it_.state.interval + 1);
+    } else if (!interval.is_comparison) {
+        shown.heading = texts.show_standard;
+    }
+    const study::StimulusPhase phase = live_->phase();
+    if (phase == study::StimulusPhase::waiting) {
+        shown.text = texts.rest_at_spot;
+    }
+    const bool is_in_contact =
+        it_.protocol.stimulus != study::StimulusForm::stroke &&
+        (phase == study::StimulusPhase::presenting || phase == study::StimulusPhase::gliding_back ||
+         phase == study::StimulusPhase::leaving);
+    if (shown.scene == SceneShown::scene) {
+        const std::size_t condition = it_.state.trial->condition;
+        shown.tip_m = is_in_contact ? it_.setting.conditions[condition].spot.point_m
+                                    : it_.session.latest().tip_m;
+    }
+    return shown;
+}
+
+/// Steps of an adjustment; its last key ends the presentation.
+void TrialPresenter::adjust(study::LiveStimulus &live, const study::PlannedTrial &planned,
+                            const std::vector<ParticipantInput> &inputs) {
+    const auto &method = std::get<study::Adjustment>(it_.protocol.method);
+    const double least = study::on_scale(method.scale, method.minimum_level);
+    const double most = study::on_scale(method.scale, method.maximum_level);
+    for (const ParticipantInput &input : inputs) {
+        const std::optional<std::size_t> key = alternative_of(it_.protocol.responses, input);
+        if (!key || live.phase() != study::StimulusPhase::presenting) {
+            continue;
+        }
+        if (*key == 2) {
+            is_adjusted_ = true;
+            live.finish();
+            return;
+        }
+        const double step = (*key == 0 ? -1.0 : 1.0) * (most - least) / kAdjustingSteps;
+        adjusted_ = study::level_from(
+            method.scale,
+            std::clamp(study::on_scale(method.scale, *adjusted_) + step, least, most));
+        live.set_contact(
+            study::comparison_at(it_.protocol, planned, *adjusted_).presented.parameters.tuning);
+    }
+}
+
+/// Presents one interval. @return false if the device was lost in the midst of it
+bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Interval &interval,
+                          study::TrialResult &result) {
+    set_up(interval);
+    session::Session &session = it_.session;
+    const study::Stimulus stimulus =
+        study::stimulus_of(it_.protocol, it_.setting, interval.presented);
+    retired_.push_back(std::move(live_));
+    live_ = std::make_unique<study::LiveStimulus>(session.description(), stimulus,
+                                                  session.servo().period_s());
+    early_.clear();
+    if (session.hand().is_simulated()) {
+        session.follow_path(path_of(
+            study::hand_course(it_.setting, interval.presented, stimulus, study::HandDeviation{})));
+    }
+    session.servo().follow(live_.get());
+    const bool adjusts =
+        it_.protocol.task.kind == study::TaskKind::adjustment && interval.is_comparison;
+    while (!live_->is_over()) {
+        it_.state.phase = live_->phase();
+        const SittingFrame frame = it_.show(interval_picture(interval));
+        if (adjusts) {
+            adjust(*live_, planned, frame.inputs);
+        }
+        // An answer may be given before the hand has left.
+        early_.insert(early_.end(), frame.inputs.begin(), frame.inputs.end());
+        if (is_device_lost()) {
+            return false;
+        }
+    }
+    retired_.clear(); // the servo has taken up the last one
+    study::DeliveredStimulus delivered = live_->delivered();
+    if (session.device().device().clock() == device::DeviceClock::servo) {
+        delivered.lateness_s = 0.0; // it waits for the servo: the stimulus is none the later
+    }
+    study::Presentation presentation = study::presentation_of(
+        study::intended_measures(it_.protocol, it_.setting, interval.presented), delivered);
+    if (adjusts) { // the level changed while it was felt: only to be in time is intended
+        for (study::StimulusValue &value : presentation.values) {
+            if (value.name != "lateness_s") {
+                value.intended.reset();
+            }
+        }
+    }
+    presentation.start_s = live_->began_s();
+    presentation.end_s = live_->ended_s();
+    ended_s_ = live_->ended_s();
+    if (live_->failure() == study::StimulusFailure::tripped) {
+        result.safety_events.push_back({presentation.end_s, servo::description(live_->trip())});
+    } else if (live_->failure() != study::StimulusFailure::none) {
+        result.marks.emplace_back(study::description(live_->failure()));
+    }
+    result.missed_deadlines += delivered.missed_deadlines;
+    result.windings_degC = {delivered.winding_C[0], delivered.winding_C[1], delivered.winding_C[2]};
+    if (interval.is_comparison) {
+        result.tuning = study::settings_of(interval.presented.parameters);
+    }
+    result.presentations.push_back(std::move(presentation));
+    return true;
+}
+
+TrialPresenter::Answer TrialPresenter::ask() {
+    ParticipantPicture shown = picture(SittingStep::response);
+    shown.text = it_.protocol.texts.respond;
+    shown.choices = choices_of(it_.protocol);
+    std::vector<ParticipantInput> inputs = std::exchange(early_, {});
+    const Vector3 from_m = it_.session.latest().tip_m;
+    while (true) {
+        for (const ParticipantInput &input : inputs) {
+            const std::optional<std::size_t> given = alternative_of(it_.protocol.responses, input);
+            const double after_s = input.clock_s - ended_s_;
+            if (given && after_s >= 0.0 && after_s <= it_.protocol.timing.response_s) {
+                return {response_of(it_.protocol.task, *given), after_s};
+            }
+        }
+        const double now_s = it_.session.servo().now_s();
+        const std::optional<std::size_t> moved =
+            alternative_of(it_.protocol.responses, Vector3(it_.session.latest().tip_m - from_m));
+        if (now_s - ended_s_ > it_.protocol.timing.response_s) {
+            return {study::NoResponse{}, std::nullopt};
+        }
+        if (moved) {
+            return {response_of(it_.protocol.task, *moved), now_s - ended_s_};
+        }
+        inputs = it_.show(shown).inputs;
+    }
+}
+
+std::optional<study::TrialResult> TrialPresenter::present(const study::PlannedTrial &planned) {
+    study::TrialResult result;
+    const std::vector<study::Interval> intervals = study::intervals_of(it_.protocol, planned);
+    it_.state.trial = planned;
+    it_.state.intervals = intervals.size();
+    it_.state.marks.clear();
+    is_adjusted_ = false;
+    adjusted_ = planned.presented.level;
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+        it_.state.interval = i;
+        if (i > 0) {
+            wait(it_.protocol.timing.pause_s, picture(SittingStep::between_intervals));
+        }
+        if (!feel(planned, intervals[i], result)) {
+            return std::nullopt;
+        }
+        if (!result.safety_events.empty() || !result.marks.empty()) {
+            result.response = study::NoResponse{};
+            return result; // there is nothing to answer to
+        }
+    }
+    if (it_.protocol.task.kind == study::TaskKind::adjustment) {
+        if (is_adjusted_) {
+            result.response = study::Adjusted{*adjusted_};
+            result.tuning = study::settings_of(
+                study::comparison_at(it_.protocol, planned, *adjusted_).presented.parameters);
+        }
+        return result;
+    }
+    const Answer answer = ask();
+    result.response = answer.response;
+    result.response_time_s = answer.time_s;
+    return result;
+}
+
+} // namespace springdrive::app::study_screen

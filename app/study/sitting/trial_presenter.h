@@ -1,0 +1,88 @@
+// Presents a planned trial to whoever holds the device, and takes the answer.
+//
+//   set up ──► interval ──► pause ──► interval ──► question ──► feedback
+//                 │
+//                 └ rest at the spot, approach, presentation, way back: StimulusRun
+//
+// A hand that is simulated is led by the course of a simulated participant's; a person's is not.
+#pragma once
+
+#include "app/study/sitting/sitting_port.h"
+#include "app/study/sitting/sitting_state.h"
+#include "engine/session/session.h"
+#include "engine/study/conduct/conduct.h"
+#include "engine/study/conduct/intervals.h"
+#include "engine/study/protocol/protocol.h"
+#include "engine/study/protocol/study_setting.h"
+#include "engine/study/stimuli/live_stimulus.h"
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace springdrive::app::study_screen {
+
+/// What the presenter sits in.
+struct Presenting {
+    const study::Protocol &protocol;
+    const study::StudySetting &setting;
+    study::ProtocolFolders folders;
+    session::Session &session;
+    SittingPort &port;
+    SittingState &state;
+    /// Shows a picture for a frame; may end the sitting by an exception.
+    std::function<SittingFrame(ParticipantPicture)> show;
+};
+
+class TrialPresenter {
+public:
+    /// @param presenting  what it refers to must outlive this object
+    explicit TrialPresenter(Presenting presenting) : it_(std::move(presenting)) {}
+    ~TrialPresenter();
+    TrialPresenter(const TrialPresenter &) = delete;
+    TrialPresenter &operator=(const TrialPresenter &) = delete;
+
+    /// Scene, servo rate and delay of the first interval, so that the device can start.
+    void set_up(const study::PlannedTrial &planned);
+
+    /// Nothing if the device was lost in the midst of it. @pre the motors run
+    [[nodiscard]] std::optional<study::TrialResult> present(const study::PlannedTrial &planned);
+
+    /// The standard picture of an interval: scene, or nothing.
+    [[nodiscard]] ParticipantPicture picture(SittingStep step) const;
+
+    /// Leads a simulated hand to where the trial's intervals start.
+    void lead_to_start(const study::PlannedTrial &planned);
+
+private:
+    struct Answer {
+        study::Response response;
+        std::optional<double> time_s;
+    };
+
+    void load(const std::filesystem::path &scene);
+    void set_up(const study::Interval &interval);
+    [[nodiscard]] bool feel(const study::PlannedTrial &planned, const study::Interval &interval,
+                            study::TrialResult &result);
+    [[nodiscard]] ParticipantPicture interval_picture(const study::Interval &interval) const;
+    [[nodiscard]] Answer ask();
+    void adjust(study::LiveStimulus &live, const study::PlannedTrial &planned,
+                const std::vector<ParticipantInput> &inputs);
+    [[nodiscard]] bool is_device_lost() const;
+    void wait(double seconds, const ParticipantPicture &shown);
+
+    Presenting it_;
+    std::unique_ptr<study::LiveStimulus> live_; ///< the last one
+    /// Those before, which the servo may use until it has taken the last one up.
+    std::vector<std::unique_ptr<study::LiveStimulus>> retired_;
+    std::string shown_scene_; ///< a condition's; empty: none
+    std::optional<scene::TouchSpot> shown_spot_;
+    double ended_s_ = 0.0;                ///< of the last presentation
+    std::vector<ParticipantInput> early_; ///< since its end
+    std::optional<double> adjusted_;      ///< level set so far
+    bool is_adjusted_ = false;
+};
+
+} // namespace springdrive::app::study_screen

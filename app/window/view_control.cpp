@@ -1,0 +1,148 @@
+#include "app/window/view_control.h"
+
+#include "app/view/framing.h"
+#include "app/view/linkage_solids.h"
+#include "app/view/pick.h"
+#include "app/widgets/widgets.h"
+#include "engine/lab/rig/scenario/scenarios.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace springdrive::app {
+
+namespace {
+
+PixelSize size_of(const Rectangle &view) { return {view.size.x, view.size.y}; }
+
+/// In the view's own pixels.
+PixelRectangle within(const Rectangle &part, const Rectangle &view) {
+    const double left = part.corner.x - view.corner.x;
+    const double top = part.corner.y - view.corner.y;
+    return {{left, top}, {left + part.size.x, top + part.size.y}};
+}
+
+/// Points that contain the scene, and the device as it stands.
+std::vector<Vector3> shown_points(const scene::Scene &scene, const ViewState &state) {
+    std::vector<Solid> solids = linkage_solids(state.linkage, state.floor_height_m, state.tripped);
+    solids.push_back(ball(state.tip_m, kTipRadius_m, kTipColour));
+    std::vector<Vector3> points_m = drawn_points(solids);
+    const auto corners = box_corners(scene.lower_m, scene.upper_m);
+    points_m.insert(points_m.end(), corners.begin(), corners.end());
+    return points_m;
+}
+
+/// The same with the device where it starts, too: wherever the tip is when a viewpoint is chosen,
+/// its way back is in the picture.
+std::vector<Vector3> framed_points(const session::Session &session, const ViewState &state) {
+    const scene::Scene &scene = session.scenes().now().scene;
+    const device::DeviceDescription &device = session.description();
+    std::vector<Vector3> points_m = shown_points(scene, state);
+    ViewState start = state;
+    start.tip_m = rig::start_above(device, scene.lower_m, scene.upper_m);
+    if (const auto q_rad = device::joint_angles_rad(device.geometry, start.tip_m)) {
+        start.linkage = device::linkage_pose(device.geometry, *q_rad);
+        const std::vector<Vector3> at_start_m = shown_points(scene, start);
+        points_m.insert(points_m.end(), at_start_m.begin(), at_start_m.end());
+    }
+    return points_m;
+}
+
+/// What is under a pixel; where nothing is, the point at the target's depth.
+Vector3 point_under(const Camera &camera, const PixelPoint &pixel, const PixelSize &viewport,
+                    const scene::Scene &scene, const ViewState &state) {
+    const Ray ray = line_of_sight(camera, pixel, viewport);
+    const std::vector<Solid> linkage = linkage_solids(state.linkage, state.floor_height_m, false);
+    std::optional<double> nearest_m;
+    for (const std::optional<double> &hit_m :
+         {first_hit_m(ray, scene.meshes), first_hit_m(ray, linkage),
+          floor_hit_m(ray, state.floor_height_m)}) {
+        if (hit_m && (!nearest_m || *hit_m < *nearest_m)) {
+            nearest_m = hit_m;
+        }
+    }
+    // The floor ends somewhere, and what is far behind the target would draw the view away.
+    constexpr double kFarthest = 2.0; // times the target's distance
+    return nearest_m && *nearest_m < kFarthest * camera.distance_m()
+               ? Vector3(ray.origin_m + *nearest_m * ray.direction)
+               : camera.point_at(pixel, viewport, camera.target_m());
+}
+
+/// What can be touched under a pixel, also behind the device, which is in the way of most clicks.
+std::optional<SurfacePlace> touchable_under(const Camera &camera, const PixelPoint &pixel,
+                                            const PixelSize &viewport,
+                                            const contact::HapticSurface &surface) {
+    constexpr double kFarthest = 4.0; // times the target's distance
+    const Ray ray = line_of_sight(camera, pixel, viewport);
+    return first_touchable(surface, ray.origin_m,
+                           ray.origin_m + kFarthest * camera.distance_m() * ray.direction);
+}
+
+} // namespace
+
+bool ViewControl::obey(std::string_view key) {
+    constexpr double kTurn_px = 12.0;
+    const Camera before = camera_;
+    if (key == "Home") {
+        look_from(Viewpoint::home);
+    } else if (key == "t") {
+        look_from(Viewpoint::top);
+    } else if (key == "f") {
+        look_from(Viewpoint::front);
+    } else if (key == "j" || key == "l") {
+        camera_.orbit(key == "j" ? -kTurn_px : kTurn_px, 0.0);
+    } else if (key == "i" || key == "k") {
+        camera_.orbit(0.0, key == "i" ? -kTurn_px : kTurn_px);
+    } else if (key == "u" || key == "o") {
+        camera_.zoom(key == "u" ? 1.0 : -1.0, camera_.target_m());
+    } else {
+        return false;
+    }
+    if (camera_ != before) {
+        kept_.reset();
+    }
+    return true;
+}
+
+void ViewControl::update(session::Session &session, const ViewState &state, const Rectangle &view,
+                         const Rectangle &free, bool may_move_hand) {
+    const PixelSize size = size_of(view);
+    const Camera before = camera_;
+    const auto point = [&](const PixelPoint &pixel) {
+        return point_under(camera_, pixel, size, session.scenes().now().scene, state);
+    };
+    const auto touchable = [&](const PixelPoint &pixel) {
+        return touchable_under(camera_, pixel, size, session.scenes().now().surface);
+    };
+    mouse_.apply(session, camera_, view, may_move_hand, {point, touchable});
+    if (camera_ != before) {
+        kept_.reset();
+    }
+    is_framed_ = is_framed_ && framed_size_ == size && framed_free_ == free &&
+                 framed_base_m_ == state.linkage.base_m;
+    if (kept_ && !is_framed_ && free.size.x > 0.0F && free.size.y > 0.0F) {
+        camera_.look_from(*kept_);
+        camera_ = framed(camera_, framed_points(session, state), size, within(free, view));
+        is_framed_ = true;
+        framed_size_ = size;
+        framed_free_ = free;
+        framed_base_m_ = state.linkage.base_m;
+    }
+}
+
+void ViewControl::report(const session::Session &session, const ViewState &state,
+                         const Rectangle &view) const {
+    if (!ui::report().is_wanted()) {
+        return;
+    }
+    const PixelRectangle part =
+        drawn_part(camera_, shown_points(session.scenes().now().scene, state), size_of(view));
+    const auto left = static_cast<float>(part.top_left.x_px);
+    const auto top = static_cast<float>(part.top_left.y_px);
+    ui::enter_at({{view.corner.x + left, view.corner.y + top},
+                  {static_cast<float>(part.bottom_right.x_px) - left,
+                   static_cast<float>(part.bottom_right.y_px) - top}},
+                 "device and scene", "drawing", "");
+}
+
+} // namespace springdrive::app

@@ -1,0 +1,50 @@
+// Where the scene is looked at from: by the mouse, by keys, or from a viewpoint that keeps
+// everything in the picture.
+#pragma once
+
+#include "app/view/camera.h"
+#include "app/view/view_state.h"
+#include "app/window/layout.h"
+#include "app/window/mouse.h"
+#include "engine/session/session.h"
+
+#include <optional>
+#include <string_view>
+
+namespace springdrive::app {
+
+class ViewControl {
+public:
+    /// From the next `update` on, with everything in the picture, until the camera is moved.
+    void look_from(Viewpoint viewpoint) {
+        kept_ = viewpoint;
+        is_framed_ = false;
+    }
+
+    /// Turns, zooms or chooses a viewpoint. False if the key is for none of that.
+    bool obey(std::string_view key);
+
+    /// Applies the mouse, and keeps the viewpoint when the view's size or the device has changed.
+    /// @param view  of the scene in the window
+    /// @param free  its part over which nothing else is drawn
+    void update(session::Session &session, const ViewState &state, const Rectangle &view,
+                const Rectangle &free, bool may_move_hand);
+
+    /// Enters into the window's report which part of the window device and scene take.
+    void report(const session::Session &session, const ViewState &state,
+                const Rectangle &view) const;
+
+    [[nodiscard]] const Camera &camera() const { return camera_; }
+    [[nodiscard]] bool holds_hand() const { return mouse_.holds_hand(); }
+
+private:
+    Camera camera_;
+    MouseInView mouse_;
+    std::optional<Viewpoint> kept_ = Viewpoint::home; ///< until the camera is moved
+    bool is_framed_ = false;
+    PixelSize framed_size_;                  ///< of the view, then
+    Rectangle framed_free_{};                ///< its free part, then
+    Vector3 framed_base_m_{Vector3::Zero()}; ///< of the device, then
+};
+
+} // namespace springdrive::app

@@ -1,0 +1,154 @@
+// A window with OpenGL 3.3 and Dear ImGui in it.
+#pragma once
+
+#include "app/window/layout.h"
+
+#include <array>
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+struct GLFWwindow;
+struct ImFont;
+
+namespace springdrive::app {
+
+/// A key with those held for it.
+struct KeyPress {
+    std::string name; ///< the letter on the keyboard, lower case; or "Home", "Escape", "F1", "F6",
+                      ///< "F9", "F10", "F11", "PageUp", "PageDown"
+    bool with_ctrl = false;
+    bool with_shift = false;
+    bool with_alt = false;
+    bool is_repeated = false; ///< held down
+};
+
+class Window {
+public:
+    struct Size {
+        int width = 0;
+        int height = 0;
+    };
+
+    /// What is wanted of a new window.
+    struct Wish {
+        Size size;              ///< in pixels; 0 × 0 for 1280 × 720 times the scale
+        Size remembered;        ///< the same, of an earlier run; used without `size`, if not 0 × 0
+        double scale = 0.0;     ///< of text and panels; 0 for the display's scale
+        double text_size = 1.0; ///< see `set_text_size`
+        /// Fills the screen for good, cannot be closed, and has text by the screen's size.
+        bool is_kiosk = false;
+        /// Never shown: it owns what the windows share that are shown.
+        bool is_hidden = false;
+    };
+
+    /// Fonts beside the usual one.
+    struct LargeText {
+        ImFont *medium = nullptr; ///< 40 of the 720 lines of the picture
+        ImFont *large = nullptr;  ///< 78 of them
+    };
+
+    /// @throw InputError if no window or no OpenGL 3.3 is available, with the remedy.
+    Window(const std::string &title, const Wish &wish);
+    ~Window();
+    Window(const Window &) = delete;
+    Window &operator=(const Window &) = delete;
+
+    [[nodiscard]] bool is_closing() const; ///< never of a kiosk
+    [[nodiscard]] bool has_focus() const;  ///< whether keys arrive here
+
+    /// Whether the processor does what a graphics card would do.
+    [[nodiscard]] static bool draws_in_software();
+
+    /// Polls events and begins an ImGui frame.
+    void begin_frame();
+
+    /// Draws the ImGui frame over the caller's drawing, and swaps buffers.
+    void end_frame();
+
+    /// Fills the screen, or returns to the former size.
+    void toggle_full_screen();
+    [[nodiscard]] bool is_full_screen() const;
+
+    /// Of the present one: that of a first run. Not while it fills the screen.
+    void return_to_default_size();
+
+    /// Of text and panels, times the scale of the start; from the next frame on.
+    void set_text_size(double text_size) { text_size_ = static_cast<float>(text_size); }
+    /// Whether the window is too small for text of the size that is set.
+    [[nodiscard]] bool limits_text() const { return usable_scale_ < scale_; }
+
+    /// The size below which text gets smaller, times the scale.
+    void set_room(Size room) { room_ = room; }
+    static constexpr Size kRoomForPanels{1000, 640};
+    static constexpr Size kRoomForScene{480, 300}; ///< without panels
+
+    /// Clears the whole framebuffer.
+    void clear();
+
+    [[nodiscard]] Size framebuffer() const; ///< pixels to draw on
+    [[nodiscard]] Size size() const;        ///< in ImGui's and the mouse's units
+    /// Of text and panels; smaller than requested if the window is too small for that.
+    [[nodiscard]] float scale() const { return usable_scale_; }
+    [[nodiscard]] const LargeText &large_text() const { return large_text_; }
+
+    /// True once for every press of F12, however short, wherever the focus is; and of the space
+    /// bar, unless a text is being typed.
+    [[nodiscard]] bool take_emergency_stop();
+
+    /// Letters pressed since the last call, or repeated because they are held down, except those
+    /// typed as text; and keys that are no letters.
+    [[nodiscard]] std::vector<KeyPress> take_keys();
+
+    /// Files dropped on the window since the last call.
+    [[nodiscard]] std::vector<std::filesystem::path> take_dropped_files();
+
+    /// Writes the last frame that `end_frame` showed, as PNG. @throw InputError if there is none.
+    /// @param part  of the window, in its units; empty: all of it
+    void write_screenshot(std::ostream &out, const Rectangle &part = {}) const;
+
+    /// For a second window, whose context shares objects with this one.
+    [[nodiscard]] GLFWwindow *glfw() const { return window_; }
+
+    /// Why text may be missing letters; empty when the font was found.
+    [[nodiscard]] const std::string &font_remark() const { return font_remark_; }
+
+private:
+    static void on_key(GLFWwindow *window, int key, int scancode, int action, int mods);
+    static void on_drop(GLFWwindow *window, int count, const char **paths);
+    void choose_font();
+    static void use_keyboard();
+    void note_key(int key, int scancode, int action, int mods);
+    void renew_text();
+    void keep_as_kiosk();
+    void resize_within_screen(int width, int height);
+    void fit_scale_to_window();
+    void show_short_key_presses();
+
+    GLFWwindow *window_ = nullptr;
+    bool is_kiosk_ = false;
+    double next_fill_s_ = 0.0; ///< when a kiosk may try to fill the screen again
+    LargeText large_text_;
+    float start_scale_ = 1.0F; ///< as typed, or the display's
+    float text_size_ = 1.0F;   ///< times that
+    float scale_ = 1.0F;       ///< of the font: their product
+    Size room_ = kRoomForPanels;
+    std::array<int, 4> before_full_screen_{0, 0, 1280, 720}; ///< x, y, width, height
+    float usable_scale_ = 1.0F;
+    bool emergency_stop_ = false;
+    std::vector<KeyPress> keys_;      ///< for take_keys
+    std::vector<int> pressed_keys_;   ///< since the last frame
+    std::vector<int> prolonged_keys_; ///< released within a frame, reported to ImGui for one more
+    std::vector<std::filesystem::path> dropped_;
+    std::vector<unsigned char> last_frame_; ///< RGB, bottom row first
+    Size last_frame_size_;
+    bool keep_last_frame_ = false;
+    std::string font_remark_;
+
+public:
+    /// Keeps every frame from now on for `write_screenshot`; costs a read-back per frame.
+    void keep_frames(bool keep) { keep_last_frame_ = keep; }
+};
+
+} // namespace springdrive::app
