@@ -14,8 +14,14 @@
 
 namespace springdrive::app::study_screen {
 
-/// A break has a shortest time, and ends when the participant wants.
-void Sitting::take_break(double seconds) {
+namespace {
+
+constexpr double kFarewell_s = 5.0;
+
+} // namespace
+
+/// A break has a shortest time.
+void Sitting::rest(double seconds) {
     state_.step = SittingStep::in_break;
     since_break_ = 0;
     ParticipantPicture picture;
@@ -30,9 +36,23 @@ void Sitting::take_break(double seconds) {
                                           fmt::format("{:.0f}", std::ceil(state_.left_s)));
         static_cast<void>(show(picture));
     }
-    picture.left_share = 0.0;
+}
+
+/// Until the participant wants to go on, and not sooner than after so long.
+void Sitting::take_break(double seconds) {
+    rest(seconds);
+    ParticipantPicture picture;
+    picture.heading = plan_.protocol.texts.pause;
     picture.text = plan_.protocol.texts.break_over;
     show_until_key(SittingStep::in_break, picture);
+}
+
+/// The same, before another block.
+void Sitting::begin_block() {
+    rest(plan_.protocol.breaks.between_blocks_s);
+    ParticipantPicture picture;
+    picture.text = plan_.protocol.texts.block_begins;
+    show_until_key(SittingStep::block_begins, picture);
 }
 
 void Sitting::wait_while_paused() {
@@ -50,7 +70,7 @@ void Sitting::introduce(const study::PlannedTrial &planned) {
     const bool is_practice = planned.presented.kind == study::TrialKind::practice;
     ParticipantPicture picture;
     if (has_presented_ && planned.place.block != last_block_) {
-        take_break(plan_.protocol.breaks.between_blocks_s);
+        begin_block();
     } else if (std::exchange(orders_.skips_to_break, false) ||
                (plan_.protocol.breaks.every_trials > 0 &&
                 since_break_ >= plan_.protocol.breaks.every_trials)) {
@@ -153,16 +173,12 @@ void Sitting::warm_up(const study::PlannedTrial &planned) {
 /// Before the first trial of the session.
 void Sitting::begin() {
     ask_questions(study::QuestionnaireTime::before);
-    ParticipantPicture picture;
     if (noise_) {
-        picture.text = plan_.protocol.texts.noise_check;
+        ParticipantPicture picture;
+        picture.text = plan_.protocol.texts.noise_check + '\n' + plan_.protocol.texts.ready;
         show_until_key(SittingStep::noise_check, picture);
     }
-    picture.text = plan_.protocol.texts.instructions;
-    if (plan_.protocol.responses.device == study::ResponseDevice::gesture) {
-        picture.text += '\n' + plan_.protocol.texts.gesture_help;
-    }
-    show_until_key(SittingStep::instructions, picture);
+    show_until_key(SittingStep::instructions, instructions_of(plan_.protocol));
 }
 
 /// After the last one.
@@ -174,6 +190,19 @@ void Sitting::say_goodbye() {
         state_.progress = 1.0;
         show_until_key(SittingStep::over, picture);
     } catch (const Ends &) { // all trials are done
+    }
+}
+
+/// To a participant who leaves before the end: for some seconds, or until a key.
+void Sitting::let_go() {
+    ParticipantPicture picture;
+    picture.heading = plan_.protocol.texts.done_early;
+    state_.step = SittingStep::over;
+    const double until_s = session_.servo().now_s() + kFarewell_s;
+    try {
+        while (session_.servo().now_s() < until_s && !is_answer_key(show(picture).inputs)) {
+        }
+    } catch (const Ends &) { // told twice
     }
 }
 

@@ -43,7 +43,7 @@ struct NamedPicture {
 std::vector<NamedPicture> pictures_of(const study::Protocol &protocol) {
     std::vector<NamedPicture> pictures(2);
     pictures[0].text = "texts.instructions";
-    pictures[0].picture.text = protocol.texts.instructions;
+    pictures[0].picture = instructions_of(protocol);
     pictures[1].text = "texts.question";
     pictures[1].picture.heading = protocol.texts.question;
     pictures[1].picture.text = protocol.texts.respond;

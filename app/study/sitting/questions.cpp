@@ -12,6 +12,17 @@ constexpr std::size_t kMostKeys = 9; ///< digits from 1
 
 } // namespace
 
+ParticipantPicture instructions_of(const study::Protocol &protocol) {
+    const study::Texts &texts = protocol.texts;
+    ParticipantPicture picture;
+    picture.text = texts.instructions;
+    if (protocol.responses.device == study::ResponseDevice::gesture) {
+        picture.text += '\n' + texts.gesture_help;
+    }
+    picture.text += '\n' + texts.ready;
+    return picture;
+}
+
 std::vector<QuestionChoice> choices_of(const study::QuestionnaireItem &item,
                                        const study::Texts &texts) {
     std::vector<QuestionChoice> choices;

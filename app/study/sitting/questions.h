@@ -1,8 +1,10 @@
-// What a participant sees of a protocol's own question, and which answer an input gives.
+// What a participant sees of a protocol's own instructions and questions, and which answer an input
+// gives.
 #pragma once
 
 #include "app/study/participant/participant_input.h"
 #include "app/study/participant/participant_picture.h"
+#include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/questionnaire.h"
 #include "engine/study/protocol/texts.h"
 
@@ -11,6 +13,9 @@
 #include <vector>
 
 namespace springdrive::app::study_screen {
+
+/// Before the first trial, until a key is pressed.
+[[nodiscard]] ParticipantPicture instructions_of(const study::Protocol &protocol);
 
 /// A way to answer a question: its plate, and what it stands for.
 struct QuestionChoice {

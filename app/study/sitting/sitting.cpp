@@ -288,6 +288,8 @@ study::SessionEnding Sitting::run() {
     if (ending == study::SessionEnding::completed) {
         note_trials();
         say_goodbye();
+    } else if (ending == study::SessionEnding::left) {
+        let_go();
     }
     return ending;
 }

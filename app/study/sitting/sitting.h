@@ -58,11 +58,14 @@ private:
     void end_practice();
     void practise_again();
     void end_noise();
+    void rest(double seconds);
     void take_break(double seconds);
+    void begin_block();
     void wait_while_paused();
     void warm_up(const study::PlannedTrial &planned);
     void begin();
     void say_goodbye();
+    void let_go();
     void ask_questions(study::QuestionnaireTime when);
     [[nodiscard]] std::optional<std::string> answer_to(const study::QuestionnaireItem &item);
     void make_ready(const study::PlannedTrial &planned);

@@ -81,7 +81,7 @@ inline constexpr std::array<ParticipantText, 35> kParticipantTexts{{
      &Texts::understood,
      "after it, with two answer keys: whether to practise again",
      {"{again}", "{begin}"}},
-    {"ready", &Texts::ready, "before the first trial that counts"},
+    {"ready", &Texts::ready, "below all that is read before the first trial that counts"},
     {"block_begins", &Texts::block_begins, "before each block after the first"},
     {"first_interval", &Texts::first_interval, "during the first interval"},
     {"second_interval", &Texts::second_interval, "during the second interval"},

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -118,14 +119,32 @@ TEST_F(StudySitting, PractisesAgainUntilItIsUnderstood) {
     EXPECT_EQ(contents.notes[0].text, "practised 2 trials again, which are not stored");
 }
 
-TEST_F(StudySitting, AParticipantWhoLeavesIsStoredAsThat) {
-    Once once(1);
+TEST_F(StudySitting, EachBlockAfterTheFirstIsAnnounced) {
+    ASSERT_GT(protocol_.blocks.size(), 1U);
+    std::set<int> announced_after; // trials' blocks
     const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+            if (state.step == SittingStep::block_begins) {
+                EXPECT_EQ(picture.text, protocol_.texts.block_begins);
+                announced_after.insert(state.trials.back().place.block);
+            }
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    EXPECT_EQ(announced_after.size(), protocol_.blocks.size() - 1);
+}
+
+TEST_F(StudySitting, AParticipantWhoLeavesIsThankedAndStoredAsThat) {
+    Once once(1);
+    std::string last;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
             port.orders.participant_leaves = once.is_now(state);
+            last = picture.heading;
         };
     });
     EXPECT_EQ(ending, SessionEnding::left);
+    EXPECT_EQ(last, protocol_.texts.done_early);
     EXPECT_TRUE(study::read_study(file()).trials.empty());
 }
 
