@@ -11,6 +11,7 @@
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 namespace springdrive::testing {
@@ -24,7 +25,8 @@ constexpr std::chrono::seconds kLongestEnd{5};
 constexpr int kNotFound = 127; // as shells report a missing program
 
 /// In the child. Never returns.
-[[noreturn]] void become_server(const std::string &screen, int number_to, int log, pid_t parent) {
+[[noreturn]] void become_server(std::vector<std::string> words, int number_to, int log,
+                                pid_t parent) {
     // Ctrl-C must reach only the test, whose program still needs its display then.
     setsid();
     prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -34,9 +36,7 @@ constexpr int kNotFound = 127; // as shells report a missing program
     fcntl(number_to, F_SETFD, 0); // survives the exec
     dup2(log, STDOUT_FILENO);
     dup2(log, STDERR_FILENO);
-    std::vector<std::string> words{"Xvfb",       "-displayfd", std::to_string(number_to),
-                                   "-screen",    "0",          screen,
-                                   "+extension", "GLX",        "-noreset"};
+    words.insert(words.end(), {"-displayfd", std::to_string(number_to)});
     std::vector<char *> argv;
     argv.reserve(words.size() + 1);
     for (std::string &word : words) {
@@ -99,17 +99,22 @@ int end_server(pid_t server) {
 
 } // namespace
 
-VirtualDisplay::VirtualDisplay(int width, int height) {
-    const std::string screen = std::to_string(width) + "x" + std::to_string(height) + "x24";
+VirtualDisplay::VirtualDisplay(int width, int height)
+    : VirtualDisplay({"Xvfb", "-screen", "0",
+                      std::to_string(width) + "x" + std::to_string(height) + "x24", "+extension",
+                      "GLX", "-noreset"}) {}
+
+VirtualDisplay::VirtualDisplay(std::vector<std::string> server) {
+    const std::string program = server.front();
     std::array<int, 2> number{};
-    const int log = memfd_create("xvfb", MFD_CLOEXEC);
+    const int log = memfd_create("server", MFD_CLOEXEC);
     if (log < 0 || pipe2(number.data(), O_CLOEXEC) != 0) {
-        throw std::runtime_error("no virtual display: no pipe to Xvfb");
+        throw std::runtime_error("no virtual display: no pipe to " + program);
     }
     const pid_t parent = getpid();
     server_ = fork();
     if (server_ == 0) {
-        become_server(screen, number[1], log, parent);
+        become_server(std::move(server), number[1], log, parent);
     }
     close(number[1]);
     const std::string line = server_ > 0 ? first_line(number[0]) : "";
@@ -117,11 +122,11 @@ VirtualDisplay::VirtualDisplay(int width, int height) {
     name_ = ":" + line;
     std::string complaint;
     if (server_ < 0) {
-        complaint = "no process for Xvfb";
+        complaint = "no process for " + program;
     } else if (line.empty()) {
         complaint = end_server(server_) == kNotFound
-                        ? "Xvfb is not installed"
-                        : "Xvfb did not start: " + contents_of_log(log);
+                        ? program + " is not installed"
+                        : program + " did not start: " + contents_of_log(log);
     }
     close(log);
     if (!complaint.empty()) {

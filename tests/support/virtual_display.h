@@ -3,16 +3,20 @@
 
 #include <string>
 #include <sys/types.h>
+#include <vector>
 
 namespace springdrive::testing {
 
-/// An Xvfb process, which ends with this object and with the thread that created it. Tests that run
-/// in parallel have one each. There is no window manager: windows appear at the top left, and
-/// nothing gives them the keyboard focus.
+/// The process of a server, usually Xvfb, which ends with this object and with the thread that
+/// created it. Tests that run in parallel have one each. There is no window manager: windows appear
+/// at the top left, and nothing gives them the keyboard focus.
 class VirtualDisplay {
 public:
     /// @throw std::runtime_error  Xvfb is not installed, or does not start within 30 s
     VirtualDisplay(int width, int height);
+    /// @param server  program and arguments, to which -displayfd is added
+    /// @throw std::runtime_error  the same of this server
+    explicit VirtualDisplay(std::vector<std::string> server);
     ~VirtualDisplay();
     VirtualDisplay(const VirtualDisplay &) = delete;
     VirtualDisplay &operator=(const VirtualDisplay &) = delete;

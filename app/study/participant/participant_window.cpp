@@ -1,6 +1,6 @@
 #include "app/study/participant/participant_window.h"
 
-#include "app/study/embedded_shaders.h"
+#include "app/study/participant/embedded_shaders.h"
 #include "app/study/participant/input_times.h"
 #include "app/study/participant/monitors.h"
 #include "base/input_error.h"
