@@ -124,6 +124,8 @@ private:
         titles_.merge(desk.window_titles());
         if (step != "is asked") {
             asked_.reset();
+        } else {
+            is_stopped_by_hand_ = false; // it went on
         }
         if (step == "feels") {
             return feel(desk, report);
@@ -153,7 +155,6 @@ private:
         if (report.item("participant/phase").at("text") != "the stimulus is presented") {
             return true;
         }
-        is_stopped_by_hand_ = false;
         if (is_due(events_.kill)) {
             kill(desk.program().process(), SIGKILL);
             static_cast<void>(desk.program().end(0));
