@@ -147,7 +147,7 @@ Vector3 WarmUp::wanted_A(const servo::ServoSample &last, const Vector3 &most_A,
     return wanted_A;
 }
 
-void WarmUp::proceed(const servo::ServoSample &last, const servo::LawInputs &inputs) noexcept {
+void WarmUp::proceed(const servo::ServoSample &last) noexcept {
     const Vector3 winding_C = estimated_windings_C(last);
     follow_housings(winding_C);
     const bool is_running = last.safety.state == servo::SafetyState::running;
@@ -169,7 +169,7 @@ void WarmUp::proceed(const servo::ServoSample &last, const servo::LawInputs &inp
             phase_ = WarmUpPhase::fading;
         }
     }
-    const bool is_quiet = amplitude_A_.isZero(0.0) && last.tuning.dR_Ohm == inputs.tuning.dR_Ohm;
+    const bool is_quiet = amplitude_A_.isZero(0.0) && has_asked_dR(last);
     if (phase_ == WarmUpPhase::fading && is_quiet && !is_needed(band_, winding_C)) {
         phase_ = WarmUpPhase::done;
     }
@@ -191,10 +191,10 @@ void WarmUp::update(const servo::ServoSample &last, servo::LawInputs &inputs) no
         return;
     }
     if (!dR_before_Ohm_) {
-        dR_before_Ohm_ = inputs.tuning.dR_Ohm;
+        dR_before_Ohm_ = asked_dR_Ohm_ = inputs.tuning.dR_Ohm;
     }
     elapsed_s_ += period_s_;
-    proceed(last, inputs);
+    proceed(last);
     if (last.safety.state == servo::SafetyState::tripped) {
         failure_ = WarmUpFailure::tripped;
     } else if (!is_over() && elapsed_s_ > kLongest_s) {
@@ -206,13 +206,13 @@ void WarmUp::update(const servo::ServoSample &last, servo::LawInputs &inputs) no
     const bool is_heating = phase_ == WarmUpPhase::heating;
     const Vector3 most_A = warming_current_A(device_, last.limits, last.theta_rad);
     const bool is_allowed = is_heating && !last.contact.touching &&
-                            last.safety.state == servo::SafetyState::running &&
-                            last.tuning.dR_Ohm == inputs.tuning.dR_Ohm;
+                            last.safety.state == servo::SafetyState::running && has_asked_dR(last);
     amplitude_A_ = is_over() ? Vector3(Vector3::Zero())
                              : towards(amplitude_A_, wanted_A(last, most_A, is_allowed),
                                        most_A.maxCoeff() * period_s_ / kRamp_s);
-    inputs.tuning.dR_Ohm =
+    asked_dR_Ohm_ =
         is_heating || !amplitude_A_.isZero(0.0) ? most_dR_Ohm(device_) : *dR_before_Ohm_;
+    inputs.tuning.dR_Ohm = asked_dR_Ohm_;
     inputs.excitation_V = voltage_V(last);
 }
 

@@ -122,6 +122,7 @@ public:
 
     /// After a tick: sets dR and excitation of the next one; when it is over, dR is what it was
     /// before and the excitation zero. RT-safe.
+    /// @param inputs  as published, or as the last call left them
     void update(const servo::ServoSample &last, servo::LawInputs &inputs) noexcept;
 
     [[nodiscard]] WarmUpPhase phase() const { return phase_; }
@@ -141,7 +142,10 @@ private:
                                     const servo::ServoSample &last) const noexcept;
     [[nodiscard]] Vector3 wanted_A(const servo::ServoSample &last, const Vector3 &most_A,
                                    bool is_allowed) const noexcept;
-    void proceed(const servo::ServoSample &last, const servo::LawInputs &inputs) noexcept;
+    void proceed(const servo::ServoSample &last) noexcept;
+    [[nodiscard]] bool has_asked_dR(const servo::ServoSample &last) const noexcept {
+        return last.tuning.dR_Ohm == asked_dR_Ohm_;
+    }
     [[nodiscard]] Vector3 voltage_V(const servo::ServoSample &last) noexcept;
 
     device::DeviceDescription device_;
@@ -152,6 +156,7 @@ private:
     double elapsed_s_ = 0.0;
     double sign_ = 1.0; ///< of the last voltage
     std::optional<double> dR_before_Ohm_;
+    double asked_dR_Ohm_ = 0.0; ///< by the last update; the servo glides there
     bool has_housings_ = false;
     Vector3 housing_C_{Vector3::Zero()};
     std::array<bool, 3> has_warmed_{};

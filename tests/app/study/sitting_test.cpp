@@ -91,6 +91,21 @@ TEST_F(StudySitting, PausesBreaksAndRepeatsAsTheExperimenterWants) {
     EXPECT_TRUE(repeated->is_presented_again);
 }
 
+TEST_F(StudySitting, WarmsColdWindingsBeforeTheFirstTrial) {
+    protocol_.windings = {25.0, 26.0, 60.0}; // the air's, then the band
+    run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            port.orders.stops = state.trials.size() == 2;
+        };
+    });
+    EXPECT_TRUE(steps_.contains(SittingStep::warming_up));
+    const std::vector<Trial> trials = study::read_study(file()).trials;
+    ASSERT_EQ(trials.size(), 2U);
+    for (const std::optional<double> winding_C : trials.front().windings_degC) {
+        EXPECT_GE(winding_C.value(), protocol_.windings.from_C);
+    }
+}
+
 TEST_F(StudySitting, PractisesAgainUntilItIsUnderstood) {
     int begun = 0;
     int asked_in_practice = 0;

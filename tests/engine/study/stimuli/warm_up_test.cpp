@@ -1,10 +1,14 @@
-// Covers engine/study/stimuli/warm_up.cpp: windings are warmed, and the tip stays where it is.
+// Covers engine/study/stimuli/{warm_up.cpp,live_warm_up.h}: windings are warmed, and the tip stays
+// where it is.
 #include "engine/study/stimuli/warm_up.h"
 
 #include "device/core/phantom/dynamics.h"
 #include "device/core/phantom/kinematics.h"
+#include "device/simulated/simulated_phantom.h"
 #include "engine/lab/rig/servo_rig.h"
+#include "engine/servo/servo.h"
 #include "engine/study/protocol/predicted_press.h"
+#include "engine/study/stimuli/live_warm_up.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
@@ -141,6 +145,38 @@ TEST_P(WarmUpOfHands, ComesIntoTheBandAndLeavesTheTipInItsPlace) {
 INSTANTIATE_TEST_SUITE_P(, WarmUpOfHands, ::testing::Bool(), [](const auto &holds) {
     return std::string(holds.param ? "RelaxedGrip" : "NearlyOff");
 });
+
+/// The servo gives a course its inputs as they were published, a rig as the last tick left them.
+TEST(LiveWarmUp, IsThatOfARigTickByTick) {
+    const WindingBand band{25.0, 25.8, 60.0};
+    Warming warming(kNearlyOff);
+    WarmUp warm_up(warming.device, band, kPeriod_s);
+    simulated::SimulatedPhantom phantom(warming.device, Warming::options_with(kNearlyOff),
+                                        Warming::kAt_m);
+    servo::Servo servo(phantom, 1.0 / kPeriod_s);
+    servo::ServoInputs inputs = warming.rig.inputs;
+    servo.publish(inputs);
+    servo.advance(static_cast<int>(warming.rig.last.tick) + 1);
+    LiveWarmUp live(warming.device, band, kPeriod_s);
+    inputs.course = &live;
+    servo.publish(inputs);
+
+    servo::ServoSample last;
+    int heated_ticks = 0;
+    for (int tick = 0; !warm_up.is_over() && tick < 60'000; ++tick) {
+        warm_up.update(warming.rig.last, warming.rig.inputs);
+        const servo::ServoSample &wanted = warming.rig.tick();
+        servo.advance(1);
+        servo.drain([&](const servo::ServoSample &sample) { last = sample; });
+        ASSERT_EQ(last.tick, wanted.tick);
+        ASSERT_EQ(last.command.e_W_V, wanted.command.e_W_V) << "after " << tick << " ticks";
+        ASSERT_EQ(live.phase(), warm_up.phase());
+        heated_ticks += last.command.e_W_V.isZero(0.1) ? 0 : 1;
+    }
+    EXPECT_EQ(live.phase(), WarmUpPhase::done);
+    EXPECT_GT(heated_ticks, 1000);
+    EXPECT_FALSE(WarmUp::is_needed(band, estimated_windings_C(last)));
+}
 
 /// Of a servo that runs in free space, with windings of these temperatures.
 servo::ServoSample sample_of(const device::DeviceDescription &device, const Vector3 &winding_C,
