@@ -26,8 +26,6 @@ inline std::string shortened(const std::string &name) {
         {"\nfewest_trials = \\d+", "\nfewest_trials = 2"},
         {"\nmost_trials = \\d+", "\nmost_trials = 3"},
         {"\ncorrect_in_a_row = \\d+", "\ncorrect_in_a_row = 1"},
-        {"\nreversals = \\d+", "\nreversals = 3"},
-        {"\ntrials = \\d+", "\ntrials = 5"},
         {"\nblocks = \\d+", "\nblocks = 1"},
     };
     for (const auto &[long_key, short_key] : shorter) {
