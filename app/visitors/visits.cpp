@@ -117,7 +117,7 @@ VisitEnd Visits::sit(study::StudyStore &store, Visitor visitor) {
     }
     VisitorPort port(window_, session_, plan_.protocol,
                      is_made_up ? std::optional(made_up_visitor()) : std::nullopt);
-    session_.servo().release(false);
+    session_.keep_released(false); // a device that is not zeroed stays released
     study_screen::Sitting sitting(store, std::move(plan), session_, port);
     const study::SessionEnding ending = sitting.run();
     if (ending == study::SessionEnding::failed) {
