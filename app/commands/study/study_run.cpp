@@ -103,9 +103,22 @@ void resume_typed(const TypedResume &typed) {
         turns.run(typed.participant);
         return;
     }
+    const auto is_begun = [](const study::Progress &one) { return one.next && one.sessions > 0; };
+    std::string persons;
+    int count = 0;
+    for (const study::Progress &one : all) {
+        if (is_begun(one) && turns.is_person(one.participant)) {
+            persons += (count++ > 0 ? ", " : "") + one.participant;
+        }
+    }
+    if (count > 1) { // whoever sits down must not go on with another one's session
+        throw InputError(fmt::format("{}: {} are in the midst of it; say with --participant who of "
+                                     "them sits here",
+                                     typed.study.string(), persons));
+    }
     bool has_run = false;
     for (const study::Progress &one : all) {
-        if (one.next && one.sessions > 0 && !asked_to_end()) {
+        if (is_begun(one) && !asked_to_end()) {
             turns.run(one.participant);
             has_run = true;
         }

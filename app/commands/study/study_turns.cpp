@@ -152,8 +152,8 @@ void StudyTurns::tell(const std::string &code) const {
     if (ending == study::SessionEnding::completed) {
         return;
     }
-    std::cerr << fmt::format("springdrive: {} is not through; to go on: springdrive study resume "
-                             "{}\n",
+    std::cerr << fmt::format("springdrive: {0} is not through; to go on: springdrive study resume "
+                             "{1} --participant {0}\n",
                              code, store_.file().string());
     if (ending != study::SessionEnding::stopped && ending != study::SessionEnding::left) {
         throw CLI::RuntimeError(EXIT_FAILURE);

@@ -37,6 +37,8 @@ public:
 
     [[nodiscard]] std::vector<study::Progress> progress() const;
     [[nodiscard]] bool is_through(const std::string &code) const;
+    /// Or would be, of somebody new.
+    [[nodiscard]] bool is_person(const std::string &code) const;
 
     /// Who comes next if nobody is named: added already but not begun, or new.
     [[nodiscard]] std::string next_code() const;
@@ -54,7 +56,6 @@ public:
 
 private:
     [[nodiscard]] std::optional<study::Session> last_session(const std::string &code) const;
-    [[nodiscard]] bool is_person(const std::string &code) const;
     void run_simulated(const study::Progress &before);
     [[nodiscard]] SimulatedObserver observer_of_participant(const study::Progress &progress) const;
     void tell(const std::string &code) const;
