@@ -13,7 +13,12 @@ namespace springdrive::app::study_screen {
 
 namespace {
 
-void show_course(const SittingState &state) {
+bool is_in_trial(SittingStep step) {
+    return step == SittingStep::interval || step == SittingStep::between_intervals ||
+           step == SittingStep::response;
+}
+
+void show_course(const SittingState &state, bool shows_stimuli) {
     ui::text(kInk, "{}, session {}", state.participant, state.session);
     ui::wrapped(kFaintInk, "{} {}.", state.participant, description(state.step));
     ui::progress("progress", state.progress,
@@ -32,14 +37,15 @@ void show_course(const SittingState &state) {
         state.trials, [](const study::Trial &trial) { return !trial.marks.empty(); });
     ui::text(kFaintInk, "{} trials stored, {} of them marked", state.trials.size(), marked);
     if (!state.trials.empty() && !state.trials.back().marks.empty()) {
-        ui::wrapped(kWarning, "The last is marked: {}.", state.trials.back().marks.front());
+        ui::wrapped(kWarning, "The last is marked{}{}.", shows_stimuli ? ": " : "",
+                    shows_stimuli ? state.trials.back().marks.front() : "");
     }
     if (state.step == SittingStep::in_break) {
         ui::text(kInk, "{:.0f} s of the break are left", std::max(0.0, state.left_s));
     }
 }
 
-void show_device(const session::Session &session) {
+void show_device(const session::Session &session, bool shows_stimuli) {
     const servo::ServoSample &now = session.latest();
     switch (now.safety.state) {
     case servo::SafetyState::running:
@@ -64,7 +70,10 @@ void show_device(const session::Session &session) {
     }
     ui::text(kFaintInk, "windings {} °C", windings);
     ui::explain("the middle of the safety monitor's bounds, motor by motor");
-    ui::text(kFaintInk, "force {:.1f} N of {:.1f}", now.tip_force_N.norm(), now.limits.tip_force_N);
+    if (shows_stimuli) {
+        ui::text(kFaintInk, "force {:.1f} N of {:.1f}", now.tip_force_N.norm(),
+                 now.limits.tip_force_N);
+    }
     ui::text(now.missed_in_a_row > 0 ? kWarning : kFaintInk, "{} deadlines missed",
              session.servo().statistics().missed_deadlines());
 }
@@ -75,7 +84,7 @@ void confirm_end(ExperimenterPanelState &panel, ExperimenterOrders &orders) {
         if (ui::button("Stop the session")) {
             panel.asked = EndAsked::stop;
         }
-        ui::explain("ends it now; springdrive study run goes on with it later, also on another "
+        ui::explain("ends it now; springdrive study resume goes on with it later, also on another "
                     "day");
         ImGui::SameLine();
         if (ui::button("Participant leaves")) {
@@ -103,7 +112,6 @@ void take_note(ExperimenterPanelState &panel, std::optional<std::string> &note) 
     const bool has_words = panel.note.find_first_not_of(' ') != std::string::npos;
     if (is_entered && has_words) {
         note = std::exchange(panel.note, {});
-        panel.notes_of_today.push_back(*note);
     }
     for (auto said = panel.notes_of_today.rbegin(); said != panel.notes_of_today.rend(); ++said) {
         ui::wrapped(kFaintInk, "{}", *said);
@@ -119,9 +127,9 @@ ExperimenterActs draw_experimenter_panel(ExperimenterPanelState &panel, const Re
     const ui::Panel window("Session", place);
     ui::wrapped(kInk, "{}", protocol.title);
     ImGui::Separator();
-    show_course(state);
+    show_course(state, panel.shows_stimuli);
     ImGui::Separator();
-    show_device(session);
+    show_device(session, panel.shows_stimuli);
     ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.62F, 0.13F, 0.12F, 1.0F));
     ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImVec4(0.75F, 0.18F, 0.16F, 1.0F));
     acts.emergency_stop = ui::button("STOP the device (F12)", {-1.0F, 0.0F});
@@ -149,8 +157,12 @@ ExperimenterActs draw_experimenter_panel(ExperimenterPanelState &panel, const Re
     acts.orders.skips_to_break = ui::button("Break");
     ui::explain("before the next trial, as long as a break within a block");
     ImGui::SameLine();
-    acts.orders.repeats = ui::button("Repeat this trial");
-    ui::explain("the present trial is marked, does not count, and comes again later in the block");
+    {
+        const ui::Disabled disabled(!is_in_trial(state.step)); // others are stored, or not begun
+        acts.orders.repeats = ui::button("Repeat this trial");
+        ui::explain("the present trial is marked, does not count, and comes again later in the "
+                    "block");
+    }
     confirm_end(panel, acts.orders);
     ImGui::Separator();
     take_note(panel, acts.note);

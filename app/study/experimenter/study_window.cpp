@@ -22,18 +22,24 @@ constexpr float kButtonColumn = 24.0F; ///< of buttons, in heights of text
 constexpr float kHidden = 6.5F;        ///< the panel of stimuli while they are hidden, the same
 constexpr float kStimuliShare = 0.5F;  ///< of the window's height, while they are shown
 
-ViewState view_of(const session::Session &session) {
+/// @param is_blind  in contact, device and tip are shown where the proxy is, and no force
+ViewState view_of(const session::Session &session, bool is_blind) {
     const servo::ServoSample &now = session.latest();
     const device::DeviceDescription &device = session.description();
+    const bool is_hidden = is_blind && now.contact.touching;
+    const Vector3 measured_rad = device::joint_from_motor(device.geometry, now.theta_rad);
     ViewState state;
-    state.linkage = device::linkage_pose(device.geometry,
-                                         device::joint_from_motor(device.geometry, now.theta_rad));
-    state.tip_m = now.tip_m;
+    state.linkage = device::linkage_pose(
+        device.geometry,
+        is_hidden
+            ? device::joint_angles_rad(device.geometry, now.contact.x0_m).value_or(measured_rad)
+            : measured_rad);
+    state.tip_m = is_hidden ? now.contact.x0_m : now.tip_m;
     state.proxy_m = now.contact.x0_m;
     state.touching = now.contact.touching;
     state.normal = now.contact.normal;
-    state.tip_force_N = now.tip_force_N;
-    state.hand_target_m = now.tip_m;
+    state.tip_force_N = is_blind ? Vector3(Vector3::Zero()) : now.tip_force_N;
+    state.hand_target_m = state.tip_m;
     state.tripped = now.safety.state == servo::SafetyState::tripped;
     state.workspace = device.workspace;
     state.floor_height_m = device.workspace.centre_m.y() - 0.5 * device.workspace.size_m.y();
@@ -113,7 +119,7 @@ void StudyWindow::draw_view(const Rectangle &place) {
         renderer_.set_scene(session_.scenes().now().scene);
         renderer_.upload(std::numeric_limits<double>::infinity());
     }
-    const ViewState state = view_of(session_);
+    const ViewState state = view_of(session_, !panel_.shows_stimuli);
     const ImVec2 margin{0.04F * place.size.x, 0.04F * place.size.y};
     const Rectangle free{{place.corner.x + margin.x, place.corner.y + margin.y},
                          {place.size.x - 2.0F * margin.x, place.size.y - 2.0F * margin.y}};
@@ -198,7 +204,9 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
         panel_.complaint = complaint_of([this] { session_.zero_device(Vector3::Zero()); });
     }
     if (acts.note) {
-        store_note(state, *acts.note);
+        const std::string complaint = complaint_of([&] { store_note(state, *acts.note); });
+        panel_.notes_of_today.push_back(complaint.empty() ? *acts.note
+                                                          : "not stored: " + complaint);
     }
     SittingFrame frame{taken_inputs(), acts.orders};
     frame.orders.stops = frame.orders.stops || window_.is_closing() || asked_to_end();
