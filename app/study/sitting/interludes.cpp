@@ -36,6 +36,7 @@ void Sitting::rest(double seconds) {
                                           fmt::format("{:.0f}", std::ceil(state_.left_s)));
         static_cast<void>(show(picture));
     }
+    orders_.skips_to_break = false; // this was one
 }
 
 /// Until the participant wants to go on, and not sooner than after so long.
@@ -119,19 +120,29 @@ void Sitting::end_practice() {
     }
 }
 
-/// The same trials as before. They are not of the sequence, and only a note tells of them.
+/// The same trials as before. They are not of the sequence, and only notes tell of them, and of
+/// stops in them.
 void Sitting::practise_again() {
-    for (const study::PlannedTrial &planned : practised_) {
-        make_ready(planned);
-        if (const std::optional<study::TrialResult> result = presenter_.present(planned)) {
-            tell_of(planned, *result);
-            is_stop_stored_ = !result->safety_events.empty();
+    int presented = 0;
+    const auto note = [&] {
+        store_.append(
+            study::Note{study::utc_now(), "practice",
+                        fmt::format("practised {} trials again, which are not stored", presented),
+                        plan_.participant, state_.session});
+    };
+    try {
+        for (const study::PlannedTrial &planned : practised_) {
+            make_ready(planned);
+            if (const std::optional<study::TrialResult> result = presenter_.present(planned)) {
+                ++presented;
+                tell_of(planned, *result);
+            }
         }
+    } catch (const Ends &) {
+        note();
+        throw;
     }
-    store_.append(study::Note{
-        study::utc_now(), "practice",
-        fmt::format("practised {} trials again, which are not stored", practised_.size()),
-        plan_.participant, state_.session});
+    note();
 }
 
 /// Before the first trial, and whenever they have cooled below the band. A device that is stopped
@@ -183,13 +194,21 @@ void Sitting::begin() {
 
 /// After the last one.
 void Sitting::say_goodbye() {
+    bool has_asked = false;
     try {
         ask_questions(study::QuestionnaireTime::after);
+        has_asked = true;
         ParticipantPicture picture;
         picture.heading = plan_.protocol.texts.end;
         state_.progress = 1.0;
         show_until_key(SittingStep::over, picture);
-    } catch (const Ends &) { // all trials are done
+    } catch (const Ends &) { // all trials are done, and with them the session
+        if (!has_asked) {
+            store_.append(study::Note{study::utc_now(), "questions",
+                                      "those after the last trial were broken off, and are not "
+                                      "asked again",
+                                      plan_.participant, state_.session});
+        }
     }
 }
 

@@ -45,6 +45,20 @@ Sitting::Sitting(study::StudyStore &store, SittingPlan plan, session::Session &s
     if (const std::string wrong = what_keeps_persons_out(plan_.protocol); !wrong.empty()) {
         throw InputError(wrong);
     }
+    require_device_of_before();
+}
+
+/// Trials choose the levels of those after them: a person's must not go on with a rehearsal's.
+void Sitting::require_device_of_before() const {
+    const study::DeviceKind now = kind_of(session_.device_choice().kind);
+    for (const study::Session &before : store_.contents().sessions) {
+        if (before.participant == plan_.participant && before.device != now) {
+            throw InputError(fmt::format("{}: {} has sessions on another kind of device ({}); "
+                                         "begin with a new code, or give the device of before",
+                                         store_.file().string(), plan_.participant,
+                                         study::name_of(before.device)));
+        }
+    }
 }
 
 /// Every frame of a sitting.
@@ -107,6 +121,9 @@ void Sitting::note_stop() {
     store_.append(study::Note{study::utc_now(), "safety",
                               servo::description(session_.latest().safety), plan_.participant,
                               state_.session});
+    if (++stops_between_trials_ > plan_.protocol.stopping.most_trips) {
+        throw Ends{study::SessionEnding::safety_trip};
+    }
 }
 
 /// Until the motors run.
@@ -114,13 +131,16 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
     presenter_.set_up(planned);
     presenter_.lead_to_start(planned);
     calm_from_s_ = session_.servo().now_s();
-    orders_.resets_device = false;
     bool is_lead_lost = false;
     while (true) {
         wait_while_paused();
         const servo::ServoSample &latest = session_.latest();
-        if (latest.safety.state == servo::SafetyState::running) {
-            is_stop_stored_ = false;
+        const bool is_there = latest.health != device::DeviceHealth::lost && session_.is_zeroed();
+        if (latest.safety.state != servo::SafetyState::tripped) {
+            is_stop_stored_ = false; // the next one is another
+        }
+        if (is_there && latest.safety.state == servo::SafetyState::running) {
+            orders_.resets_device = false; // of a stop that is over
             warm_up(planned);
             if (session_.latest().safety.state == servo::SafetyState::running) {
                 return;
@@ -128,7 +148,7 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
             continue;
         }
         ParticipantPicture picture;
-        if (latest.health == device::DeviceHealth::lost || !session_.is_zeroed()) {
+        if (!is_there) {
             state_.step = SittingStep::device_lost;
             picture.text = plan_.protocol.texts.device_lost;
             picture.is_calm_stop = true;
@@ -136,6 +156,7 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
             is_lead_lost = true;
         } else if (latest.safety.state == servo::SafetyState::tripped) {
             if (!std::exchange(is_stop_stored_, true)) {
+                calm_from_s_ = session_.servo().now_s();
                 note_stop();
             }
             state_.step = SittingStep::device_stopped;
@@ -187,6 +208,7 @@ std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &pl
         introduce(planned);
         while (true) {
             make_ready(planned);
+            keep_noise();
             if (plan_.keeps_records) {
                 session_.start_recording(store_.new_record_file(plan_.participant, planned.place),
                                          Existing::replace);
@@ -236,6 +258,18 @@ study::Session Sitting::begun() const {
     return begun;
 }
 
+/// An output may have been pulled out, or its system restarted.
+/// @throw InputError  there is none any more
+void Sitting::keep_noise() {
+    if (noise_ && !noise_->is_playing()) {
+        store_.append(study::Note{study::utc_now(), "noise",
+                                  "the masking noise had stopped, and was begun again",
+                                  plan_.participant, state_.session});
+        noise_.reset();
+        noise_.emplace(plan_.protocol.noise->level_dBFS);
+    }
+}
+
 /// It fades out. Gaps in it may have been heard.
 void Sitting::end_noise() {
     if (noise_ && noise_->underruns() > 0) {
@@ -283,13 +317,13 @@ study::SessionEnding Sitting::run() {
     how.present = [this](const study::PlannedTrial &planned) { return present(planned); };
     how.ends = [this] { return ending_before_next(); };
     const study::SessionEnding ending = study::conduct(store_, plan_.protocol, session, how);
-    session_.servo().release(true);
+    session_.keep_released(true);
     end_noise();
     if (ending == study::SessionEnding::completed) {
         note_trials();
         say_goodbye();
-    } else if (ending == study::SessionEnding::left) {
-        let_go();
+    } else if (!ending_ || *ending_ == study::SessionEnding::left) {
+        let_go(); // by the participant's wish, or by a stopping rule
     }
     return ending;
 }

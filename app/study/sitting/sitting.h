@@ -48,6 +48,7 @@ private:
         study::SessionEnding how;
     };
 
+    void require_device_of_before() const;
     SittingFrame show(ParticipantPicture picture);
     void show_for(double seconds, const ParticipantPicture &picture);
     void show_until_key(SittingStep step, const ParticipantPicture &picture);
@@ -57,6 +58,7 @@ private:
     void introduce(const study::PlannedTrial &planned);
     void end_practice();
     void practise_again();
+    void keep_noise();
     void end_noise();
     void rest(double seconds);
     void take_break(double seconds);
@@ -92,7 +94,8 @@ private:
     int since_break_ = 0;
     std::optional<MaskingNoise> noise_;
     bool is_stop_stored_ = false; ///< the present one, as a note or with its trial
-    double calm_from_s_ = 0.0;    ///< of a tripped device
+    int stops_between_trials_ = 0;
+    double calm_from_s_ = 0.0; ///< of a tripped device
 };
 
 } // namespace springdrive::app::study_screen

@@ -222,7 +222,7 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
     presentation.end_s = live_->ended_s();
     ended_s_ = live_->ended_s();
     if (live_->failure() == study::StimulusFailure::tripped) {
-        result.safety_events.push_back({presentation.end_s, servo::description(live_->trip())});
+        result.safety_events.push_back({live_->failed_s(), servo::description(live_->trip())});
     } else if (live_->failure() != study::StimulusFailure::none) {
         result.marks.emplace_back(study::description(live_->failure()));
     }
@@ -235,7 +235,8 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
     return true;
 }
 
-TrialPresenter::Answer TrialPresenter::ask() {
+/// Nothing if the device was lost meanwhile. A stop is stored with the trial, unanswered.
+std::optional<TrialPresenter::Answer> TrialPresenter::ask(study::TrialResult &result) {
     ParticipantPicture shown = picture(SittingStep::response);
     shown.text = it_.protocol.texts.respond;
     shown.choices = choices_of(it_.protocol);
@@ -246,17 +247,25 @@ TrialPresenter::Answer TrialPresenter::ask() {
             const std::optional<std::size_t> given = alternative_of(it_.protocol.responses, input);
             const double after_s = input.clock_s - ended_s_;
             if (given && after_s >= 0.0 && after_s <= it_.protocol.timing.response_s) {
-                return {response_of(it_.protocol.task, *given), after_s};
+                return Answer{response_of(it_.protocol.task, *given), after_s};
             }
         }
+        if (is_device_lost()) {
+            return std::nullopt;
+        }
         const double now_s = it_.session.servo().now_s();
+        if (const servo::SafetyStatus &safety = it_.session.latest().safety;
+            safety.state == servo::SafetyState::tripped) {
+            result.safety_events.push_back({now_s, servo::description(safety)});
+            return Answer{study::NoResponse{}, std::nullopt};
+        }
         const std::optional<std::size_t> moved =
             alternative_of(it_.protocol.responses, Vector3(it_.session.latest().tip_m - from_m));
         if (now_s - ended_s_ > it_.protocol.timing.response_s) {
-            return {study::NoResponse{}, std::nullopt};
+            return Answer{study::NoResponse{}, std::nullopt};
         }
         if (moved) {
-            return {response_of(it_.protocol.task, *moved), now_s - ended_s_};
+            return Answer{response_of(it_.protocol.task, *moved), now_s - ended_s_};
         }
         inputs = it_.show(shown).inputs;
     }
@@ -291,9 +300,12 @@ std::optional<study::TrialResult> TrialPresenter::present(const study::PlannedTr
         }
         return result;
     }
-    const Answer answer = ask();
-    result.response = answer.response;
-    result.response_time_s = answer.time_s;
+    const std::optional<Answer> answer = ask(result);
+    if (!answer) {
+        return std::nullopt;
+    }
+    result.response = answer->response;
+    result.response_time_s = answer->time_s;
     return result;
 }
 

@@ -67,7 +67,7 @@ private:
     [[nodiscard]] bool feel(const study::PlannedTrial &planned, const study::Interval &interval,
                             study::TrialResult &result);
     [[nodiscard]] ParticipantPicture interval_picture(const study::Interval &interval) const;
-    [[nodiscard]] Answer ask();
+    [[nodiscard]] std::optional<Answer> ask(study::TrialResult &result);
     void adjust(study::LiveStimulus &live, const study::PlannedTrial &planned,
                 const std::vector<ParticipantInput> &inputs);
     [[nodiscard]] bool is_device_lost() const;

@@ -50,7 +50,10 @@ Trial stored_form(const Protocol &protocol, const Session &session, const Planne
         trial.marks.push_back("the safety monitor tripped: " + event.text);
     }
     if (std::holds_alternative<NoResponse>(trial.response) && !was_broken_off) {
-        trial.marks.push_back(fmt::format("no response in {:g} s", protocol.timing.response_s));
+        trial.marks.push_back(
+            fmt::format("no response in {:g} s", protocol.task.kind == TaskKind::adjustment
+                                                     ? protocol.timing.presentation_s
+                                                     : protocol.timing.response_s));
     }
     // Without an answer a method has nothing to learn from, whatever the protocol says of
     // repeating.

@@ -16,7 +16,7 @@ double clock_of(const servo::ServoSample &sample) {
 LiveStimulus::LiveStimulus(const device::DeviceDescription &device, const Stimulus &stimulus,
                            double period_s)
     : run_(device, stimulus, period_s), meter_(device, stimulus, period_s),
-      began_s_(std::numeric_limits<double>::quiet_NaN()), ended_s_(began_s_),
+      began_s_(std::numeric_limits<double>::quiet_NaN()), ended_s_(began_s_), failed_s_(began_s_),
       contact_(stimulus.contact) {}
 
 void LiveStimulus::update(const servo::ServoSample &last, servo::LawInputs &next) noexcept {
@@ -40,6 +40,7 @@ void LiveStimulus::update(const servo::ServoSample &last, servo::LawInputs &next
     }
     if (now == StimulusPhase::failed) {
         trip_ = last.safety;
+        failed_s_ = clock_of(last);
     }
     phase_.store(now, std::memory_order_release);
 }

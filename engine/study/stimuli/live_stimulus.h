@@ -43,12 +43,15 @@ public:
     [[nodiscard]] double ended_s() const { return ended_s_; }
     /// What the monitor said when it tripped.
     [[nodiscard]] const servo::SafetyStatus &trip() const { return trip_; }
+    /// When it was seen, by the same clock; NaN without a failure.
+    [[nodiscard]] double failed_s() const { return failed_s_; }
 
 private:
     StimulusRun run_;
     DeliveryMeter meter_;
     double began_s_;
     double ended_s_;
+    double failed_s_;
     servo::SafetyStatus trip_;
     LatestValue<control::Tuning> contact_;
     std::atomic<bool> is_finished_{false};

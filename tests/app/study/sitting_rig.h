@@ -36,7 +36,7 @@ protected:
         options.scene = study::scene_file_of(protocol_.conditions.front(), folders_);
         options.device.file = study::device_file_of(protocol_, folders_);
         options.device.kind = kind_;
-        options.starts_at_zero = kind_ == factory::DeviceKind::emulated;
+        options.starts_at_zero = starts_at_zero_;
         options.lockstep = true;
         return options;
     }
@@ -76,6 +76,7 @@ protected:
 
     bool plays_noise_ = false;
     factory::DeviceKind kind_ = factory::DeviceKind::simulated;
+    bool starts_at_zero_ = true;
     std::filesystem::path folder_;
     study::Protocol protocol_;
     study::ProtocolFolders folders_;

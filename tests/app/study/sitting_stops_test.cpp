@@ -1,5 +1,6 @@
 // Covers app/study/sitting/{sitting,trial_presenter}.cpp: a device that is stopped or lost in a
 // trial.
+#include "base/complaint.h"
 #include "tests/app/study/sitting_rig.h"
 
 #include <gtest/gtest.h>
@@ -82,6 +83,90 @@ TEST_F(StudySitting, ATrialInWhichTheCableIsPulledBeginsAnew) {
     EXPECT_GE(lost, 60);
     EXPECT_EQ(ending, SessionEnding::completed);
     expect_same_decisions(study::read_study(file()).trials, headless());
+}
+
+TEST_F(StudySitting, ADeviceThatIsNotZeroedIsNotDriven) {
+    kind_ = factory::DeviceKind::emulated;
+    starts_at_zero_ = false;
+    int lost = 0;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            if (state.step != SittingStep::device_lost) {
+                return;
+            }
+            EXPECT_FALSE(servo::lets_pass(session.latest().safety.state));
+            // Four seconds, eight times what a tip must rest for the motors to start.
+            if (++lost == 240) {
+                session.follow_path(simulated::HandPath({{0.0, Vector3::Zero()}}));
+            } else if (lost == 300) {
+                session.zero_device(Vector3::Zero());
+            }
+            port.orders.stops = lost > 3000;
+        };
+    });
+    EXPECT_GE(lost, 300);
+    EXPECT_EQ(ending, SessionEnding::completed);
+    expect_same_decisions(study::read_study(file()).trials, headless());
+}
+
+TEST_F(StudySitting, AStopWhileTheParticipantIsAskedComesAgain) {
+    bool is_done = false;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            if (state.step == SittingStep::response && state.trial->place.block == 1 &&
+                state.trial->place.position == 2 && !is_done) {
+                session.servo().emergency_stop();
+                is_done = true;
+            }
+            port.orders.resets_device = state.step == SittingStep::device_stopped;
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    const std::vector<Trial> trials = study::read_study(file()).trials;
+    const auto stopped = std::ranges::find_if(
+        trials, [](const Trial &trial) { return !trial.safety_events.empty(); });
+    ASSERT_NE(stopped, trials.end());
+    EXPECT_EQ(stopped->place.position, 2);
+    EXPECT_TRUE(std::holds_alternative<study::NoResponse>(stopped->response));
+    EXPECT_TRUE(stopped->is_presented_again);
+    EXPECT_GT(stopped->safety_events.front().time_s, *stopped->presentations.back().end_s);
+    EXPECT_TRUE(study::read_study(file()).notes.empty());
+}
+
+TEST_F(StudySitting, StopsBetweenTrialsAreNotedAndEndItWhenTheyAreTooMany) {
+    protocol_.stopping.most_trips = 2;
+    int reset = 0;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            if (state.step == SittingStep::setting_up) {
+                session.servo().emergency_stop();
+            }
+            if (state.step == SittingStep::device_stopped) {
+                port.orders.resets_device = true;
+                ++reset;
+            }
+            port.orders.stops = reset > 600;
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::safety_trip);
+    const study::StudyContents contents = study::read_study(file());
+    EXPECT_EQ(std::ranges::count(contents.notes, "safety", &study::Note::kind), 3);
+    EXPECT_TRUE(contents.trials.empty());
+}
+
+TEST_F(StudySitting, ARehearsalIsNotGoneOnWithOnAnotherDevice) {
+    Once once(1);
+    run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            port.orders.stops = once.is_now(state);
+        };
+    });
+    kind_ = factory::DeviceKind::emulated;
+    const std::string complaint = complaint_of([this] { run(); });
+    EXPECT_NE(complaint.find("P01 has sessions on another kind of device (simulated)"),
+              std::string::npos)
+        << complaint;
+    EXPECT_EQ(study::read_study(file()).sessions.size(), 1U);
 }
 
 } // namespace

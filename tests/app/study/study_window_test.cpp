@@ -316,7 +316,7 @@ void run_through(const std::string &name, const std::string &text) {
     const study::Protocol protocol = study::read_protocol_file(protocol_file);
     Day day(protocol, folder, events);
     const std::string file = (folder / "short.study").string();
-    day.run({"run", protocol_file.string(), "--participant", "P01"}, {"--fault", "unplug@9-10"});
+    day.run({"run", protocol_file.string(), "--participant", "P01"}, {"--fault", "unplug@9-12"});
     ASSERT_FALSE(::testing::Test::HasFailure());
     day.run({"resume", file});
     ASSERT_FALSE(::testing::Test::HasFailure());
