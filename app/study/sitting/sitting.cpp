@@ -63,7 +63,9 @@ void Sitting::require_device_of_before() const {
 
 /// Every frame of a sitting.
 SittingFrame Sitting::show(ParticipantPicture picture) {
-    picture.footer = plan_.protocol.texts.stop_key;
+    if (!picture.has_text_field) { // where the space bar writes
+        picture.footer = plan_.protocol.texts.stop_key;
+    }
     picture.progress = state_.progress;
     SittingFrame frame = port_.show(picture, state_);
     if (frame.orders.stops) {
@@ -224,6 +226,7 @@ std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &pl
                 result->marks.emplace_back("repeated at the experimenter's wish");
             }
             if (plan_.keeps_records) {
+                note_gaps_of_record();
                 result->record = store_.link_to(session_.recording().file());
             }
             if (planned.presented.kind == study::TrialKind::practice) {
@@ -239,6 +242,19 @@ std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &pl
         ending_ = ends.how;
         return std::nullopt;
     }
+}
+
+/// A record that a slow disk has left incomplete is linked all the same.
+void Sitting::note_gaps_of_record() {
+    const record::RecorderStatus record = session_.recording().status();
+    if (record.error.empty() && record.lost == 0) {
+        return;
+    }
+    const std::string what =
+        record.error.empty() ? fmt::format("{} ticks are missing", record.lost) : record.error;
+    store_.append(study::Note{study::utc_now(), "record",
+                              session_.recording().file().filename().string() + ": " + what,
+                              plan_.participant, state_.session});
 }
 
 study::Session Sitting::begun() const {

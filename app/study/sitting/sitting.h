@@ -73,6 +73,7 @@ private:
     void make_ready(const study::PlannedTrial &planned);
     void reset_device_when_calm();
     void note_stop();
+    void note_gaps_of_record();
     void tell_of(const study::PlannedTrial &planned, const study::TrialResult &result);
     void note_trials();
     [[nodiscard]] std::optional<study::SessionEnding> ending_before_next();
