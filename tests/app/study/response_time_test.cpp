@@ -111,8 +111,8 @@ std::vector<Press> press_in(StudyDesk &desk, int presses) {
         }
         if (step == "is told that it counts from now on") {
             desk.press("Left"); // the second key of the protocol: no more practice
-        } else if (step == "reads the instructions" || step == "is told that the practice begins" ||
-                   step == "has a break") {
+        } else if (step == "reads the instructions" || step == "has a break" ||
+                   step.starts_with("is told that")) {
             desk.press("Right");
         } else if (step == "feels" && trial != answered &&
                    report.item("participant/phase").at("text") == "the stimulus is presented") {
