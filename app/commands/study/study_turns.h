@@ -37,7 +37,8 @@ public:
 
     [[nodiscard]] std::vector<study::Progress> progress() const;
     [[nodiscard]] bool is_through(const std::string &code) const;
-    /// Or would be, of somebody new.
+    /// Whether the sessions are a person's, not a simulated observer's; of somebody new, whether
+    /// they would be as it is typed.
     [[nodiscard]] bool is_person(const std::string &code) const;
 
     /// Who comes next if nobody is named: added already but not begun, or new.

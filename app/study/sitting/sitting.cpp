@@ -118,7 +118,7 @@ void Sitting::reset_device_when_calm() {
     }
 }
 
-/// A stop between trials belongs to none of them.
+/// A stop between trials belongs to none of them. More than the protocol allows end the session.
 void Sitting::note_stop() {
     store_.append(study::Note{study::utc_now(), "safety",
                               servo::description(session_.latest().safety), plan_.participant,

@@ -35,7 +35,8 @@ struct SittingPlan {
 class Sitting {
 public:
     /// @param session  started; with the protocol's device and the scene of a condition
-    /// @throw InputError for ways to answer that this program cannot take
+    /// @throw InputError for ways to answer that this program cannot take, and for a participant
+    ///        whose former sessions were on another kind of device
     Sitting(study::StudyStore &store, SittingPlan plan, session::Session &session,
             SittingPort &port);
 
@@ -95,7 +96,7 @@ private:
     int since_break_ = 0;
     std::optional<MaskingNoise> noise_;
     bool is_stop_stored_ = false; ///< the present one, as a note or with its trial
-    int stops_between_trials_ = 0;
+    int stops_between_trials_ = 0; ///< so far, in this session
     double calm_from_s_ = 0.0; ///< of a tripped device
 };
 
