@@ -95,9 +95,9 @@ private:
     int last_block_ = 0;
     int since_break_ = 0;
     std::optional<MaskingNoise> noise_;
-    bool is_stop_stored_ = false; ///< the present one, as a note or with its trial
+    bool is_stop_stored_ = false;  ///< the present one, as a note or with its trial
     int stops_between_trials_ = 0; ///< so far, in this session
-    double calm_from_s_ = 0.0; ///< of a tripped device
+    double calm_from_s_ = 0.0;     ///< of a tripped device
 };
 
 } // namespace springdrive::app::study_screen
