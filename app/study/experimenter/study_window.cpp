@@ -2,12 +2,11 @@
 
 #include "app/ending_signal.h"
 #include "app/open_session.h"
+#include "app/study/experimenter/experimenter_view.h"
 #include "app/study/participant/input_times.h"
 #include "app/study/participant/monitors.h"
-#include "app/view/pick.h"
 #include "app/widgets/widgets.h"
 #include "base/complaint.h"
-#include "device/core/phantom/kinematics.h"
 
 #include <algorithm>
 #include <chrono>
@@ -21,32 +20,6 @@ namespace {
 constexpr float kButtonColumn = 24.0F; ///< of buttons, in heights of text
 constexpr float kHidden = 6.5F;        ///< the panel of stimuli while they are hidden, the same
 constexpr float kStimuliShare = 0.5F;  ///< of the window's height, while they are shown
-
-/// @param is_blind  in contact, device and tip are shown where the proxy is, and no force
-ViewState view_of(const session::Session &session, bool is_blind) {
-    const servo::ServoSample &now = session.latest();
-    const device::DeviceDescription &device = session.description();
-    const bool is_hidden = is_blind && now.contact.touching;
-    const Vector3 measured_rad = device::joint_from_motor(device.geometry, now.theta_rad);
-    ViewState state;
-    state.linkage = device::linkage_pose(
-        device.geometry,
-        is_hidden
-            ? device::joint_angles_rad(device.geometry, now.contact.x0_m).value_or(measured_rad)
-            : measured_rad);
-    state.tip_m = is_hidden ? now.contact.x0_m : now.tip_m;
-    state.proxy_m = now.contact.x0_m;
-    state.touching = now.contact.touching;
-    state.normal = now.contact.normal;
-    state.tip_force_N = is_blind ? Vector3(Vector3::Zero()) : now.tip_force_N;
-    state.hand_target_m = state.tip_m;
-    state.tripped = now.safety.state == servo::SafetyState::tripped;
-    state.workspace = device.workspace;
-    state.floor_height_m = device.workspace.centre_m.y() - 0.5 * device.workspace.size_m.y();
-    state.below = place_below(session.scenes().now().surface,
-                              state.touching ? state.proxy_m : state.tip_m, state.floor_height_m);
-    return state;
-}
 
 } // namespace
 
@@ -80,6 +53,7 @@ std::vector<study::Setting> StudyWindow::facts() const {
 
 void StudyWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) {
     const device::Workspace &workspace = session_.description().workspace;
+    spot_m_ = spot.point_m;
     participant_view_.set_scene(scene, {spot.point_m, spot.normal},
                                 workspace.centre_m.y() - 0.5 * workspace.size_m.y());
 }
@@ -119,7 +93,9 @@ void StudyWindow::draw_view(const Rectangle &place) {
         renderer_.set_scene(session_.scenes().now().scene);
         renderer_.upload(std::numeric_limits<double>::infinity());
     }
-    const ViewState state = view_of(session_, !panel_.shows_stimuli);
+    const ViewState state = experimenter_view(
+        session_.latest(), session_.description(), session_.scenes().now().surface,
+        panel_.shows_stimuli ? std::nullopt : std::optional(spot_m_));
     const ImVec2 margin{0.04F * place.size.x, 0.04F * place.size.y};
     const Rectangle free{{place.corner.x + margin.x, place.corner.y + margin.y},
                          {place.size.x - 2.0F * margin.x, place.size.y - 2.0F * margin.y}};
