@@ -192,7 +192,7 @@ void Sitting::tell_of(const study::PlannedTrial &planned, const study::TrialResu
     if (!result.safety_events.empty()) {
         return; // make_ready tells of it
     }
-    if (!state_.marks.empty()) {
+    if (study::comes_again(plan_.protocol.marking, state_.marks, result.response)) {
         picture.text = texts.repeated;
     } else if (std::holds_alternative<study::NoResponse>(result.response)) {
         picture.text = texts.too_slow;
@@ -224,6 +224,7 @@ std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &pl
             tell_of(planned, *result);
             if (std::exchange(orders_.repeats, false)) {
                 result->marks.emplace_back("repeated at the experimenter's wish");
+                result->is_wanted_again = true;
             }
             if (plan_.keeps_records) {
                 note_gaps_of_record();

@@ -55,11 +55,8 @@ Trial stored_form(const Protocol &protocol, const Session &session, const Planne
                                                      ? protocol.timing.presentation_s
                                                      : protocol.timing.response_s));
     }
-    // Without an answer a method has nothing to learn from, whatever the protocol says of
-    // repeating.
     trial.is_presented_again =
-        !trial.marks.empty() &&
-        (protocol.marking.repeats || std::holds_alternative<NoResponse>(trial.response));
+        result.is_wanted_again || comes_again(protocol.marking, trial.marks, trial.response);
     return trial;
 }
 

@@ -24,6 +24,7 @@ struct TrialResult {
     std::uint64_t missed_deadlines = 0;
     std::optional<RecordLink> record;
     std::vector<std::string> marks; ///< why it does not count, besides those of marking.h
+    bool is_wanted_again = false;   ///< and marked; whatever the protocol says of repeating
 };
 
 struct Conduct {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 namespace springdrive::study {
 
@@ -60,6 +61,11 @@ std::vector<std::string> marks_of(const Marking &marking,
         }
     }
     return marks;
+}
+
+bool comes_again(const Marking &marking, const std::vector<std::string> &marks,
+                 const Response &response) {
+    return !marks.empty() && (marking.repeats || std::holds_alternative<NoResponse>(response));
 }
 
 } // namespace springdrive::study

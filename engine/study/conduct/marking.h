@@ -39,4 +39,9 @@ inline constexpr std::array<MeasuredValue, 7> kMeasuredValues{{
 [[nodiscard]] std::vector<std::string> marks_of(const Marking &marking,
                                                 std::span<const Presentation> presentations);
 
+/// Whether a trial with these marks is presented again. Without an answer a method has nothing to
+/// learn from, whatever the protocol says of repeating.
+[[nodiscard]] bool comes_again(const Marking &marking, const std::vector<std::string> &marks,
+                               const Response &response);
+
 } // namespace springdrive::study

@@ -91,6 +91,42 @@ TEST_F(StudySitting, PausesBreaksAndRepeatsAsTheExperimenterWants) {
     EXPECT_TRUE(repeated->is_presented_again);
 }
 
+/// Every trial is marked, and none repeated but without an answer, or at the experimenter's wish.
+TEST_F(StudySitting, SaysThatATrialComesAgainIfItDoes) {
+    protocol_.marking.repeats = false;
+    protocol_.marking.direction_deg = 1e-9;
+    protocol_.marking.most_marked = 100;
+    std::set<study::TrialPlace> announced;
+    std::set<study::TrialPlace> wanted;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+            if (state.step == SittingStep::after_response &&
+                picture.text == protocol_.texts.repeated) {
+                announced.insert(state.trial->place);
+            }
+            if (state.step == SittingStep::response && state.trial->place.position % 3 == 0 &&
+                state.trial->place.attempt == 1) {
+                port.orders.repeats = true;
+                wanted.insert(state.trial->place);
+            }
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    int once_only = 0;
+    int answered_and_wanted = 0;
+    for (const Trial &trial : study::read_study(file()).trials) {
+        const bool has_answer = !std::holds_alternative<study::NoResponse>(trial.response);
+        EXPECT_FALSE(trial.marks.empty());
+        EXPECT_EQ(announced.contains(trial.place), !has_answer) << text_of(trial.place);
+        EXPECT_EQ(trial.is_presented_again, !has_answer || wanted.contains(trial.place));
+        once_only += trial.is_presented_again ? 0 : 1;
+        answered_and_wanted += has_answer && wanted.contains(trial.place) ? 1 : 0;
+    }
+    EXPECT_FALSE(announced.empty());
+    EXPECT_GT(once_only, 0);
+    EXPECT_GT(answered_and_wanted, 0);
+}
+
 TEST_F(StudySitting, WarmsColdWindingsBeforeTheFirstTrial) {
     protocol_.windings = {25.0, 26.0, 60.0}; // the air's, then the band
     run([&](MadeUpPort &port, session::Session &) {

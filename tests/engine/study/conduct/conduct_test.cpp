@@ -222,3 +222,27 @@ TEST_F(StudyConduct, RefusesToGoOnWithAnotherProtocol) {
 
 } // namespace
 } // namespace springdrive::study
+TEST_F(StudyConduct, WhatTheExperimenterWantsAgainIsRepeatedEvenThen) {
+    protocol_.marking.repeats = false;
+    Conduct how = plain_conduct(protocol_, now_);
+    how.present = [this](const PlannedTrial &planned) {
+        now_ = test_time(planned.place.block * 1000 + planned.place.position);
+        TrialResult result = answer_to(protocol_, planned);
+        result.is_wanted_again = planned.place.position == 5 && planned.place.attempt == 1;
+        if (result.is_wanted_again) {
+            result.marks.emplace_back("wanted again");
+        }
+        return result;
+    };
+    StudyStore store = quick_store(new_study("wanted"));
+    EXPECT_EQ(run(store, "P01", how), SessionEnding::completed);
+    int wanted = 0;
+    for (const Trial &trial : store.contents().trials) {
+        const bool is_wanted = trial.place.position == 5 && trial.place.attempt == 1;
+        const bool has_answer = !std::holds_alternative<NoResponse>(trial.response);
+        EXPECT_EQ(trial.is_presented_again, is_wanted || !has_answer);
+        wanted += is_wanted && has_answer ? 1 : 0;
+    }
+    EXPECT_GT(wanted, 0);
+}
+
