@@ -22,7 +22,7 @@ std::string devices_text(const std::vector<study::DeviceKind> &devices) {
 std::string stand_of(const study::Protocol &protocol, const study::Progress &progress) {
     std::string text;
     if (!progress.next) {
-        text = "through";
+        text = progress.has_open_questions ? "through, but for questions" : "through";
     } else {
         const study::PlannedTrial &next = *progress.next;
         text = fmt::format("block {} of {} (\"{}\"), trial {}", next.place.block,

@@ -103,7 +103,10 @@ void resume_typed(const TypedResume &typed) {
         turns.run(typed.participant);
         return;
     }
-    const auto is_begun = [](const study::Progress &one) { return one.next && one.sessions > 0; };
+    const auto is_begun = [&turns](const study::Progress &one) {
+        return one.sessions > 0 &&
+               (one.next || (one.has_open_questions && turns.is_person(one.participant)));
+    };
     std::string persons;
     int count = 0;
     for (const study::Progress &one : all) {

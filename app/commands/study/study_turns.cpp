@@ -68,7 +68,7 @@ void StudyTurns::run(const std::string &code) {
         store_.add({code, study::next_participant_number(store_.contents()), study::utc_now()});
     }
     const study::Progress before = *progress_named(progress(), code);
-    if (!before.next) {
+    if (!before.next && !(before.has_open_questions && is_person(code))) {
         throw InputError(fmt::format("{}: participant {} has done all {} trials",
                                      store_.file().string(), code, before.trials));
     }

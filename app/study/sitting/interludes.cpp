@@ -192,23 +192,26 @@ void Sitting::begin() {
     show_until_key(SittingStep::instructions, instructions_of(plan_.protocol));
 }
 
-/// After the last one.
-void Sitting::say_goodbye() {
-    bool has_asked = false;
+/// For `Conduct::after_last`: the device is not touched any more.
+std::optional<study::SessionEnding> Sitting::ask_after_last() {
+    session_.keep_released(true);
+    end_noise();
+    note_trials();
     try {
         ask_questions(study::QuestionnaireTime::after);
-        has_asked = true;
-        ParticipantPicture picture;
-        picture.heading = plan_.protocol.texts.end;
-        state_.progress = 1.0;
+    } catch (const Ends &ends) {
+        ending_ = ends.how;
+    }
+    return ending_;
+}
+
+void Sitting::say_goodbye() {
+    ParticipantPicture picture;
+    picture.heading = plan_.protocol.texts.end;
+    state_.progress = 1.0;
+    try {
         show_until_key(SittingStep::over, picture);
-    } catch (const Ends &) { // all trials are done, and with them the session
-        if (!has_asked) {
-            store_.append(study::Note{study::utc_now(), "questions",
-                                      "those after the last trial were broken off, and are not "
-                                      "asked again",
-                                      plan_.participant, state_.session});
-        }
+    } catch (const Ends &) { // it is stored as complete already
     }
 }
 

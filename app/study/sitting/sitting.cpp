@@ -333,11 +333,11 @@ study::SessionEnding Sitting::run() {
     study::Conduct how;
     how.present = [this](const study::PlannedTrial &planned) { return present(planned); };
     how.ends = [this] { return ending_before_next(); };
+    how.after_last = [this] { return ask_after_last(); };
     const study::SessionEnding ending = study::conduct(store_, plan_.protocol, session, how);
     session_.keep_released(true);
     end_noise();
     if (ending == study::SessionEnding::completed) {
-        note_trials();
         say_goodbye();
     } else if (!ending_ || *ending_ == study::SessionEnding::left) {
         let_go(); // by the participant's wish, or by a stopping rule

@@ -67,6 +67,7 @@ private:
     void wait_while_paused();
     void warm_up(const study::PlannedTrial &planned);
     void begin();
+    [[nodiscard]] std::optional<study::SessionEnding> ask_after_last();
     void say_goodbye();
     void let_go();
     void ask_questions(study::QuestionnaireTime when);

@@ -89,7 +89,7 @@ SessionEnding run_trials(StudyStore &store, const Protocol &protocol, const Sess
             return SessionEnding::stopped;
         }
     }
-    return SessionEnding::completed;
+    return how.after_last().value_or(SessionEnding::completed);
 }
 
 } // namespace

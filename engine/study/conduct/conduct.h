@@ -34,6 +34,9 @@ struct Conduct {
     /// Before each trial: nothing to go on, or how the session ends. Also asked after `present`
     /// gave nothing; without an answer the device is lost.
     std::function<std::optional<SessionEnding>()> ends;
+    /// After the last trial, before the session is complete, such as questions: nothing, or how the
+    /// session ends instead. It comes again in the next session then, which has no trials.
+    std::function<std::optional<SessionEnding>()> after_last = [] { return std::nullopt; };
     std::function<UtcTime()> now = utc_now;
 };
 

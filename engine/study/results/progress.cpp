@@ -14,6 +14,24 @@ std::vector<Trial> trials_of(const StudyContents &contents, std::string_view par
     return trials;
 }
 
+namespace {
+
+bool has_open_questions(const Protocol &protocol, const StudyContents &contents,
+                        const Progress &progress) {
+    if (progress.next || progress.sessions == 0 ||
+        progress.last_ending == SessionEnding::completed) {
+        return false;
+    }
+    return std::ranges::any_of(protocol.questionnaire, [&](const QuestionnaireItem &item) {
+        return item.when == QuestionnaireTime::after &&
+               std::ranges::none_of(contents.answers, [&](const QuestionnaireAnswer &answer) {
+                   return answer.participant == progress.participant && answer.item == item.name;
+               });
+    });
+}
+
+} // namespace
+
 std::vector<Progress> progress_of(const Protocol &protocol, const StudyContents &contents) {
     std::vector<Progress> all;
     for (const Participant &participant : contents.participants) {
@@ -38,6 +56,7 @@ std::vector<Progress> progress_of(const Protocol &protocol, const StudyContents 
         }
         const Sequence sequence = sequence_after(protocol, participant.number, trials);
         progress.next = sequence.next();
+        progress.has_open_questions = has_open_questions(protocol, contents, progress);
         progress.blocks_unfinished = static_cast<int>(
             std::ranges::count(sequence.ended(), BlockState::too_many_marked, &EndedBlock::state));
         all.push_back(std::move(progress));

@@ -21,6 +21,7 @@ struct Progress {
     int marked = 0;
     int blocks_unfinished = 0;        ///< ended because too many of their trials were marked
     std::optional<PlannedTrial> next; ///< nothing after the last trial
+    bool has_open_questions = false;  ///< the session was ended in those after the last trial
 };
 
 /// Of all participants, in the order in which they were added.

@@ -78,5 +78,42 @@ TEST_F(StudySitting, AsksItsQuestionsAndOnceIfTheyWereAnswered) {
     EXPECT_EQ(stored[2].session, 2);
 }
 
+/// Each is on the disk when the next one is asked; what is missing makes a session of its own.
+TEST_F(StudySitting, GoesOnWithQuestionsAfterTheLastTrialThatWereBrokenOff) {
+    using study::QuestionnaireTime;
+    protocol_.questionnaire = {{"more", QuestionnaireTime::after, "Anything else?"},
+                               {"again", QuestionnaireTime::after, "Once more?"}};
+    std::vector<std::string> asked;
+    const auto session = [&](bool stops) {
+        asked.clear();
+        return run([&asked, stops](MadeUpPort &port, session::Session &) {
+            port.on_frame = [&asked, &port, stops](const ParticipantPicture &picture,
+                                                   const SittingState &state) {
+                if (state.step == SittingStep::questionnaire) {
+                    asked.push_back(picture.text);
+                    port.orders.stops = stops && picture.text == "Once more?";
+                    port.inputs = {letter("n"), MadeUpPort::key("enter", 0.0)};
+                }
+            };
+        });
+    };
+    EXPECT_EQ(session(true), SessionEnding::stopped);
+    EXPECT_EQ(asked, (std::vector<std::string>{"Anything else?", "Once more?"}));
+    const study::StudyContents before = study::read_study(file());
+    EXPECT_EQ(before.trials.size(), headless().size());
+    EXPECT_EQ(before.answers.size(), 1U);
+
+    EXPECT_EQ(session(false), SessionEnding::completed);
+    EXPECT_EQ(asked, (std::vector<std::string>{"Once more?"}));
+    EXPECT_FALSE(steps_.contains(SittingStep::instructions));
+    EXPECT_FALSE(steps_.contains(SittingStep::interval));
+    EXPECT_TRUE(steps_.contains(SittingStep::over));
+    const study::StudyContents after = study::read_study(file());
+    EXPECT_EQ(after.trials.size(), before.trials.size());
+    ASSERT_EQ(after.answers.size(), 2U);
+    EXPECT_EQ(after.answers[1].item, "again");
+    EXPECT_EQ(after.answers[1].session, 2);
+}
+
 } // namespace
 } // namespace springdrive::app::study_screen

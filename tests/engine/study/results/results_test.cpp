@@ -70,6 +70,37 @@ Protocol constant_protocol() {
     return protocol;
 }
 
+TEST(StudyResults, TellOfQuestionsThatWereBrokenOff) {
+    Protocol protocol = constant_protocol();
+    StudyContents contents;
+    run_through(protocol, contents, "P01", DeviceKind::usb, observer(kObserver));
+    const auto has_open = [&] {
+        return progress_of(protocol, contents).front().has_open_questions;
+    };
+    std::optional<SessionEnding> &ending = contents.sessions.front().ending;
+    ending = SessionEnding::stopped;
+    EXPECT_FALSE(has_open()) << "there are none";
+    protocol.questionnaire = {{"hand", QuestionnaireTime::before, "Which hand?"}};
+    EXPECT_FALSE(has_open()) << "there are none after the last trial";
+    protocol.questionnaire.push_back({"more", QuestionnaireTime::after, "Anything else?"});
+    for (const std::optional<SessionEnding> broken_off :
+         {std::optional(SessionEnding::stopped), std::optional(SessionEnding::left),
+          std::optional(SessionEnding::interrupted), std::optional<SessionEnding>()}) {
+        ending = broken_off;
+        EXPECT_TRUE(has_open());
+    }
+    ending = SessionEnding::completed;
+    EXPECT_FALSE(has_open()) << "who would rather not say has been asked";
+    ending = SessionEnding::stopped;
+    contents.answers = {{"P02", 1, "more", "Anything else?", "no", test_time(0)}};
+    EXPECT_TRUE(has_open()) << "that is another one's answer";
+    contents.answers.push_back({"P01", 1, "more", "Anything else?", "no", test_time(0)});
+    EXPECT_FALSE(has_open());
+    contents.answers.clear();
+    contents.trials.pop_back();
+    EXPECT_FALSE(has_open()) << "there are trials before them";
+}
+
 TEST(StudyResults, CountWhatCountsOnOneKindOfDevice) {
     const Protocol protocol = small_protocol();
     StudyContents contents;
