@@ -7,10 +7,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <sys/stat.h>
+#include <thread>
+#include <unistd.h>
 #include <vector>
 
 namespace springdrive::app::study_screen {
@@ -54,6 +60,61 @@ TEST_F(StudySitting, TheNoiseIsHeardCheckedAndStored) {
     const std::vector<study::Setting> facts = study::read_study(file()).sessions.at(0).facts;
     EXPECT_EQ(std::ranges::count(facts, study::Setting{"noise_level_dBFS", -40.0}), 1);
     EXPECT_EQ(std::ranges::count(facts, study::Setting{"noise_output", std::string("default")}), 1);
+}
+
+/// What is played goes to a reader who stalls for a while, as an output that hangs does.
+TEST_F(StudySitting, BeginsTheNoiseAgainThatHadStopped) {
+    if (!fs::exists(kSystems)) {
+        GTEST_SKIP() << kSystems << " is not there";
+    }
+    const fs::path configuration = folder_ / "asound.conf";
+    const fs::path pipe = folder_ / "played";
+    ASSERT_EQ(mkfifo(pipe.c_str(), S_IRUSR | S_IWUSR), 0);
+    std::ofstream(configuration) << "<" << kSystems
+                                 << ">\npcm.!default { type file slave.pcm \"null\" file \""
+                                 << pipe.string() << "\" format \"raw\" }\n";
+    protocol_.noise = study::MaskingNoise{-40.0};
+    plays_noise_ = true;
+    const std::string said = testing::said_in_child(
+        [&] { setenv("ALSA_CONFIG_PATH", configuration.c_str(), 1); },
+        [&] {
+            ::testing::internal::CaptureStderr();
+            std::atomic<bool> listens = true;
+            std::atomic<bool> is_over = false;
+            std::thread listener([&] {
+                const int end = open(pipe.c_str(), O_RDWR | O_NONBLOCK);
+                std::vector<char> part(4096);
+                while (!is_over) {
+                    if (!listens || read(end, part.data(), part.size()) <= 0) {
+                        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+                    }
+                }
+                close(end);
+            });
+            std::thread later;
+            const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+                port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+                    if (state.step == SittingStep::after_response && !later.joinable()) {
+                        listens = false;
+                        std::this_thread::sleep_for(std::chrono::milliseconds(800));
+                        later = std::thread([&listens] {
+                            std::this_thread::sleep_for(std::chrono::milliseconds(500));
+                            listens = true;
+                        });
+                    }
+                    port.orders.stops = state.trials.size() == 2;
+                };
+            });
+            later.join();
+            is_over = true;
+            listener.join();
+            return std::string(name_of(ending));
+        });
+    EXPECT_EQ(said, "stopped");
+    const std::vector<study::Note> notes = study::read_study(file()).notes;
+    EXPECT_EQ(std::ranges::count(notes, "the masking noise had stopped, and was begun again",
+                                 &study::Note::text),
+              1);
 }
 
 TEST_F(StudySitting, WithoutASoundOutputThereIsNoSession) {

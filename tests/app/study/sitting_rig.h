@@ -42,8 +42,9 @@ protected:
     }
 
     [[nodiscard]] SittingPlan plan() const {
-        return {protocol_,   study::study_setting(protocol_, folders_), folders_, "P01", false,
-                plays_noise_};
+        return {protocol_,      study::study_setting(protocol_, folders_),
+                folders_,       "P01",
+                keeps_records_, plays_noise_};
     }
 
     study::SessionEnding
@@ -75,6 +76,7 @@ protected:
     }
 
     bool plays_noise_ = false;
+    bool keeps_records_ = false;
     factory::DeviceKind kind_ = factory::DeviceKind::simulated;
     bool starts_at_zero_ = true;
     std::filesystem::path folder_;

@@ -2,6 +2,8 @@
 // trial.
 #include "base/complaint.h"
 #include "tests/app/study/sitting_rig.h"
+#include "tests/support/child_process.h"
+#include "tests/support/full_disk.h"
 
 #include <gtest/gtest.h>
 
@@ -167,6 +169,44 @@ TEST_F(StudySitting, ARehearsalIsNotGoneOnWithOnAnotherDevice) {
               std::string::npos)
         << complaint;
     EXPECT_EQ(study::read_study(file()).sessions.size(), 1U);
+}
+
+/// The disk takes a part of a record: the trial is stored with that part, and a note says so.
+TEST_F(StudySitting, NotesWhatARecordMisses) {
+    keeps_records_ = true;
+    const std::string said = testing::said_in_child(
+        [] {},
+        [&] {
+            const testing::FullDisk disk(300'000);
+            const SessionEnding ending = run([](MadeUpPort &port, session::Session &) {
+                port.on_frame = [&port](const ParticipantPicture &, const SittingState &state) {
+                    port.orders.stops = state.trials.size() == 1;
+                };
+            });
+            return std::string(name_of(ending));
+        });
+    EXPECT_EQ(said, "stopped");
+    const study::StudyContents contents = study::read_study(file());
+    ASSERT_EQ(contents.trials.size(), 1U);
+    ASSERT_TRUE(contents.trials.front().record);
+    const auto noted = std::ranges::find(contents.notes, "record", &study::Note::kind);
+    ASSERT_NE(noted, contents.notes.end());
+    const std::filesystem::path record = folder_ / contents.trials.front().record->path;
+    EXPECT_LE(std::filesystem::file_size(record), 300'000U);
+    EXPECT_TRUE(noted->text.starts_with(record.filename().string() + ": ")) << noted->text;
+}
+
+TEST_F(StudySitting, NotesNothingOfAWholeRecord) {
+    keeps_records_ = true;
+    run([](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&port](const ParticipantPicture &, const SittingState &state) {
+            port.orders.stops = state.trials.size() == 1;
+        };
+    });
+    const study::StudyContents contents = study::read_study(file());
+    ASSERT_EQ(contents.trials.size(), 1U);
+    EXPECT_TRUE(contents.trials.front().record);
+    EXPECT_TRUE(contents.notes.empty());
 }
 
 } // namespace

@@ -211,6 +211,27 @@ TEST_F(StudyRun, WaitsForNobodyWhoHasTheStudyOpen) {
     EXPECT_EQ(study({"status", file("stiffness.study")}).exit_status, 0) << "readers never wait";
 }
 
+/// Whoever sits down must not go on with another one's session.
+TEST_F(StudyRun, ResumesNobodyWhereTwoPersonsAreInTheMidstOfIt) {
+    const fs::path study_file = file("two.study");
+    study::create_study(study_file, {"Two", testing::contents_of(protocol()), "0.1.0"},
+                        study::utc_now());
+    for (const int number : {1, 2}) {
+        study::StudyStore store(study_file);
+        study::Session session;
+        session.participant = "P0" + std::to_string(number);
+        session.started = study::utc_now();
+        session.software = "0.1.0";
+        store.add({session.participant, number, session.started});
+        static_cast<void>(store.begin(session)); // and is never ended
+    }
+    const testing::Ending refused = study({"resume", study_file});
+    testing::expect_refused(refused, "P01, P02 are in the midst of it; say with --participant");
+    EXPECT_EQ(study::read_study(study_file).sessions.size(), 2U) << "none was begun";
+    testing::expect_refused(study({"resume", study_file, "--participant", "P03"}),
+                            "no participant P03");
+}
+
 TEST_F(StudyRun, LeavesAStudyOfANewerVersionAsItIs) {
     ASSERT_EQ(run({"--participant", "P01"}).exit_status, 0);
     constexpr std::streamoff kUserVersion = 60; // of SQLite's header, big-endian
