@@ -4,9 +4,10 @@
 // a break, a device that is lost, a program that is killed in a trial, and a day that is ended and
 // gone on with. The store must be what the same decisions give without windows, trial by trial.
 //
-// By frame time, so that a busy machine only takes longer: some minutes for each study. Therefore
-// only `tests/long study-windows` runs them: one of some trials, and each included protocol with
-// the fewest trials that its method can be told to take.
+// By frame time, so that a busy machine only takes longer: some minutes for each study. By default
+// one of few trials is killed and gone on with; `tests/long study-windows` runs one in which all of
+// that happens, and each included protocol with the fewest trials that its method can be told to
+// take.
 #include "engine/study/observers/simulated_sitting.h"
 #include "engine/study/protocol/protocol_file.h"
 #include "engine/study/protocol/study_setting.h"
@@ -31,6 +32,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -39,6 +41,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using study::PlannedTrial;
+using study::SessionEnding;
 using study::Trial;
 using study::TrialPlace;
 using testing::Report;
@@ -61,13 +64,23 @@ Decision decision_at(const TrialPlace &place, std::size_t keys) {
 
 /// What else happens, and in which trial; each once.
 struct Events {
-    TrialPlace pause{1, 1, 1};
-    TrialPlace stop{1, 3, 1};    ///< the participant presses the space bar in a presentation
-    TrialPlace kill{1, 4, 1};    ///< the program is killed in the midst of it
-    TrialPlace repeat{1, 4, 1};  ///< the experimenter wants it again, after that
-    TrialPlace day_end{1, 5, 1}; ///< the experimenter ends the session in the midst of it
-    TrialPlace rest{1, 5, 1};    ///< and, on the next day, has a break after it
+    TrialPlace kill{1, 2, 1}; ///< the program is killed in the midst of it
+    std::optional<TrialPlace> pause{};
+    std::optional<TrialPlace> stop{};   ///< the participant presses the space bar in a presentation
+    std::optional<TrialPlace> repeat{}; ///< the experimenter wants it again
+    std::optional<TrialPlace> day_end{}; ///< the experimenter ends the session in the midst of it
+    std::optional<TrialPlace> rest{};    ///< the experimenter wants a break after it
+    bool is_unplugged = false;           ///< the cable is pulled for some seconds
 };
+
+/// After the kill the trial is repeated, and the next day begins with a break.
+constexpr Events kAllEvents{{1, 4, 1},
+                            TrialPlace{1, 1, 1},
+                            TrialPlace{1, 3, 1},
+                            TrialPlace{1, 4, 1},
+                            TrialPlace{1, 5, 1},
+                            TrialPlace{1, 5, 1},
+                            true};
 
 std::optional<TrialPlace> place_in(const std::string &text) {
     std::smatch found;
@@ -111,8 +124,8 @@ public:
     [[nodiscard]] const std::set<std::string> &titles() const { return titles_; }
 
 private:
-    [[nodiscard]] bool is_due(const TrialPlace &when) {
-        return place_ == when && !done_.contains(&when) && done_.insert(&when).second;
+    [[nodiscard]] bool is_due(const std::optional<TrialPlace> &when) {
+        return place_ && place_ == when && done_.insert(&when).second;
     }
 
     /// One look at the windows, and what both people do then. @return false after the end
@@ -139,7 +152,7 @@ private:
         } else if (step == "waits for the device, which was stopped" && is_stopped_by_hand_) {
             desk.click("Let the device go on");
         } else if (step == "is told that it counts from now on") {
-            desk.press(x11_name(protocol_.responses.keys[1])); // no more practice
+            press_answer(desk, 1); // no more practice
         } else if (step == "is through") {
             press_answer(desk, 0);
             EXPECT_EQ(desk.program().end(0).exit_status, 0) << desk.program().error();
@@ -155,7 +168,7 @@ private:
         if (report.item("participant/phase").at("text") != "the stimulus is presented") {
             return true;
         }
-        if (is_due(events_.kill)) {
+        if (place_ == events_.kill && !std::exchange(is_killed_, true)) {
             kill(desk.program().process(), SIGKILL);
             static_cast<void>(desk.program().end(0));
             return false;
@@ -225,13 +238,14 @@ private:
     study::Protocol protocol_;
     fs::path folder_;
     Events events_;
-    std::set<const TrialPlace *> done_;
+    std::set<const std::optional<TrialPlace> *> done_;
     std::set<std::string> steps_;
     std::set<std::string> titles_;
     std::optional<TrialPlace> place_; ///< of the present trial
     std::optional<TrialPlace> asked_;
     std::string filled_in_; ///< the question that was answered last
     bool is_stopped_by_hand_ = false;
+    bool is_killed_ = false;
 };
 
 /// The same decisions without windows, and in one go; what is delivered is simulated on a device
@@ -306,9 +320,8 @@ double expect_same(const Trial &seen, const Trial &wanted) {
     return worst;
 }
 
-/// A study from the first day to the last, in the folder.
-void run_through(const std::string &name, const std::string &text) {
-    const Events events;
+/// A study from the first day to the last, in a folder of its own.
+void run_through(const std::string &name, const std::string &text, const Events &events) {
     SCOPED_TRACE(name);
     const fs::path folder = testing::fresh_folder("study_window_" + name);
     const fs::path protocol_file = folder / "short.toml";
@@ -316,12 +329,19 @@ void run_through(const std::string &name, const std::string &text) {
     const study::Protocol protocol = study::read_protocol_file(protocol_file);
     Day day(protocol, folder, events);
     const std::string file = (folder / "short.study").string();
-    day.run({"run", protocol_file.string(), "--participant", "P01"}, {"--fault", "unplug@9-12"});
+    std::vector<SessionEnding> endings{SessionEnding::interrupted};
+    day.run({"run", protocol_file.string(), "--participant", "P01"},
+            events.is_unplugged ? std::vector<std::string>{"--fault", "unplug@9-12"}
+                                : std::vector<std::string>{});
     ASSERT_FALSE(::testing::Test::HasFailure());
-    day.run({"resume", file});
-    ASSERT_FALSE(::testing::Test::HasFailure());
+    if (events.day_end) {
+        day.run({"resume", file});
+        ASSERT_FALSE(::testing::Test::HasFailure());
+        endings.push_back(SessionEnding::stopped);
+    }
     day.run({"run", file, "--participant", "P01"});
     ASSERT_FALSE(::testing::Test::HasFailure());
+    endings.push_back(SessionEnding::completed);
 
     const study::StudyContents contents = study::read_study(file);
     const std::vector<Trial> wanted = without_windows(protocol_file, events);
@@ -336,18 +356,20 @@ void run_through(const std::string &name, const std::string &text) {
         EXPECT_GE(time_s.value_or(0.0), 0.0);
         EXPECT_LE(time_s.value_or(0.0), protocol.timing.response_s);
     }
-    ASSERT_EQ(contents.sessions.size(), 3U);
-    EXPECT_EQ(contents.sessions[0].ending, study::SessionEnding::interrupted);
-    EXPECT_EQ(contents.sessions[1].ending, study::SessionEnding::stopped);
-    EXPECT_EQ(contents.sessions[2].ending, study::SessionEnding::completed);
+    ASSERT_EQ(contents.sessions.size(), endings.size());
+    for (std::size_t i = 0; i < endings.size(); ++i) {
+        EXPECT_EQ(contents.sessions[i].ending, endings[i]);
+    }
     EXPECT_EQ(contents.answers.size(), protocol.questionnaire.size());
     EXPECT_EQ(day.titles(), (std::set<std::string>{"springdrive", "springdrive: experimenter"}))
         << "a title tells of the study";
-    for (const char *step : {"waits: paused", "has a break",
-                             "waits for the device, which was "
-                             "stopped",
-                             "waits for the device, which is not connected or not zeroed"}) {
-        EXPECT_TRUE(day.steps().contains(step)) << step;
+    const std::vector<std::pair<bool, const char *>> expected_steps{
+        {events.pause.has_value(), "waits: paused"},
+        {events.rest.has_value(), "has a break"},
+        {events.stop.has_value(), "waits for the device, which was stopped"},
+        {events.is_unplugged, "waits for the device, which is not connected or not zeroed"}};
+    for (const auto &[is_expected, step] : expected_steps) {
+        EXPECT_TRUE(!is_expected || day.steps().contains(step)) << step;
     }
     std::printf("counts: %s: %zu trials in the windows as without; worst difference of what was "
                 "delivered %.2f %%\n",
@@ -373,10 +395,8 @@ std::string hurried(std::string text) {
     return text;
 }
 
-TEST(StudyWindows, StoreWhatTheSameDecisionsGiveWithoutThem) {
-    if (testing::cases(0, 1) == 0) {
-        GTEST_SKIP() << "tests/long study-windows";
-    }
+/// That of stiffness with its light press only, and short ones.
+std::string shortest_study() {
     std::string text = hurried(testing::shortened("stiffness"));
     const std::vector<std::pair<const char *, const char *>> shorter{
         {"\npresentation_s = [\\d.]+", "\npresentation_s = 0.4"},
@@ -388,7 +408,18 @@ TEST(StudyWindows, StoreWhatTheSameDecisionsGiveWithoutThem) {
     for (const auto &[long_key, short_key] : shorter) {
         text = std::regex_replace(text, std::regex(long_key), short_key);
     }
-    run_through("stiffness", text);
+    return text;
+}
+
+TEST(StudyWindows, GoOnAfterAKillAsTheSameDecisionsDoWithoutThem) {
+    run_through("killed", shortest_study(), {});
+}
+
+TEST(StudyWindows, StoreWhatTheSameDecisionsGiveWithoutThem) {
+    if (testing::cases(0, 1) == 0) {
+        GTEST_SKIP() << "tests/long study-windows";
+    }
+    run_through("stiffness", shortest_study(), kAllEvents);
 }
 
 class StudyWindowsOf : public ::testing::TestWithParam<const char *> {};
@@ -403,7 +434,7 @@ TEST_P(StudyWindowsOf, AnIncludedProtocolStoreWhatTheSameDecisionsGiveWithoutThe
     if (is_by_mouse) {
         text += "\n[responses]\ndevice = \"mouse\"\nkeys = [\"left\", \"right\"]\n";
     }
-    run_through(name, text);
+    run_through(name, text, kAllEvents);
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, StudyWindowsOf,
