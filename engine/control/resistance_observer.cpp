@@ -86,6 +86,39 @@ constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
     return step_A / z * (rest - reached / z - (1.0 - weight_of_first(z)) * reached);
 }
 
+/// How far the current has come from the first to the last one after a share x of the interval, for
+/// a constant net voltage, as a share.
+[[nodiscard]] double way_after(double z, double x) noexcept {
+    if (std::abs(z) < 1e-3) {
+        return x + 0.5 * z * x * (1.0 - x); // to 1e-6
+    }
+    return std::expm1(-z * x) / std::expm1(-z);
+}
+
+/// The mean square of a current between two, for a constant net voltage: what warms.
+[[nodiscard]] double mean_square_A2(double z, double from_A, double to_A) noexcept {
+    const double q = -std::expm1(-z);
+    const double way = 1.0 - weight_of_first(z); // its mean, and that of its square
+    const double way2 = std::abs(z) < 1e-3 ? 1.0 / 3.0 + z / 12.0 // to 1e-6
+                                           : (1.0 - q / z * (1.0 + 0.5 * q)) / (q * q);
+    const double change_A = to_A - from_A;
+    return from_A * from_A + 2.0 * from_A * change_A * way + change_A * change_A * way2;
+}
+
+/// The same with a step of the net voltage. Where the voltage changes its sign with every tick, the
+/// mean current is none, and there is heat.
+[[nodiscard]] double mean_square_A2(double z, const DrivenInterval &interval,
+                                    double step_A) noexcept {
+    const double at = interval.step_at;
+    const double rest = 1.0 - at;
+    const double by_step_A =
+        step_A * (std::abs(z) < 1e-3 ? rest * (1.0 - 0.5 * z * rest) : -std::expm1(-z * rest) / z);
+    const double at_step_A =
+        interval.before_A + (interval.after_A - interval.before_A - by_step_A) * way_after(z, at);
+    return at * mean_square_A2(z * at, interval.before_A, at_step_A) +
+           rest * mean_square_A2(z * rest, at_step_A, interval.after_A);
+}
+
 } // namespace
 
 ObservedMotor known_at_start(const device::DeviceDescription &device, std::size_t motor) {
@@ -241,9 +274,9 @@ void ResistanceObserver::update(const DrivenInterval &interval) noexcept {
     const double dR_Ohm = R_Ohm - interval.R_hat_Ohm;
     const double z = dR_Ohm * T / motor_.inductance_H;
     const double first = weight_of_first(z);
-    const double mean_A =
-        first * interval.before_A + (1.0 - first) * interval.after_A +
-        mean_of_step_A(z, interval.e_W_step_V * T / motor_.inductance_H, interval.step_at);
+    const double step_A = interval.e_W_step_V * T / motor_.inductance_H;
+    const double mean_A = first * interval.before_A + (1.0 - first) * interval.after_A +
+                          mean_of_step_A(z, step_A, interval.step_at);
     voltage_Vs_ += interval.e_W_V * T + interval.R_hat_Ohm * mean_A * T -
                    motor_.inductance_H * (interval.after_A - interval.before_A);
     weights_ += (mean_A - state_[kOffset]) * T * of_resistance;
@@ -259,7 +292,7 @@ void ResistanceObserver::update(const DrivenInterval &interval) noexcept {
     asymmetry_s_ += (0.5 - first) * T;
     turned_rad_ += interval.after_rad - interval.before_rad;
     window_s_ += T;
-    temperature_.update(std::max(0.0, R_Ohm) * mean_A * mean_A);
+    temperature_.update(std::max(0.0, R_Ohm) * mean_square_A2(z, interval, step_A));
     if (window_s_ >= kWindow_s) {
         take_window();
     }

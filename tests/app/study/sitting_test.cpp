@@ -127,6 +127,35 @@ TEST_F(StudySitting, SaysThatATrialComesAgainIfItDoes) {
     EXPECT_GT(answered_and_wanted, 0);
 }
 
+/// As the included protocol warms them, for a minute and a half: R̂ must follow the heat of a
+/// current whose mean is zero, or dR and stiffness are others than intended.
+TEST_F(StudySitting, PresentsWhatIsIntendedAfterAWarmUp) {
+    protocol_.windings =
+        study::read_protocol_file(testing::assets() / "protocols/direction.toml").windings;
+    int frames_warming = 0;
+    run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            port.orders.stops = state.trials.size() == 6;
+            frames_warming += state.step == SittingStep::warming_up ? 1 : 0;
+        };
+    });
+    EXPECT_GT(frames_warming, 60 * 60);
+    const std::vector<Trial> trials = study::read_study(file()).trials;
+    ASSERT_EQ(trials.size(), 6U);
+    for (const Trial &trial : trials) {
+        const bool has_answer = !std::holds_alternative<study::NoResponse>(trial.response);
+        EXPECT_EQ(trial.marks.empty(), has_answer) << trial.marks.front();
+        for (const study::Presentation &presentation : trial.presentations) {
+            for (const study::StimulusValue &value : presentation.values) {
+                if (value.name == "stiffness_N_per_m") {
+                    EXPECT_NEAR(*value.delivered / *value.intended, 1.0,
+                                0.01 * protocol_.marking.stiffness_percent);
+                }
+            }
+        }
+    }
+}
+
 TEST_F(StudySitting, WarmsColdWindingsBeforeTheFirstTrial) {
     protocol_.windings = {25.0, 26.0, 60.0}; // the air's, then the band
     run([&](MadeUpPort &port, session::Session &) {
