@@ -18,6 +18,9 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
             DEPENDS ${shaders} ${EMBED_SHADERS_SCRIPT}
             COMMENT "Embedding shaders"
             VERBATIM)
+        # By itself it needs nothing that the target needs: linters ask for the header alone.
+        add_custom_target(${target}_shaders DEPENDS ${folder}/${header})
+        add_dependencies(${target} ${target}_shaders)
         target_sources(${target} PRIVATE ${folder}/${header})
         target_include_directories(${target} PRIVATE ${folder})
     endfunction()

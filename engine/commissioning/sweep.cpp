@@ -636,8 +636,10 @@ SweepReport StiffnessSweep::report() const {
     report.remarks = remarks_;
     report.discarded_blocks = discarded_;
     for (const std::size_t motor : options_.motors) {
-        const auto [first, last] =
-            std::ranges::equal_range(measured_, motor, {}, &SweepMeasurement::motor);
+        // clang 14 cannot read std::ranges::equal_range of this standard library.
+        const auto first = std::ranges::lower_bound(measured_, motor, {}, &SweepMeasurement::motor);
+        const auto last =
+            std::ranges::upper_bound(first, measured_.end(), motor, {}, &SweepMeasurement::motor);
         if (first != last) {
             report.motors.push_back(
                 estimate_sweep(drive_of(motor), std::span<const SweepMeasurement>(first, last)));
