@@ -33,7 +33,9 @@ protected:
 
     [[nodiscard]] session::SessionOptions options() const {
         session::SessionOptions options;
-        options.scene = study::scene_file_of(protocol_.conditions.front(), folders_);
+        const study::Condition &first = protocol_.conditions.front();
+        options.scene = first.scene == study::kNoScene ? testing::assets() / "scenes" / "plate.gltf"
+                                                       : study::scene_file_of(first, folders_);
         options.device.file = study::device_file_of(protocol_, folders_);
         options.device.kind = kind_;
         options.starts_at_zero = starts_at_zero_;
