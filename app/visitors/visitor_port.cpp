@@ -61,7 +61,7 @@ bool is_pressed(const std::vector<ParticipantInput> &inputs, std::string_view ke
 VisitorPort::VisitorPort(study_screen::SittingPort &window, session::Session &session,
                          const study::Protocol &protocol,
                          std::optional<study::SimulatedParticipant> made_up)
-    : window_(window), session_(session), protocol_(protocol), made_up_(std::move(made_up)),
+    : window_(window), session_(session), protocol_(protocol), made_up_(made_up),
       presence_(session.servo().now_s()), step_since_s_(session.servo().now_s()) {}
 
 /// With a mouse all can be done by its left button.

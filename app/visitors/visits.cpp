@@ -24,7 +24,7 @@ constexpr const char *kNothingIsKept = "Nothing of this is kept: no answer, no n
 constexpr double kDot_s = 0.15;      ///< for which a reckoned answer is shown
 constexpr double kShowStart_s = 6.0; ///< of a show
 
-AnswerChoice plate_of(std::string text, std::string key) {
+AnswerChoice plate_of(std::string text, const std::string &key) {
     return {std::move(text), study_screen::shown_key(key, false)};
 }
 

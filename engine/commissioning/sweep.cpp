@@ -164,8 +164,9 @@ StiffnessSweep::StiffnessSweep(device::HapticDevice &device, const SweepOptions 
     inputs_.release = true; // until d is measured
     inputs_.observes_resistance = options_.observes_resistance;
     if (options_.observes_resistance && !device.description().current_sensing.is_shared) {
-        remarks_.push_back("the servo's current sensors are not those of the amplifiers, so R is "
-                           "not observed: dR is that of the device file's R");
+        remarks_.emplace_back(
+            "the servo's current sensors are not those of the amplifiers, so R is "
+            "not observed: dR is that of the device file's R");
     }
     plan();
 }

@@ -58,8 +58,7 @@ std::vector<int> possible_trials(const study::Method &method, std::vector<int> t
         each = (each + multiple - 1) / multiple * multiple;
     }
     std::ranges::sort(trials);
-    const auto twice = std::ranges::unique(trials);
-    trials.erase(twice.begin(), twice.end());
+    trials.erase(std::unique(trials.begin(), trials.end()), trials.end());
     return trials;
 }
 

@@ -4,6 +4,7 @@
 #include "base/assertions.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -25,7 +26,7 @@ Plate plate(const PixelBox &box, const glm::vec4 &colour, float radius_px, float
 
 /// The part of a bar that is filled, from the left.
 PixelBox filled(PixelBox bar, double share) {
-    bar.width = static_cast<int>(std::clamp(share, 0.0, 1.0) * bar.width + 0.5);
+    bar.width = static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * bar.width));
     return bar;
 }
 
@@ -168,7 +169,7 @@ std::vector<std::uint8_t> ParticipantView::pixels() const {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
     std::vector<std::uint8_t> downward;
     downward.reserve(upward.size());
-    for (std::size_t y = static_cast<std::size_t>(target_->height); y-- > 0;) {
+    for (auto y = static_cast<std::size_t>(target_->height); y-- > 0;) {
         const auto from = upward.begin() + static_cast<std::ptrdiff_t>(y * row);
         downward.insert(downward.end(), from, from + static_cast<std::ptrdiff_t>(row));
     }

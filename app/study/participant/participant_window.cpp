@@ -77,9 +77,8 @@ double frame_s_on(GLFWmonitor *monitor) {
 
 /// Each event is noted as it arrives: in both windows, also in the midst of the wait.
 void take_events_until(double until_s) {
-    for (double left_s = until_s - steady_clock_s(); left_s > 0.0;
-         left_s = until_s - steady_clock_s()) {
-        glfwWaitEventsTimeout(left_s);
+    while (steady_clock_s() < until_s) {
+        glfwWaitEventsTimeout(std::max(0.0, until_s - steady_clock_s()));
     }
 }
 

@@ -30,6 +30,7 @@ Presentation presentation_of(const StimulusMeasures &intended, const DeliveredSt
 
 std::vector<Setting> settings_of(const Condition &condition) {
     std::vector<Setting> settings;
+    settings.reserve(control::kParameters.size() + 4);
     for (const control::Parameter &gain : control::kParameters) {
         settings.push_back({std::string(gain.name), condition.tuning.*gain.value});
     }

@@ -121,7 +121,7 @@ std::vector<double> presentable_levels(const Protocol &protocol, int steps) {
         add(protocol.catch_trials.levels);
     }
     std::ranges::sort(levels);
-    levels.erase(std::ranges::unique(levels).begin(), levels.end());
+    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
     return levels;
 }
 

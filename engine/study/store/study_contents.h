@@ -100,7 +100,9 @@ struct TrialPlace {
     int position = 1; ///< in the block
     int attempt = 1;  ///< 2 if it repeats the same position, ...
 
-    friend auto operator<=>(const TrialPlace &, const TrialPlace &) = default;
+    // clang-tidy 14 takes the zero of its own comparison for a pointer.
+    friend auto operator<=>(const TrialPlace &,
+                            const TrialPlace &) = default; // NOLINT(modernize-use-nullptr)
 };
 
 /// "block 2, position 17, attempt 1"

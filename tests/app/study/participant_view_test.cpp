@@ -19,8 +19,8 @@ namespace {
 
 class ParticipantPixels : public ::testing::Test {
 protected:
-    static void SetUpTestSuite() { window_ = std::make_unique<testing::HiddenWindow>(); }
-    static void TearDownTestSuite() { window_.reset(); }
+    static void SetUpTestSuite() { hidden_window = std::make_unique<testing::HiddenWindow>(); }
+    static void TearDownTestSuite() { hidden_window.reset(); }
 
     static std::vector<std::uint8_t> drawn(const ParticipantPicture &picture, int width = 640,
                                            int height = 360) {
@@ -29,7 +29,7 @@ protected:
         return view.pixels();
     }
 
-    inline static std::unique_ptr<testing::HiddenWindow> window_;
+    inline static std::unique_ptr<testing::HiddenWindow> hidden_window;
 };
 
 TEST_F(ParticipantPixels, ShowLettersOfEveryAlphabetAndABoxForOthers) {

@@ -70,9 +70,9 @@ TEST(StudyCommand, ChecksWhatItHasWritten) {
 TEST(StudyCommand, FindsWhatKeepsPersonsOutBeforeAStudyBegins) {
     const std::filesystem::path folder = testing::fresh_folder("study_check_person");
     std::string text = testing::contents_of(testing::assets() / "protocols/blow.toml");
-    const std::string keys = "keys = [\"right\", \"left\"]";
+    const std::string keys = R"(keys = ["right", "left"])";
     ASSERT_NE(text.find(keys), std::string::npos);
-    text.replace(text.find(keys), keys.size(), "keys = [\"right\", \"two\"]");
+    text.replace(text.find(keys), keys.size(), R"(keys = ["right", "two"])");
     const std::filesystem::path file = folder / "s.toml";
     std::ofstream(file) << text;
     const testing::Ending bad = study({"check", file, "--no-simulation"});

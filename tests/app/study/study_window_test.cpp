@@ -55,9 +55,9 @@ struct Decision {
     bool answers = true;
 };
 Decision decision_at(const TrialPlace &place, std::size_t keys) {
-    const study::RandomKey drawn =
-        study::child(study::key_of(7, place.block),
-                     static_cast<std::uint64_t>(100 * place.position + place.attempt));
+    const study::RandomKey drawn = study::child(study::key_of(7, place.block),
+                                                100 * static_cast<std::uint64_t>(place.position) +
+                                                    static_cast<std::uint64_t>(place.attempt));
     return {study::below(study::child(drawn, 0), keys),
             study::uniform(study::child(drawn, 1)) > 0.12};
 }
@@ -84,7 +84,7 @@ constexpr Events kAllEvents{{1, 4, 1},
 
 std::optional<TrialPlace> place_in(const std::string &text) {
     std::smatch found;
-    static const std::regex pattern("block (\\d+), position (\\d+), attempt (\\d+)");
+    static const std::regex pattern(R"(block (\d+), position (\d+), attempt (\d+))");
     if (!std::regex_search(text, found, pattern)) {
         return std::nullopt;
     }

@@ -62,7 +62,7 @@ TEST(Creases, OfPrismsAreTheEdgesThatTurnByMoreThanTheirAngle) {
         if (360.0 / sides == kCrease_deg) {
             continue; // round-off decides
         }
-        const auto rims = static_cast<std::size_t>(2 * sides);
+        const auto rims = 2 * static_cast<std::size_t>(sides);
         EXPECT_EQ(creases(prism(sides, false)).size(),
                   rims + (has_edges ? static_cast<std::size_t>(sides) : 0))
             << sides;

@@ -36,12 +36,13 @@ double volume_of(const contact::TriangleSoup &surface) {
     return six_volumes / 6.0;
 }
 
-using Point = std::array<double, 3>;
+using ExactPoint = std::array<double, 3>;
 
 /// How often each directed edge is used, vertices at the same place being one.
-std::map<std::pair<Point, Point>, int> directed_edges(const contact::TriangleSoup &surface) {
-    std::map<std::pair<Point, Point>, int> edges;
-    const auto point = [](const Vector3 &v) { return Point{v.x(), v.y(), v.z()}; };
+std::map<std::pair<ExactPoint, ExactPoint>, int>
+directed_edges(const contact::TriangleSoup &surface) {
+    std::map<std::pair<ExactPoint, ExactPoint>, int> edges;
+    const auto point = [](const Vector3 &v) { return ExactPoint{v.x(), v.y(), v.z()}; };
     for (const auto &corners : corners_of(surface)) {
         for (std::size_t i = 0; i < 3; ++i) {
             ++edges[{point(corners[i]), point(corners[(i + 1) % 3])}];
@@ -61,7 +62,7 @@ void expect_closed_and_consistently_wound(const contact::TriangleSoup &surface) 
 
 /// V − E + F of the welded surface: 2 for each closed surface without handles.
 long euler_characteristic(const contact::TriangleSoup &surface) {
-    std::set<Point> points;
+    std::set<ExactPoint> points;
     for (const auto &corners : corners_of(surface)) {
         for (const Vector3 &corner : corners) {
             points.insert({corner.x(), corner.y(), corner.z()});
