@@ -182,9 +182,9 @@ void add_run(CLI::App &study) {
                         .description(""));
     typed->sitting.add_to(command);
     command.footer(
-        "Each trial is on the disk before the next begins. Ctrl+C ends the session after "
-        "the present one;\nstudy resume goes on with the same sequence, also after a "
-        "crash.");
+        "Each trial is on the disk before the next begins. Ctrl+C ends a person's session at once, "
+        "and a simulated\nobserver's after the present trial; study resume goes on with the same "
+        "sequence, also after a crash.");
     command.callback([typed] { run_typed(*typed); });
 }
 

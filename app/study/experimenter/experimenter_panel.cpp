@@ -13,6 +13,8 @@ namespace springdrive::app::study_screen {
 
 namespace {
 
+constexpr double kLongestThought_s = 8.0; ///< between two keys of a note
+
 bool is_in_trial(SittingStep step) {
     return step == SittingStep::interval || step == SittingStep::between_intervals ||
            step == SittingStep::response;
@@ -107,8 +109,21 @@ void confirm_end(ExperimenterPanelState &panel, ExperimenterOrders &orders) {
 
 void take_note(ExperimenterPanelState &panel, std::optional<std::string> &note) {
     ImGui::SetNextItemWidth(-1.0F);
+    const std::string before = panel.note;
     const bool is_entered =
         ui::text_field("##note", "a note, without names: Enter stores it", panel.note);
+    const bool is_typing = ImGui::IsItemActive();
+    if (ImGui::IsItemActivated() || panel.note != before) {
+        panel.typed_s = ImGui::GetTime();
+    } else if (is_typing && ImGui::GetTime() - panel.typed_s > kLongestThought_s) {
+        ImGui::SetWindowFocus(nullptr);
+    }
+    if (is_typing) {
+        ui::wrapped(kWarning,
+                    "There is one keyboard: answers and the space bar are typed here now, and F12 "
+                    "stops the device. After some seconds without a key they are the "
+                    "participant's again.");
+    }
     const bool has_words = panel.note.find_first_not_of(' ') != std::string::npos;
     if (is_entered && has_words) {
         note = std::exchange(panel.note, {});

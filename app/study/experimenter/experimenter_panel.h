@@ -22,6 +22,7 @@ struct ExperimenterPanelState {
     bool shows_stimuli = false; ///< condition, level, answers and fit
     std::string complaint;      ///< why the device could not be zeroed
     std::string note;           ///< being typed
+    double typed_s = 0.0;       ///< when its last key was, by ImGui::GetTime
     std::vector<std::string> notes_of_today;
     EndAsked asked = EndAsked::nothing; ///< until it is confirmed
 };

@@ -173,7 +173,8 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
     participant_window_.show(participant_view_, picture);
     const bool by_experimenter = window_.take_emergency_stop();
     const bool by_participant = participant_window_.take_emergency_stop();
-    if (acts.emergency_stop || by_experimenter || by_participant) {
+    const bool emergency_stop = acts.emergency_stop || by_experimenter || by_participant;
+    if (emergency_stop) {
         session_.servo().emergency_stop();
     }
     if (acts.zeroes_device) {
@@ -184,7 +185,7 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
         panel_.notes_of_today.push_back(complaint.empty() ? *acts.note
                                                           : "not stored: " + complaint);
     }
-    SittingFrame frame{taken_inputs(), acts.orders};
+    SittingFrame frame{taken_inputs(), acts.orders, emergency_stop};
     frame.orders.stops = frame.orders.stops || window_.is_closing() || asked_to_end();
     ++frame_;
     const double frame_s =

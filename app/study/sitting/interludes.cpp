@@ -77,8 +77,10 @@ void Sitting::introduce(const study::PlannedTrial &planned) {
                 since_break_ >= plan_.protocol.breaks.every_trials)) {
         take_break(plan_.protocol.breaks.break_s);
     }
-    if (is_practice && !was_practising_) {
-        practised_.clear();
+    if (is_practice && (!was_practising_ || !has_presented_)) {
+        if (!was_practising_) {
+            practised_.clear();
+        }
         picture.heading = texts.practice_begins;
         picture.text = texts.ready;
         show_until_key(SittingStep::practice_begins, picture);
@@ -124,33 +126,34 @@ void Sitting::end_practice() {
 /// stops in them.
 void Sitting::practise_again() {
     int presented = 0;
-    const auto note = [&] {
-        store_.append(
-            study::Note{study::utc_now(), "practice",
-                        fmt::format("practised {} trials again, which are not stored", presented),
-                        plan_.participant, state_.session});
+    const auto note_them = [&] {
+        note("practice", fmt::format("practised {} trials again, which are not stored", presented));
     };
     try {
         for (const study::PlannedTrial &planned : practised_) {
             make_ready(planned);
-            if (const std::optional<study::TrialResult> result = presenter_.present(planned)) {
+            if (const std::optional<study::TrialResult> result = present_watched(planned)) {
                 ++presented;
-                tell_of(planned, *result);
+                for (const study::SafetyEvent &event : result->safety_events) {
+                    note("safety", event.text);
+                }
+                tell_of(planned, *result, false);
             }
         }
     } catch (const Ends &) {
-        note();
+        note_them();
         throw;
     }
-    note();
+    note_them();
 }
 
 /// Before the first trial, and whenever they have cooled below the band. A device that is stopped
 /// or lost meanwhile is for make_ready.
-void Sitting::warm_up(const study::PlannedTrial &planned) {
+/// @return whether there was anything to do
+bool Sitting::warm_up(const study::PlannedTrial &planned) {
     const study::WindingBand &band = plan_.protocol.windings;
     if (!study::WarmUp::is_needed(band, study::estimated_windings_C(session_.latest()))) {
-        return;
+        return false;
     }
     study::LiveWarmUp course(session_.description(), band, session_.servo().period_s());
     session_.servo().follow(&course);
@@ -179,6 +182,7 @@ void Sitting::warm_up(const study::PlannedTrial &planned) {
                                      study::description(course.failure())));
     }
     presenter_.lead_to_start(planned);
+    return true;
 }
 
 /// Before the first trial of the session.
@@ -194,6 +198,10 @@ void Sitting::begin() {
 
 /// For `Conduct::after_last`: the device is not touched any more.
 std::optional<study::SessionEnding> Sitting::ask_after_last() {
+    if (ending_) {
+        return ending_;
+    }
+    has_trials_left_ = false;
     session_.keep_released(true);
     end_noise();
     note_trials();

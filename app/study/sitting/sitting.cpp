@@ -21,7 +21,6 @@ namespace springdrive::app::study_screen {
 namespace {
 
 constexpr double kFeedback_s = 1.2;
-constexpr double kCalm_s = 3.0; ///< a tripped device is reset by itself after so much quiet
 
 study::DeviceKind kind_of(factory::DeviceKind kind) {
     switch (kind) {
@@ -41,7 +40,8 @@ Sitting::Sitting(study::StudyStore &store, SittingPlan plan, session::Session &s
                  SittingPort &port)
     : store_(store), plan_(std::move(plan)), session_(session), port_(port),
       presenter_({plan_.protocol, plan_.setting, plan_.folders, session_, port_, state_,
-                  [this](ParticipantPicture picture) { return show(std::move(picture)); }}) {
+                  [this](ParticipantPicture picture) { return show(std::move(picture)); }}),
+      stops_(session_, [this](const std::string &what) { note("safety", what); }) {
     if (const std::string wrong = what_keeps_persons_out(plan_.protocol); !wrong.empty()) {
         throw InputError(wrong);
     }
@@ -68,6 +68,7 @@ SittingFrame Sitting::show(ParticipantPicture picture) {
     }
     picture.progress = state_.progress;
     SittingFrame frame = port_.show(picture, state_);
+    stops_.watch(frame.emergency_stop);
     if (frame.orders.stops) {
         throw Ends{study::SessionEnding::stopped};
     }
@@ -77,7 +78,12 @@ SittingFrame Sitting::show(ParticipantPicture picture) {
     orders_.is_paused = frame.orders.is_paused;
     orders_.repeats = orders_.repeats || frame.orders.repeats;
     orders_.skips_to_break = orders_.skips_to_break || frame.orders.skips_to_break;
-    orders_.resets_device = orders_.resets_device || frame.orders.resets_device;
+    if (frame.orders.resets_device && !frame.emergency_stop) {
+        stops_.let_go_on();
+    }
+    if (stops_.count() > plan_.protocol.stopping.most_trips && has_trials_left_) {
+        throw Ends{study::SessionEnding::safety_trip};
+    }
     return frame;
 }
 
@@ -103,68 +109,41 @@ void Sitting::show_until_key(SittingStep step, const ParticipantPicture &picture
     }
 }
 
-/// After a stop by hand the experimenter decides; after another it is quiet for a while.
-void Sitting::reset_device_when_calm() {
-    const servo::SafetyStatus &safety = session_.latest().safety;
-    const double now_s = session_.servo().now_s();
-    if (servo::is_final(safety.cause)) {
-        throw Ends{study::SessionEnding::failed};
-    }
-    const bool by_hand = safety.cause == servo::TripCause::emergency_stop;
-    if (std::exchange(orders_.resets_device, false) ||
-        (!by_hand && now_s - calm_from_s_ > kCalm_s)) {
-        session_.servo().reset_safety();
-        calm_from_s_ = now_s;
-    }
-}
-
-/// A stop between trials belongs to none of them. More than the protocol allows end the session.
-void Sitting::note_stop() {
-    store_.append(study::Note{study::utc_now(), "safety",
-                              servo::description(session_.latest().safety), plan_.participant,
-                              state_.session});
-    if (++stops_between_trials_ > plan_.protocol.stopping.most_trips) {
-        throw Ends{study::SessionEnding::safety_trip};
-    }
+void Sitting::note(const std::string &kind, const std::string &text) {
+    store_.append(study::Note{study::utc_now(), kind, text, plan_.participant, state_.session});
 }
 
 /// Until the motors run.
 void Sitting::make_ready(const study::PlannedTrial &planned) {
     presenter_.set_up(planned);
     presenter_.lead_to_start(planned);
-    calm_from_s_ = session_.servo().now_s();
+    stops_.begin_calm();
     bool is_lead_lost = false;
     while (true) {
         wait_while_paused();
         const servo::ServoSample &latest = session_.latest();
         const bool is_there = latest.health != device::DeviceHealth::lost && session_.is_zeroed();
-        if (latest.safety.state != servo::SafetyState::tripped) {
-            is_stop_stored_ = false; // the next one is another
-        }
         if (is_there && latest.safety.state == servo::SafetyState::running) {
-            orders_.resets_device = false; // of a stop that is over
-            warm_up(planned);
-            if (session_.latest().safety.state == servo::SafetyState::running) {
+            if (!warm_up(planned)) {
                 return;
             }
-            continue;
+            continue; // it took a while, in which anything may have happened
         }
         ParticipantPicture picture;
         if (!is_there) {
             state_.step = SittingStep::device_lost;
             picture.text = plan_.protocol.texts.device_lost;
             picture.is_calm_stop = true;
-            calm_from_s_ = session_.servo().now_s();
+            stops_.begin_calm();
             is_lead_lost = true;
         } else if (latest.safety.state == servo::SafetyState::tripped) {
-            if (!std::exchange(is_stop_stored_, true)) {
-                calm_from_s_ = session_.servo().now_s();
-                note_stop();
-            }
             state_.step = SittingStep::device_stopped;
             picture.text = plan_.protocol.texts.device_stopped;
             picture.is_calm_stop = true;
-            reset_device_when_calm();
+            if (servo::is_final(latest.safety.cause)) {
+                throw Ends{study::SessionEnding::failed};
+            }
+            stops_.reset_when_allowed();
         } else {
             if (std::exchange(is_lead_lost, false)) {
                 presenter_.lead_to_start(planned); // of a hand that is simulated anew
@@ -178,8 +157,9 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
     }
 }
 
-/// Feedback, which in the practice tells right from wrong.
-void Sitting::tell_of(const study::PlannedTrial &planned, const study::TrialResult &result) {
+/// Feedback, which in the practice tells right from wrong. What is not stored does not come again.
+void Sitting::tell_of(const study::PlannedTrial &planned, const study::TrialResult &result,
+                      bool is_stored) {
     const study::Texts &texts = plan_.protocol.texts;
     study::Trial trial = study::before_it_is_run(plan_.protocol, planned);
     trial.response = result.response;
@@ -192,10 +172,11 @@ void Sitting::tell_of(const study::PlannedTrial &planned, const study::TrialResu
     if (!result.safety_events.empty()) {
         return; // make_ready tells of it
     }
-    if (study::comes_again(plan_.protocol.marking, state_.marks, result.response)) {
-        picture.text = texts.repeated;
-    } else if (std::holds_alternative<study::NoResponse>(result.response)) {
-        picture.text = texts.too_slow;
+    const bool is_silent = std::holds_alternative<study::NoResponse>(result.response);
+    const bool comes_again =
+        study::comes_again(plan_.protocol.marking, state_.marks, result.response);
+    if (comes_again || is_silent) {
+        picture.text = !is_stored ? "" : comes_again ? texts.repeated : texts.too_slow;
     } else if (trial.is_practice && is_right) {
         picture.heading = *is_right ? texts.correct : texts.wrong;
     } else {
@@ -203,6 +184,19 @@ void Sitting::tell_of(const study::PlannedTrial &planned, const study::TrialResu
     }
     state_.step = SittingStep::after_response;
     show_for(kFeedback_s, picture);
+}
+
+/// No stop is lost that was in it, whether it is stored in the end or not.
+std::optional<study::TrialResult> Sitting::present_watched(const study::PlannedTrial &planned) {
+    stops_.begin_trial();
+    try {
+        std::optional<study::TrialResult> result = presenter_.present(planned);
+        stops_.end_trial(result && !result->safety_events.empty());
+        return result;
+    } catch (const Ends &) {
+        stops_.end_trial(false);
+        throw;
+    }
 }
 
 std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &planned) {
@@ -216,12 +210,16 @@ std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &pl
                                          Existing::replace);
             }
             orders_.repeats = false;
-            std::optional<study::TrialResult> result = presenter_.present(planned);
+            std::optional<study::TrialResult> result = present_watched(planned);
             session_.recording().stop();
             if (!result) {
                 continue; // the device was lost: the trial begins anew when it is back
             }
-            tell_of(planned, *result);
+            try {
+                tell_of(planned, *result, true);
+            } catch (const Ends &ends) { // what was answered is stored all the same
+                ending_ = ends.how;
+            }
             if (std::exchange(orders_.repeats, false)) {
                 result->marks.emplace_back("repeated at the experimenter's wish");
                 result->is_wanted_again = true;
@@ -230,11 +228,12 @@ std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &pl
                 note_gaps_of_record();
                 result->record = store_.link_to(session_.recording().file());
             }
-            if (planned.presented.kind == study::TrialKind::practice) {
+            const bool counts = state_.marks.empty() && result->safety_events.empty() &&
+                                !std::holds_alternative<study::NoResponse>(result->response);
+            if (planned.presented.kind == study::TrialKind::practice && counts) {
                 practised_.push_back(planned);
             }
             has_presented_ = true;
-            is_stop_stored_ = !result->safety_events.empty();
             ++since_break_;
             return result;
         }
@@ -253,9 +252,7 @@ void Sitting::note_gaps_of_record() {
     }
     const std::string what =
         record.error.empty() ? fmt::format("{} ticks are missing", record.lost) : record.error;
-    store_.append(study::Note{study::utc_now(), "record",
-                              session_.recording().file().filename().string() + ": " + what,
-                              plan_.participant, state_.session});
+    note("record", session_.recording().file().filename().string() + ": " + what);
 }
 
 study::Session Sitting::begun() const {
@@ -279,9 +276,8 @@ study::Session Sitting::begun() const {
 /// @throw InputError  there is none any more
 void Sitting::keep_noise() {
     if (noise_ && !noise_->is_playing()) {
-        store_.append(study::Note{study::utc_now(), "noise",
-                                  "the masking noise had stopped, and was begun again",
-                                  plan_.participant, state_.session});
+        note("noise", "the masking noise had stopped, and was begun again");
+        noise_gaps_ += noise_->underruns();
         noise_.reset();
         noise_.emplace(plan_.protocol.noise->level_dBFS);
     }
@@ -289,10 +285,15 @@ void Sitting::keep_noise() {
 
 /// It fades out. Gaps in it may have been heard.
 void Sitting::end_noise() {
-    if (noise_ && noise_->underruns() > 0) {
-        store_.append(study::Note{study::utc_now(), "noise",
-                                  fmt::format("the masking noise had {} gaps", noise_->underruns()),
-                                  plan_.participant, state_.session});
+    if (!noise_) {
+        return;
+    }
+    if (!noise_->is_playing()) {
+        note("noise", "the masking noise had stopped");
+    }
+    noise_gaps_ += noise_->underruns();
+    if (noise_gaps_ > 0) {
+        note("noise", fmt::format("the masking noise had {} gaps", noise_gaps_));
     }
     noise_.reset();
 }
@@ -322,8 +323,28 @@ std::optional<study::SessionEnding> Sitting::ending_before_next() {
     return ending_;
 }
 
+/// Who was stopped after the practice is asked then whether it was understood.
+void Sitting::recall_practice() {
+    const study::StudyContents contents = store_.contents();
+    study::Sequence sequence(plan_.protocol,
+                             study::participant_of(contents, plan_.participant).number);
+    for (const study::Trial &trial : study::trials_of(contents, plan_.participant)) {
+        if (trial.is_practice && !was_practising_) {
+            practised_.clear();
+        }
+        was_practising_ = trial.is_practice;
+        const std::optional<study::PlannedTrial> planned = sequence.next();
+        if (planned && trial.is_practice && trial.marks.empty()) {
+            practised_.push_back(*planned);
+        }
+        sequence.add(trial);
+    }
+    has_trials_left_ = sequence.next().has_value();
+}
+
 study::SessionEnding Sitting::run() {
-    if (plan_.protocol.noise && plan_.plays_noise) {
+    recall_practice();
+    if (plan_.protocol.noise && plan_.plays_noise && has_trials_left_) {
         noise_.emplace(plan_.protocol.noise->level_dBFS); // or there is no session
     }
     study::Session session = begun();
@@ -335,11 +356,13 @@ study::SessionEnding Sitting::run() {
     how.ends = [this] { return ending_before_next(); };
     how.after_last = [this] { return ask_after_last(); };
     const study::SessionEnding ending = study::conduct(store_, plan_.protocol, session, how);
+    has_trials_left_ = false;
     session_.keep_released(true);
     end_noise();
     if (ending == study::SessionEnding::completed) {
         say_goodbye();
-    } else if (!ending_ || *ending_ == study::SessionEnding::left) {
+    } else if (ending == study::SessionEnding::left || !ending_ ||
+               ending == study::SessionEnding::safety_trip) {
         let_go(); // by the participant's wish, or by a stopping rule
     }
     return ending;

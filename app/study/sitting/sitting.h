@@ -5,6 +5,7 @@
 // servo's part of a trial for trial_presenter.h.
 #pragma once
 
+#include "app/study/sitting/device_stops.h"
 #include "app/study/sitting/sitting_port.h"
 #include "app/study/sitting/sitting_state.h"
 #include "app/study/sitting/trial_presenter.h"
@@ -50,6 +51,7 @@ private:
     };
 
     void require_device_of_before() const;
+    void recall_practice();
     SittingFrame show(ParticipantPicture picture);
     void show_for(double seconds, const ParticipantPicture &picture);
     void show_until_key(SittingStep step, const ParticipantPicture &picture);
@@ -65,7 +67,7 @@ private:
     void take_break(double seconds);
     void begin_block();
     void wait_while_paused();
-    void warm_up(const study::PlannedTrial &planned);
+    [[nodiscard]] bool warm_up(const study::PlannedTrial &planned);
     void begin();
     [[nodiscard]] std::optional<study::SessionEnding> ask_after_last();
     void say_goodbye();
@@ -73,10 +75,12 @@ private:
     void ask_questions(study::QuestionnaireTime when);
     [[nodiscard]] std::optional<std::string> answer_to(const study::QuestionnaireItem &item);
     void make_ready(const study::PlannedTrial &planned);
-    void reset_device_when_calm();
-    void note_stop();
+    void note(const std::string &kind, const std::string &text);
     void note_gaps_of_record();
-    void tell_of(const study::PlannedTrial &planned, const study::TrialResult &result);
+    [[nodiscard]] std::optional<study::TrialResult>
+    present_watched(const study::PlannedTrial &planned);
+    void tell_of(const study::PlannedTrial &planned, const study::TrialResult &result,
+                 bool is_stored);
     void note_trials();
     [[nodiscard]] std::optional<study::SessionEnding> ending_before_next();
     [[nodiscard]] study::Session begun() const;
@@ -96,9 +100,9 @@ private:
     int last_block_ = 0;
     int since_break_ = 0;
     std::optional<MaskingNoise> noise_;
-    bool is_stop_stored_ = false;  ///< the present one, as a note or with its trial
-    int stops_between_trials_ = 0; ///< so far, in this session
-    double calm_from_s_ = 0.0;     ///< of a tripped device
+    int noise_gaps_ = 0; ///< of outputs that were in use before
+    DeviceStops stops_;
+    bool has_trials_left_ = true;
 };
 
 } // namespace springdrive::app::study_screen

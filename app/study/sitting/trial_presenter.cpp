@@ -136,6 +136,9 @@ ParticipantPicture TrialPresenter::interval_picture(const study::Interval &inter
     const study::StimulusPhase phase = live_->phase();
     if (phase == study::StimulusPhase::waiting) {
         shown.text = texts.rest_at_spot;
+    } else if (phase == study::StimulusPhase::leaving &&
+               it_.protocol.stimulus != study::StimulusForm::stroke) {
+        shown.text = texts.please_lift; // or nothing would say that it was enough
     }
     const bool is_in_contact =
         it_.protocol.stimulus != study::StimulusForm::stroke &&
@@ -242,11 +245,14 @@ std::optional<TrialPresenter::Answer> TrialPresenter::ask(study::TrialResult &re
     shown.choices = choices_of(it_.protocol);
     std::vector<ParticipantInput> inputs = std::exchange(early_, {});
     const Vector3 from_m = it_.session.latest().tip_m;
+    // Whoever holds on after the end is asked later, and has as long to answer.
+    const double until_s =
+        std::max(ended_s_, it_.session.servo().now_s()) + it_.protocol.timing.response_s;
     while (true) {
         for (const ParticipantInput &input : inputs) {
             const std::optional<std::size_t> given = alternative_of(it_.protocol.responses, input);
             const double after_s = input.clock_s - ended_s_;
-            if (given && after_s >= 0.0 && after_s <= it_.protocol.timing.response_s) {
+            if (given && after_s >= 0.0 && input.clock_s <= until_s) {
                 return Answer{response_of(it_.protocol.task, *given), after_s};
             }
         }
@@ -261,7 +267,7 @@ std::optional<TrialPresenter::Answer> TrialPresenter::ask(study::TrialResult &re
         }
         const std::optional<std::size_t> moved =
             alternative_of(it_.protocol.responses, Vector3(it_.session.latest().tip_m - from_m));
-        if (now_s - ended_s_ > it_.protocol.timing.response_s) {
+        if (now_s > until_s) {
             return Answer{study::NoResponse{}, std::nullopt};
         }
         if (moved) {

@@ -49,8 +49,8 @@ private:
 
 [[noreturn]] void refuse(const std::string &problem) {
     throw InputError("masking noise: " + problem +
-                     "; plug in headphones and choose them as the system's sound output, or take "
-                     "[noise] out of the protocol");
+                     "; plug in headphones and choose them as the system's sound output, or give "
+                     "--without-noise, which plays none");
 }
 
 /// @throw InputError if there is none

@@ -73,6 +73,10 @@ public:
         SittingFrame frame;
         frame.orders = orders;
         frame.inputs = std::exchange(inputs, {});
+        if (std::exchange(presses_emergency_stop, false)) {
+            frame.emergency_stop = true;
+            session_.servo().emergency_stop();
+        }
         orders.repeats = orders.skips_to_break = orders.resets_device = false;
         const double now_s = session_.servo().now_s();
         switch (state.step) {
@@ -117,6 +121,7 @@ public:
 
     ExperimenterOrders orders;
     std::vector<ParticipantInput> inputs; ///< of the next frame
+    bool presses_emergency_stop = false;  ///< in the next frame
     std::function<void(const ParticipantPicture &, const SittingState &)> on_frame;
     std::function<void(const scene::Scene &, const scene::TouchSpot &)> on_scene;
     std::set<SittingStep> steps;

@@ -51,7 +51,7 @@ TEST(MaskingNoise, WithoutASoundOutputSaysSoInALine) {
     }
     EXPECT_EQ(said,
               "masking noise: there is no sound output; plug in headphones and choose them as "
-              "the system's sound output, or take [noise] out of the protocol");
+              "the system's sound output, or give --without-noise, which plays none");
 }
 
 constexpr const char *kSystems = "/usr/share/alsa/alsa.conf"; ///< of the package libasound2-data

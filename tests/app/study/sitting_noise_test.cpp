@@ -117,6 +117,31 @@ TEST_F(StudySitting, BeginsTheNoiseAgainThatHadStopped) {
               1);
 }
 
+TEST_F(StudySitting, QuestionsAloneNeedNoNoise) {
+    protocol_.questionnaire = {{"more", study::QuestionnaireTime::after, "Anything else?"}};
+    const auto session = [this](bool stops) {
+        return run([stops](MadeUpPort &port, session::Session &) {
+            port.on_frame = [&port, stops](const ParticipantPicture &, const SittingState &state) {
+                const bool is_asked = state.step == SittingStep::questionnaire;
+                port.orders.stops = stops && is_asked;
+                if (is_asked) {
+                    port.inputs = {MadeUpPort::key("enter", 0.0)};
+                }
+            };
+        });
+    };
+    EXPECT_EQ(session(true), SessionEnding::stopped);
+    protocol_.noise = study::MaskingNoise{-80.0};
+    plays_noise_ = true;
+    const std::string said =
+        testing::said_in_child([] { setenv("ALSA_CONFIG_PATH", "/nonexistent", 1); },
+                               [&] {
+                                   ::testing::internal::CaptureStderr();
+                                   return std::string(name_of(session(false)));
+                               });
+    EXPECT_EQ(said, "completed");
+}
+
 TEST_F(StudySitting, WithoutASoundOutputThereIsNoSession) {
     protocol_.noise = study::MaskingNoise{-80.0};
     plays_noise_ = true;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "app/study/sitting/sitting.h"
+#include "device/usb/emulator/emulator_faults.h"
 #include "engine/study/protocol/protocol_file.h"
 #include "tests/app/study/headless_study.h"
 #include "tests/app/study/made_up_people.h"
@@ -38,6 +39,9 @@ protected:
                                                        : study::scene_file_of(first, folders_);
         options.device.file = study::device_file_of(protocol_, folders_);
         options.device.kind = kind_;
+        for (const std::string &fault : faults_) {
+            options.emulation.faults.push_back(emulator::parse_fault(fault));
+        }
         options.starts_at_zero = starts_at_zero_;
         options.lockstep = true;
         return options;
@@ -81,6 +85,7 @@ protected:
     bool keeps_records_ = false;
     factory::DeviceKind kind_ = factory::DeviceKind::simulated;
     bool starts_at_zero_ = true;
+    std::vector<std::string> faults_; ///< of an emulated board
     std::filesystem::path folder_;
     study::Protocol protocol_;
     study::ProtocolFolders folders_;

@@ -46,22 +46,145 @@ TEST_F(StudySitting, ATripIsStoredAndItsTrialComesAgain) {
         1);
 }
 
+/// Ten seconds, three times what another stop takes to be reset.
+constexpr int kLongStop_frames = 600;
+
+/// The experimenter waits before letting the device go on. @return frames for which it was stopped
+int frames_stopped(MadeUpPort &port, const SittingState &state, int frames) {
+    if (state.step == SittingStep::device_stopped) {
+        ++frames;
+        port.orders.resets_device = frames == kLongStop_frames;
+    }
+    return frames;
+}
+
 TEST_F(StudySitting, AStopByHandWaitsForTheExperimenter) {
     Once once(2);
-    int frames_stopped = 0;
-    run([&](MadeUpPort &port, session::Session &session) {
+    int stopped = 0;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
         port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            if (once.is_now(state)) {
-                session.servo().emergency_stop();
-            }
-            // Ten seconds, three times what another stop takes to be reset.
-            if (state.step == SittingStep::device_stopped && ++frames_stopped == 600) {
-                port.orders.stops = true;
+            port.presses_emergency_stop = once.is_now(state);
+            stopped = frames_stopped(port, state, stopped);
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    EXPECT_GE(stopped, kLongStop_frames);
+    EXPECT_LE(stopped, kLongStop_frames + 2);
+}
+
+/// Of two stops the monitor knows the first. The second one is what somebody wants.
+TEST_F(StudySitting, AStopByHandHoldsWhateverStoppedTheDeviceBefore) {
+    kind_ = factory::DeviceKind::emulated;
+    faults_ = {"brown-out:9@4-4.1"};
+    int stopped = 0;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            stopped = frames_stopped(port, state, stopped);
+            if (stopped == 30) {
+                EXPECT_EQ(session.latest().safety.cause, servo::TripCause::board_fault);
+                port.presses_emergency_stop = true;
             }
         };
     });
-    EXPECT_EQ(frames_stopped, 600);
-    EXPECT_EQ(study::read_study(file()).sessions.front().ending, SessionEnding::stopped);
+    EXPECT_EQ(ending, SessionEnding::completed);
+    EXPECT_GE(stopped, kLongStop_frames);
+    const std::vector<study::Note> notes = study::read_study(file()).notes;
+    EXPECT_EQ(std::ranges::count(notes,
+                                 "the emergency stop was pressed while the device was stopped",
+                                 &study::Note::text),
+              1);
+}
+
+TEST_F(StudySitting, AStopByTheMonitorGoesOnByItself) {
+    kind_ = factory::DeviceKind::emulated;
+    faults_ = {"brown-out:9@4-4.1"};
+    int stopped = 0;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            stopped = frames_stopped(port, state, stopped);
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    EXPECT_NEAR(stopped, 180, 5) << "three seconds";
+}
+
+TEST_F(StudySitting, TheBoardsStopSwitchIsAStopByHand) {
+    kind_ = factory::DeviceKind::emulated;
+    faults_ = {"stop@4-6"};
+    int stopped = 0;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            stopped = frames_stopped(port, state, stopped);
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    EXPECT_GE(stopped, kLongStop_frames);
+}
+
+/// "Let the device go on" is of the stop that was there.
+TEST_F(StudySitting, AnOrderToGoOnIsNotOfALaterStop) {
+    Once once(2);
+    int stopped = 0;
+    bool is_pressed = false;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            port.orders.resets_device = state.step == SittingStep::after_response && !is_pressed;
+            port.presses_emergency_stop = once.is_now(state);
+            is_pressed = is_pressed || port.presses_emergency_stop;
+            stopped = frames_stopped(port, state, stopped);
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    EXPECT_GE(stopped, kLongStop_frames);
+}
+
+/// Whoever presses it there and then goes: no trial tells of it.
+TEST_F(StudySitting, AStopOutsideOfTrialsIsNotedAtOnce) {
+    protocol_.questionnaire = {{"more", study::QuestionnaireTime::after, "Anything else?"}};
+    for (const SittingStep step :
+         {SittingStep::instructions, SittingStep::in_break, SittingStep::questionnaire}) {
+        SCOPED_TRACE(description(step));
+        const std::size_t before = study::read_study(file()).notes.size();
+        int frames = 0; // since it was pressed
+        const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+            port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+                port.presses_emergency_stop = state.step == step && frames == 0;
+                frames += state.step == step || frames > 0 ? 1 : 0;
+                port.orders.stops = frames == 3;
+            };
+        });
+        EXPECT_EQ(ending, SessionEnding::stopped);
+        const std::vector<study::Note> notes = study::read_study(file()).notes;
+        ASSERT_EQ(notes.size(), before + 1);
+        EXPECT_EQ(notes.back().kind, "safety");
+        EXPECT_EQ(notes.back().participant, "P01");
+    }
+}
+
+TEST_F(StudySitting, StopsInTrialsAndBetweenThemAreOneSum) {
+    protocol_.stopping.most_trips = 2;
+    Once in_trial(1);
+    int between = 0;
+    SittingStep before = SittingStep::over;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            if (state.step == SittingStep::setting_up && before != state.step &&
+                !state.trials.empty() && between < 2) {
+                port.presses_emergency_stop = true;
+                ++between;
+            }
+            port.presses_emergency_stop = port.presses_emergency_stop || in_trial.is_now(state);
+            port.orders.resets_device = state.step == SittingStep::device_stopped;
+            before = state.step;
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::safety_trip);
+    EXPECT_TRUE(steps_.contains(SittingStep::over)) << "thanked";
+    const study::StudyContents contents = study::read_study(file());
+    EXPECT_EQ(std::ranges::count_if(
+                  contents.trials, [](const Trial &trial) { return !trial.safety_events.empty(); }),
+              1);
+    EXPECT_EQ(std::ranges::count(contents.notes, "safety", &study::Note::kind), 2);
 }
 
 void set_plugged(session::Session &session, bool is_plugged) {
@@ -154,6 +277,7 @@ TEST_F(StudySitting, StopsBetweenTrialsAreNotedAndEndItWhenTheyAreTooMany) {
     const study::StudyContents contents = study::read_study(file());
     EXPECT_EQ(std::ranges::count(contents.notes, "safety", &study::Note::kind), 3);
     EXPECT_TRUE(contents.trials.empty());
+    EXPECT_TRUE(steps_.contains(SittingStep::over)) << "thanked";
 }
 
 TEST_F(StudySitting, ARehearsalIsNotGoneOnWithOnAnotherDevice) {

@@ -156,6 +156,49 @@ TEST_F(StudySitting, PresentsWhatIsIntendedAfterAWarmUp) {
     }
 }
 
+/// When the hand is off: an experimenter may want to say something.
+TEST_F(StudySitting, APauseInTheWarmUpIsObeyedBeforeTheTrial) {
+    protocol_.windings = {25.0, 26.0, 60.0};
+    int paused = 0;
+    run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            paused += state.step == SittingStep::paused ? 1 : 0;
+            port.orders.is_paused =
+                (state.step == SittingStep::warming_up || state.step == SittingStep::paused) &&
+                paused < 100;
+            EXPECT_TRUE(state.step != SittingStep::interval || paused == 100);
+            port.orders.stops = state.trials.size() == 1;
+        };
+    });
+    EXPECT_EQ(paused, 100);
+}
+
+TEST_F(StudySitting, AnswersAreStoredWhateverEndsTheSessionInTheFeedback) {
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+            port.orders.stops = state.step == SittingStep::after_response &&
+                                (!picture.heading.empty() || !picture.text.empty());
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::stopped);
+    EXPECT_EQ(study::read_study(file()).trials.size(), 1U);
+}
+
+/// From when the question is seen, if the hand held on after the end.
+TEST_F(StudySitting, TheTimeToAnswerBeginsWithTheQuestion) {
+    protocol_.timing.response_s = 0.35; // 0.3 s after the question; the hand leaves for longer
+    const SessionEnding ending = run();
+    EXPECT_EQ(ending, SessionEnding::completed);
+    int late = 0;
+    for (const Trial &trial : study::read_study(file()).trials) {
+        study::Sequence sequence(protocol_, 1);
+        const double time_s = trial.response_time_s.value_or(0.0);
+        late += time_s > protocol_.timing.response_s ? 1 : 0;
+    }
+    EXPECT_GT(late, 0);
+    expect_same_decisions(study::read_study(file()).trials, headless());
+}
+
 TEST_F(StudySitting, WarmsColdWindingsBeforeTheFirstTrial) {
     protocol_.windings = {25.0, 26.0, 60.0}; // the air's, then the band
     run([&](MadeUpPort &port, session::Session &) {
@@ -197,6 +240,54 @@ TEST_F(StudySitting, PractisesAgainUntilItIsUnderstood) {
     expect_same_decisions(contents.trials, headless()); // the sequence knows nothing of it
     ASSERT_EQ(contents.notes.size(), 2U);
     EXPECT_EQ(contents.notes[0].text, "practised 2 trials again, which are not stored");
+}
+
+TEST_F(StudySitting, WhoWasStoppedAfterThePracticeIsAskedAgain) {
+    run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            port.orders.stops = state.step == SittingStep::practice_ends;
+        };
+    });
+    bool was_asked = false;
+    int practised = 0;
+    SittingStep before = SittingStep::over;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            if (state.step == SittingStep::practice_ends && !std::exchange(was_asked, true)) {
+                port.inputs = {MadeUpPort::key("1", 0.0)};
+            }
+            if (state.step == SittingStep::response && before != state.step) {
+                EXPECT_TRUE(was_asked);
+                practised += state.trial->presented.kind == study::TrialKind::practice ? 1 : 0;
+            }
+            before = state.step;
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    EXPECT_EQ(practised, protocol_.practice.fewest_trials);
+    expect_same_decisions(study::read_study(file()).trials, headless());
+}
+
+/// What is practised again is not of the sequence: nothing of it comes again later.
+TEST_F(StudySitting, RepeatedPracticeDoesNotSpeakOfComingAgain) {
+    bool is_again = false;
+    std::set<std::string> said;
+    run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+            if (state.step == SittingStep::practice_ends && !std::exchange(is_again, true)) {
+                protocol_.timing.response_s = 0.0;
+                port.inputs = {MadeUpPort::key("1", 0.0)};
+            } else if (state.step == SittingStep::practice_ends) {
+                port.orders.stops = true;
+            }
+            if (is_again && state.step == SittingStep::after_response) {
+                said.insert(picture.text);
+            }
+        };
+    });
+    EXPECT_TRUE(is_again);
+    EXPECT_FALSE(said.contains(protocol_.texts.too_slow));
+    EXPECT_FALSE(said.contains(protocol_.texts.repeated));
 }
 
 TEST_F(StudySitting, EachBlockAfterTheFirstIsAnnounced) {

@@ -25,7 +25,11 @@ std::vector<ParticipantPicture> pictures_of_first_interval(const study::Protocol
                 return;
             }
             if (state.phase == study::StimulusPhase::leaving) {
-                EXPECT_EQ(picture, pictures.back()); // for as long as a hand was deep
+                ParticipantPicture expected = pictures.back(); // for as long as a hand was deep
+                expected.text = protocol.stimulus == study::StimulusForm::stroke
+                                    ? ""
+                                    : protocol.texts.please_lift;
+                ASSERT_EQ(picture, expected);
             } else {
                 pictures.push_back(picture);
             }
