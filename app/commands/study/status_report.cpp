@@ -1,5 +1,6 @@
 #include "app/commands/study/status_report.h"
 
+#include "app/commands/study/observer_options.h"
 #include "base/one_line.h"
 #include "base/print.h"
 #include "engine/study/protocol/session_length.h"
@@ -18,11 +19,21 @@ std::string devices_text(const std::vector<study::DeviceKind> &devices) {
     return text.empty() ? "-" : text;
 }
 
+/// Simulated observers are asked nothing.
+bool is_person(const study::StudyContents &contents, const std::string &participant) {
+    return std::ranges::none_of(contents.sessions, [&](const study::Session &session) {
+        return session.participant == participant && observer_in(session).has_value();
+    });
+}
+
 /// "block 1 of 2 (\"right and left\"), trial 61; stopped"
-std::string stand_of(const study::Protocol &protocol, const study::Progress &progress) {
+std::string stand_of(const study::Protocol &protocol, const study::StudyContents &contents,
+                     const study::Progress &progress) {
     std::string text;
     if (!progress.next) {
-        text = progress.has_open_questions ? "through, but for questions" : "through";
+        text = progress.has_open_questions && is_person(contents, progress.participant)
+                   ? "through, but for questions"
+                   : "through";
     } else {
         const study::PlannedTrial &next = *progress.next;
         text = fmt::format("block {} of {} (\"{}\"), trial {}", next.place.block,
@@ -89,7 +100,7 @@ void write_study_status(std::ostream &out, const std::filesystem::path &file,
     for (const study::Progress &one : participants) {
         print(out, "{:<12} {:<10} {:>8} {:>7} {:>9} {:>7}  {}\n", one.participant,
               devices_text(one.devices), one.sessions, one.trials, one.practice, one.marked,
-              stand_of(study.protocol, one));
+              stand_of(study.protocol, study.contents, one));
         trials += one.trials;
         marked += one.marked;
     }

@@ -93,9 +93,9 @@ void StudyWindow::draw_view(const Rectangle &place) {
         renderer_.set_scene(session_.scenes().now().scene);
         renderer_.upload(std::numeric_limits<double>::infinity());
     }
-    const ViewState state = experimenter_view(
-        session_.latest(), session_.description(), session_.scenes().now().surface,
-        panel_.shows_stimuli ? std::nullopt : std::optional(spot_m_));
+    const ViewState state = experimenter_view(session_.latest(), session_.description(),
+                                              session_.scenes().now().surface,
+                                              panel_.shows_stimuli ? std::nullopt : spot_m_);
     const ImVec2 margin{0.04F * place.size.x, 0.04F * place.size.y};
     const Rectangle free{{place.corner.x + margin.x, place.corner.y + margin.y},
                          {place.size.x - 2.0F * margin.x, place.size.y - 2.0F * margin.y}};
@@ -173,8 +173,7 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
     participant_window_.show(participant_view_, picture);
     const bool by_experimenter = window_.take_emergency_stop();
     const bool by_participant = participant_window_.take_emergency_stop();
-    const bool emergency_stop = acts.emergency_stop || by_experimenter || by_participant;
-    if (emergency_stop) {
+    if (acts.emergency_stop || by_experimenter || by_participant) {
         session_.servo().emergency_stop();
     }
     if (acts.zeroes_device) {
@@ -185,7 +184,7 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
         panel_.notes_of_today.push_back(complaint.empty() ? *acts.note
                                                           : "not stored: " + complaint);
     }
-    SittingFrame frame{taken_inputs(), acts.orders, emergency_stop};
+    SittingFrame frame{taken_inputs(), acts.orders};
     frame.orders.stops = frame.orders.stops || window_.is_closing() || asked_to_end();
     ++frame_;
     const double frame_s =

@@ -70,7 +70,7 @@ private:
     double longest_frame_s_ = 0.0; ///< since the last report
     std::size_t fitted_trials_ = 0;
     std::uint32_t shown_scene_ = 0;
-    Vector3 spot_m_{Vector3::Zero()}; ///< that is touched
+    std::optional<Vector3> spot_m_; ///< that is touched
     servo::DurationHistogram durations_;
 };
 

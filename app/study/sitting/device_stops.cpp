@@ -13,12 +13,10 @@ namespace {
 constexpr double kCalm_s = 3.0;   ///< after which a stop by the monitor is over
 constexpr double kOldest_s = 0.2; ///< of what is known of the device
 
-/// The emergency stop, or the board's switch.
-bool is_wanted(const servo::SafetyStatus &safety) {
-    const auto bits = static_cast<std::uint16_t>(safety.measured);
-    return safety.cause == servo::TripCause::emergency_stop ||
-           (safety.cause == servo::TripCause::board_fault &&
-            device::BoardFaults{bits}.has(device::BoardFaults::kStop));
+/// By the emergency stop, or by the board's switch, whatever came first.
+bool is_wanted(const servo::ServoSample &sample) {
+    return sample.safety.cause == servo::TripCause::emergency_stop ||
+           device::BoardFaults{sample.board_faults}.has(device::BoardFaults::kStop);
 }
 
 } // namespace
@@ -26,37 +24,44 @@ bool is_wanted(const servo::SafetyStatus &safety) {
 DeviceStops::DeviceStops(session::Session &session, std::function<void(const std::string &)> note)
     : session_(session), note_(std::move(note)) {}
 
-void DeviceStops::watch(bool emergency_stop) {
-    const servo::SafetyStatus &safety = session_.latest().safety;
-    const bool is_tripped = safety.state == servo::SafetyState::tripped;
+void DeviceStops::watch() {
+    session_.servo().take_in();
+    const servo::ServoSample &latest = session_.latest();
+    const std::uint32_t presses = session_.servo().inputs().stop_count;
+    const bool is_pressed = presses > std::exchange(presses_, presses);
+    const bool is_tripped = latest.safety.state == servo::SafetyState::tripped;
     const bool was_tripped = std::exchange(was_tripped_, is_tripped);
-    const bool is_new = is_tripped && !was_tripped;
-    // What is known of the device may be older than its reset.
-    const bool is_recent = is_new || session_.servo().now_s() > reset_s_ + kOldest_s;
-    is_by_hand_ = is_by_hand_ || emergency_stop || (is_tripped && is_recent && is_wanted(safety));
-    if (emergency_stop || is_new) {
+    // What is known of the device may be older than its reset; and it may trip again at once.
+    const bool is_recent = session_.servo().now_s() > reset_s_ + kOldest_s;
+    const bool is_new = is_tripped && (!was_tripped || (is_reset_ && is_recent));
+    is_reset_ = is_reset_ && is_tripped && !is_new;
+    is_by_hand_ =
+        is_by_hand_ || is_pressed || (is_tripped && (is_new || is_recent) && is_wanted(latest));
+    if (is_pressed || is_new) {
         may_go_on_ = false; // it was of another
         begin_calm();
     }
     if (is_new && is_in_trial_) {
-        of_trial_ = servo::description(safety);
-    } else if (is_new && !std::exchange(is_known_, false)) {
+        of_trial_ = servo::description(latest.safety);
+    } else if (is_new) {
         ++count_;
-        note_(servo::description(safety));
-    } else if (emergency_stop && was_tripped) {
+        note_(servo::description(latest.safety));
+    } else if (is_pressed && was_tripped) {
         note_("the emergency stop was pressed while the device was stopped");
     }
 }
 
 void DeviceStops::begin_trial() {
     is_in_trial_ = true;
-    is_known_ = false;
     of_trial_.reset();
 }
 
 void DeviceStops::end_trial(bool is_stored) {
+    if (is_stored && !of_trial_) { // a course sees a stop before its sample is published
+        session_.servo().paused([] {});
+    }
+    watch();
     is_in_trial_ = false;
-    is_known_ = is_stored && !of_trial_;
     if (is_stored || of_trial_) {
         ++count_;
     }
@@ -69,9 +74,11 @@ void DeviceStops::begin_calm() { calm_from_s_ = session_.servo().now_s(); }
 
 void DeviceStops::reset_when_allowed() {
     const double now_s = session_.servo().now_s();
-    if (std::exchange(may_go_on_, false) || (!is_by_hand_ && now_s > calm_from_s_ + kCalm_s)) {
+    if (was_tripped_ &&
+        (std::exchange(may_go_on_, false) || (!is_by_hand_ && now_s > calm_from_s_ + kCalm_s))) {
         session_.servo().reset_safety();
         is_by_hand_ = false;
+        is_reset_ = true;
         calm_from_s_ = reset_s_ = now_s;
     }
 }

@@ -4,6 +4,7 @@
 
 #include "engine/session/session.h"
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -15,10 +16,10 @@ public:
     /// @param note  stores what it is told of a stop outside of trials
     DeviceStops(session::Session &session, std::function<void(const std::string &)> note);
 
-    /// Every frame. A stop that somebody wants holds, whatever else has stopped the device before:
-    /// the monitor knows only the first one.
-    /// @param emergency_stop  somebody has pressed it in this frame
-    void watch(bool emergency_stop);
+    /// Every frame, and before what is known of the device is relied on: with all that the servo
+    /// has published. A stop that somebody wants holds, whatever else has stopped the device
+    /// before: the monitor knows only the first one.
+    void watch();
 
     /// A stop from now on is the trial's.
     void begin_trial();
@@ -40,12 +41,13 @@ private:
     session::Session &session_;
     std::function<void(const std::string &)> note_;
     int count_ = 0;
+    std::uint32_t presses_ = 0; ///< of the emergency stop, so far
     bool was_tripped_ = false;
     bool is_by_hand_ = false; ///< until somebody lets the device go on
     bool may_go_on_ = false;
     bool is_in_trial_ = false;
     std::optional<std::string> of_trial_; ///< the stop in the present one
-    bool is_known_ = false;               ///< with the trial, before it was seen here
+    bool is_reset_ = false;               ///< and not yet seen to run
     double calm_from_s_ = 0.0;
     double reset_s_ = 0.0; ///< the last time
 };

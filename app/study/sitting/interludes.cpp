@@ -175,6 +175,7 @@ bool Sitting::warm_up(const study::PlannedTrial &planned) {
         throw;
     }
     leave();
+    stops_.watch();
     if (course.is_over() && course.failure() == study::WarmUpFailure::too_long) {
         throw InputError(fmt::format("{}: the windings cannot be warmed to {:g} °C: {}; lower "
                                      "windings.from_C",
@@ -198,15 +199,17 @@ void Sitting::begin() {
 
 /// For `Conduct::after_last`: the device is not touched any more.
 std::optional<study::SessionEnding> Sitting::ask_after_last() {
-    if (ending_) {
-        return ending_;
-    }
     has_trials_left_ = false;
     session_.keep_released(true);
     end_noise();
     note_trials();
+    if (open_questions(study::QuestionnaireTime::after).empty()) {
+        return std::nullopt; // whatever ended it with the last trial
+    }
     try {
-        ask_questions(study::QuestionnaireTime::after);
+        if (!ending_) {
+            ask_questions(study::QuestionnaireTime::after);
+        }
     } catch (const Ends &ends) {
         ending_ = ends.how;
     }
@@ -236,17 +239,25 @@ void Sitting::let_go() {
     }
 }
 
-/// One after the other; each answer is on the disk before the next question.
-void Sitting::ask_questions(study::QuestionnaireTime when) {
+/// Those without an answer: a resumed session asks only what is missing.
+std::vector<study::QuestionnaireItem> Sitting::open_questions(study::QuestionnaireTime when) const {
     const study::StudyContents contents = store_.contents();
+    std::vector<study::QuestionnaireItem> open;
     for (const study::QuestionnaireItem &item : plan_.protocol.questionnaire) {
         const bool is_answered =
             std::ranges::any_of(contents.answers, [&](const study::QuestionnaireAnswer &answer) {
                 return answer.participant == plan_.participant && answer.item == item.name;
             });
-        if (item.when != when || is_answered) { // a resumed session asks only what is missing
-            continue;
+        if (item.when == when && !is_answered) {
+            open.push_back(item);
         }
+    }
+    return open;
+}
+
+/// One after the other; each answer is on the disk before the next question.
+void Sitting::ask_questions(study::QuestionnaireTime when) {
+    for (const study::QuestionnaireItem &item : open_questions(when)) {
         state_.step = SittingStep::questionnaire;
         if (const std::optional<std::string> answer = answer_to(item)) {
             static_cast<void>(store_.add({plan_.participant, state_.session, item.name, item.text,

@@ -68,7 +68,7 @@ SittingFrame Sitting::show(ParticipantPicture picture) {
     }
     picture.progress = state_.progress;
     SittingFrame frame = port_.show(picture, state_);
-    stops_.watch(frame.emergency_stop);
+    stops_.watch();
     if (frame.orders.stops) {
         throw Ends{study::SessionEnding::stopped};
     }
@@ -78,7 +78,7 @@ SittingFrame Sitting::show(ParticipantPicture picture) {
     orders_.is_paused = frame.orders.is_paused;
     orders_.repeats = orders_.repeats || frame.orders.repeats;
     orders_.skips_to_break = orders_.skips_to_break || frame.orders.skips_to_break;
-    if (frame.orders.resets_device && !frame.emergency_stop) {
+    if (frame.orders.resets_device) {
         stops_.let_go_on();
     }
     if (stops_.count() > plan_.protocol.stopping.most_trips && has_trials_left_) {
@@ -121,6 +121,7 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
     bool is_lead_lost = false;
     while (true) {
         wait_while_paused();
+        stops_.watch();
         const servo::ServoSample &latest = session_.latest();
         const bool is_there = latest.health != device::DeviceHealth::lost && session_.is_zeroed();
         if (is_there && latest.safety.state == servo::SafetyState::running) {
@@ -176,7 +177,10 @@ void Sitting::tell_of(const study::PlannedTrial &planned, const study::TrialResu
     const bool comes_again =
         study::comes_again(plan_.protocol.marking, state_.marks, result.response);
     if (comes_again || is_silent) {
-        picture.text = !is_stored ? "" : comes_again ? texts.repeated : texts.too_slow;
+        if (!is_stored) {
+            return;
+        }
+        picture.text = comes_again ? texts.repeated : texts.too_slow;
     } else if (trial.is_practice && is_right) {
         picture.heading = *is_right ? texts.correct : texts.wrong;
     } else {
@@ -186,7 +190,7 @@ void Sitting::tell_of(const study::PlannedTrial &planned, const study::TrialResu
     show_for(kFeedback_s, picture);
 }
 
-/// No stop is lost that was in it, whether it is stored in the end or not.
+/// A stop in it is stored with it, or noted if it is not.
 std::optional<study::TrialResult> Sitting::present_watched(const study::PlannedTrial &planned) {
     stops_.begin_trial();
     try {
@@ -229,6 +233,7 @@ std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &pl
                 result->record = store_.link_to(session_.recording().file());
             }
             const bool counts = state_.marks.empty() && result->safety_events.empty() &&
+                                !result->is_wanted_again &&
                                 !std::holds_alternative<study::NoResponse>(result->response);
             if (planned.presented.kind == study::TrialKind::practice && counts) {
                 practised_.push_back(planned);
@@ -359,7 +364,7 @@ study::SessionEnding Sitting::run() {
     has_trials_left_ = false;
     session_.keep_released(true);
     end_noise();
-    if (ending == study::SessionEnding::completed) {
+    if (ending == study::SessionEnding::completed && !ending_) {
         say_goodbye();
     } else if (ending == study::SessionEnding::left || !ending_ ||
                ending == study::SessionEnding::safety_trip) {

@@ -72,6 +72,8 @@ private:
     [[nodiscard]] std::optional<study::SessionEnding> ask_after_last();
     void say_goodbye();
     void let_go();
+    [[nodiscard]] std::vector<study::QuestionnaireItem>
+    open_questions(study::QuestionnaireTime when) const;
     void ask_questions(study::QuestionnaireTime when);
     [[nodiscard]] std::optional<std::string> answer_to(const study::QuestionnaireItem &item);
     void make_ready(const study::PlannedTrial &planned);

@@ -23,7 +23,6 @@ struct ExperimenterOrders {
 struct SittingFrame {
     std::vector<ParticipantInput> inputs; ///< in order; times by `ServoRun::now_s`
     ExperimenterOrders orders;
-    bool emergency_stop = false; ///< somebody has pressed it; the port has passed it on already
 };
 
 class SittingPort {

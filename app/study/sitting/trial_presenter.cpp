@@ -249,21 +249,21 @@ std::optional<TrialPresenter::Answer> TrialPresenter::ask(study::TrialResult &re
     const double until_s =
         std::max(ended_s_, it_.session.servo().now_s()) + it_.protocol.timing.response_s;
     while (true) {
+        const double now_s = it_.session.servo().now_s();
+        if (is_device_lost()) {
+            return std::nullopt;
+        }
+        if (const servo::SafetyStatus &safety = it_.session.latest().safety;
+            safety.state == servo::SafetyState::tripped) {
+            result.safety_events.push_back({now_s, servo::description(safety)});
+            return Answer{study::NoResponse{}, std::nullopt};
+        }
         for (const ParticipantInput &input : inputs) {
             const std::optional<std::size_t> given = alternative_of(it_.protocol.responses, input);
             const double after_s = input.clock_s - ended_s_;
             if (given && after_s >= 0.0 && input.clock_s <= until_s) {
                 return Answer{response_of(it_.protocol.task, *given), after_s};
             }
-        }
-        if (is_device_lost()) {
-            return std::nullopt;
-        }
-        const double now_s = it_.session.servo().now_s();
-        if (const servo::SafetyStatus &safety = it_.session.latest().safety;
-            safety.state == servo::SafetyState::tripped) {
-            result.safety_events.push_back({now_s, servo::description(safety)});
-            return Answer{study::NoResponse{}, std::nullopt};
         }
         const std::optional<std::size_t> moved =
             alternative_of(it_.protocol.responses, Vector3(it_.session.latest().tip_m - from_m));

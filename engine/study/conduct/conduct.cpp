@@ -82,7 +82,7 @@ SessionEnding run_trials(StudyStore &store, const Protocol &protocol, const Sess
         const Trial trial = stored_form(protocol, session, *planned, std::move(*result), at);
         store.append(trial);
         sequence.add(trial);
-        if (trips > protocol.stopping.most_trips) {
+        if (trips > protocol.stopping.most_trips && sequence.next()) {
             return SessionEnding::safety_trip;
         }
         if (at - session.started > longest && sequence.next()) {

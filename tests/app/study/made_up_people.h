@@ -74,7 +74,6 @@ public:
         frame.orders = orders;
         frame.inputs = std::exchange(inputs, {});
         if (std::exchange(presses_emergency_stop, false)) {
-            frame.emergency_stop = true;
             session_.servo().emergency_stop();
         }
         orders.repeats = orders.skips_to_break = orders.resets_device = false;
@@ -83,7 +82,7 @@ public:
         case SittingStep::response: {
             const Decision decision = decision_of(*state.trial);
             asked_s_ = asked_s_ < 0.0 ? now_s : asked_s_;
-            if (decision.after_s >= 0.0 && now_s - asked_s_ >= decision.after_s) {
+            if (!is_silent && decision.after_s >= 0.0 && now_s - asked_s_ >= decision.after_s) {
                 frame.inputs.push_back(key(protocol_.responses.keys[decision.key], now_s));
             }
             break;
@@ -122,6 +121,7 @@ public:
     ExperimenterOrders orders;
     std::vector<ParticipantInput> inputs; ///< of the next frame
     bool presses_emergency_stop = false;  ///< in the next frame
+    bool is_silent = false;               ///< answers nothing any more
     std::function<void(const ParticipantPicture &, const SittingState &)> on_frame;
     std::function<void(const scene::Scene &, const scene::TouchSpot &)> on_scene;
     std::set<SittingStep> steps;

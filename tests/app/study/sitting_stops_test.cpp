@@ -8,7 +8,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <functional>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace springdrive::app::study_screen {
@@ -158,6 +161,88 @@ TEST_F(StudySitting, AStopOutsideOfTrialsIsNotedAtOnce) {
         ASSERT_EQ(notes.size(), before + 1);
         EXPECT_EQ(notes.back().kind, "safety");
         EXPECT_EQ(notes.back().participant, "P01");
+    }
+}
+
+/// What somebody wants after the monitor has stopped the device.
+TEST_F(StudySitting, TheBoardsStopSwitchHoldsAfterAnotherStop) {
+    kind_ = factory::DeviceKind::emulated;
+    faults_ = {"brown-out:9@4-4.1", "stop@5-5.5"};
+    int stopped = 0;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            stopped = frames_stopped(port, state, stopped);
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    EXPECT_GE(stopped, kLongStop_frames);
+}
+
+/// On a servo's own thread, whose stops are older than the last frame.
+class DeviceStopsOfAThread : public StudySitting {
+protected:
+    DeviceStopsOfAThread()
+        : session_(in_real_time(options())),
+          stops_(session_, [this](auto what) { notes_.push_back(what); }) {
+        session_.start();
+        pass_until([this] { return state() == servo::SafetyState::running; });
+        stops_.watch();
+    }
+    ~DeviceStopsOfAThread() override { session_.stop(); }
+
+    static session::SessionOptions in_real_time(session::SessionOptions options) {
+        options.lockstep = false;
+        return options;
+    }
+    [[nodiscard]] servo::SafetyState state() const { return session_.latest().safety.state; }
+    void pass_until(const std::function<bool()> &is_reached) {
+        for (int frame = 0; frame < 1000 && !is_reached(); ++frame) {
+            session_.advance(kMadeUpFrame_s);
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+        ASSERT_TRUE(is_reached());
+    }
+    /// Between two frames.
+    void stop_unseen() {
+        session_.servo().emergency_stop();
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        ASSERT_EQ(state(), servo::SafetyState::running) << "as the last frame knew it";
+    }
+
+    session::Session session_;
+    std::vector<std::string> notes_;
+    DeviceStops stops_;
+};
+
+TEST_F(DeviceStopsOfAThread, AreSeenBeforeTheNextFrame) {
+    stop_unseen();
+    stops_.reset_when_allowed();
+    stops_.watch();
+    EXPECT_EQ(stops_.count(), 1);
+    EXPECT_EQ(notes_.size(), 1U);
+    stops_.watch();
+    EXPECT_EQ(stops_.count(), 1);
+    stops_.let_go_on();
+    stops_.reset_when_allowed();
+    pass_until([this] { return state() == servo::SafetyState::running; });
+    stops_.watch();
+    EXPECT_EQ(stops_.count(), 1);
+}
+
+TEST_F(DeviceStopsOfAThread, InATrialAreOneWhicheverWayItEnds) {
+    for (const bool is_stored : {true, false}) {
+        const int before = stops_.count();
+        const std::size_t notes = notes_.size();
+        stops_.begin_trial();
+        stop_unseen();
+        stops_.end_trial(is_stored);
+        stops_.watch();
+        EXPECT_EQ(stops_.count(), before + 1);
+        EXPECT_EQ(notes_.size(), is_stored ? notes : notes + 1);
+        stops_.let_go_on();
+        stops_.reset_when_allowed();
+        pass_until([this] { return state() == servo::SafetyState::running; });
+        stops_.watch();
     }
 }
 

@@ -271,23 +271,35 @@ TEST_F(StudySitting, WhoWasStoppedAfterThePracticeIsAskedAgain) {
 /// What is practised again is not of the sequence: nothing of it comes again later.
 TEST_F(StudySitting, RepeatedPracticeDoesNotSpeakOfComingAgain) {
     bool is_again = false;
+    int asked_again = 0;
+    SittingStep before = SittingStep::over;
     std::set<std::string> said;
-    run([&](MadeUpPort &port, session::Session &) {
-        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
-            if (state.step == SittingStep::practice_ends && !std::exchange(is_again, true)) {
-                protocol_.timing.response_s = 0.0;
-                port.inputs = {MadeUpPort::key("1", 0.0)};
-            } else if (state.step == SittingStep::practice_ends) {
-                port.orders.stops = true;
-            }
-            if (is_again && state.step == SittingStep::after_response) {
-                said.insert(picture.text);
-            }
-        };
-    });
-    EXPECT_TRUE(is_again);
-    EXPECT_FALSE(said.contains(protocol_.texts.too_slow));
-    EXPECT_FALSE(said.contains(protocol_.texts.repeated));
+    const auto practise = [&](bool is_silent) {
+        is_again = false;
+        asked_again = 0;
+        said.clear();
+        static_cast<void>(run([&](MadeUpPort &port, session::Session &) {
+            port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+                if (state.step == SittingStep::practice_ends && before != state.step) {
+                    port.orders.stops = std::exchange(is_again, true);
+                    port.is_silent = is_silent;
+                    port.inputs = {MadeUpPort::key("1", 0.0)};
+                }
+                if (is_again && state.step == SittingStep::after_response) {
+                    said.insert(picture.text + picture.heading);
+                }
+                asked_again +=
+                    is_again && state.step == SittingStep::response && before != state.step ? 1 : 0;
+                before = state.step;
+            };
+        }));
+    };
+    practise(true);
+    EXPECT_EQ(asked_again, protocol_.practice.fewest_trials);
+    EXPECT_TRUE(said.empty());
+    practise(false);
+    EXPECT_EQ(asked_again, protocol_.practice.fewest_trials);
+    EXPECT_FALSE(said.empty()) << "right or wrong";
 }
 
 TEST_F(StudySitting, EachBlockAfterTheFirstIsAnnounced) {
