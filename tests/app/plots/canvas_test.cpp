@@ -154,8 +154,8 @@ private:
 
 const ImVec4 kWhite{1.0F, 1.0F, 1.0F, 1.0F};
 
-/// ImGui normalises with the processor's estimate of a reciprocal root: within 1.5 × 2⁻¹² of it, and
-/// how near depends on the processor.
+/// ImGui normalises with the processor's estimate of a reciprocal root: within 1.5 × 2⁻¹² of it,
+/// and how near depends on the processor.
 constexpr float kReciprocalRoot = 1.5F / 4096.0F;
 
 TEST_F(CanvasTest, LineWidthsFollowTheScale) {

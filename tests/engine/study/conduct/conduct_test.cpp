@@ -32,7 +32,7 @@ Conduct plain_conduct(const Protocol &protocol, UtcTime &now) {
 StudyStore quick_store(const fs::path &file) {
     DatabaseSettings settings;
     settings.synchronous = "OFF";
-    return StudyStore(file, settings);
+    return {file, settings};
 }
 
 class StudyConduct : public ::testing::Test {
