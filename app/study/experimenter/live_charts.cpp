@@ -98,7 +98,8 @@ void draw_levels(const study::Protocol &protocol, const study::SeriesResult &res
         chart.label_y(high, ui::formatted("{:.3g}", study::level_from(scale, high)));
     }
     chart.label_x(0.5 * trials,
-                  ui::formatted("{} trials of this condition; filled: {}", result.trace.size(),
+                  ui::formatted("{} trial{} of this condition; filled: {}", result.trace.size(),
+                                result.trace.size() == 1 ? "" : "s",
                                 study::is_forced_choice(protocol.task.kind) ? "right" : "yes"));
 }
 

@@ -22,7 +22,7 @@ bool is_wanted(const servo::ServoSample &sample) {
 } // namespace
 
 DeviceStops::DeviceStops(session::Session &session, std::function<void(const std::string &)> note)
-    : session_(session), note_(std::move(note)) {}
+    : session_(session), note_(std::move(note)), presses_(session.servo().inputs().stop_count) {}
 
 void DeviceStops::watch() {
     session_.servo().take_in();

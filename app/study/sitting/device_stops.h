@@ -40,8 +40,8 @@ public:
 private:
     session::Session &session_;
     std::function<void(const std::string &)> note_;
+    std::uint32_t presses_; ///< of the emergency stop, so far
     int count_ = 0;
-    std::uint32_t presses_ = 0; ///< of the emergency stop, so far
     bool was_tripped_ = false;
     bool is_by_hand_ = false; ///< until somebody lets the device go on
     bool may_go_on_ = false;
