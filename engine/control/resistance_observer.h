@@ -11,8 +11,9 @@
 //   R(T, θ) = [1 + ρ (T − 25 °C)] [R + Σ aₙ cos(n s θ) + bₙ sin(n s θ)],  n = 1, 2
 //
 // and with it k_T, o, and the rounding of the last angle: counts telescope, so that their error
-// does not grow with the number of intervals. T follows from the thermal network in air of 25 °C;
-// that the air is warmer or colder is part of R.
+// does not grow with the number of intervals. T follows from the thermal network in air of 25 °C,
+// and from R times the mean square of i, by the same solution of (1), which is not that of its
+// mean; that the air is warmer or colder is part of R.
 //
 // A device that was calibrated starts from that: R in air of another temperature, k_T, and where
 // the counts' zero is the same, the offset and the ripple. Where the zero was found by eye, the

@@ -11,9 +11,8 @@
 namespace springdrive::app::study_screen {
 
 /// @param surface    that is touched
-/// @param hidden_at  while stimuli are hidden: where the tip is shown in contact, the same for
-/// every
-///                   stimulus, whichever way it yields; no force is shown then, in contact or not
+/// @param hidden_at  while stimuli are hidden: where the tip is shown in contact, whichever way it
+///                   yields; no force is shown then, in contact or not
 [[nodiscard]] ViewState experimenter_view(const servo::ServoSample &now,
                                           const device::DeviceDescription &device,
                                           const contact::HapticSurface &surface,

@@ -4,6 +4,7 @@
 
 #include "app/study/participant/answers.h"
 #include "base/input_error.h"
+#include "engine/study/results/progress.h"
 #include "engine/study/stimuli/live_warm_up.h"
 
 #include <fmt/core.h>
@@ -239,20 +240,9 @@ void Sitting::let_go() {
     }
 }
 
-/// Those without an answer: a resumed session asks only what is missing.
+/// A resumed session asks only what is missing.
 std::vector<study::QuestionnaireItem> Sitting::open_questions(study::QuestionnaireTime when) const {
-    const study::StudyContents contents = store_.contents();
-    std::vector<study::QuestionnaireItem> open;
-    for (const study::QuestionnaireItem &item : plan_.protocol.questionnaire) {
-        const bool is_answered =
-            std::ranges::any_of(contents.answers, [&](const study::QuestionnaireAnswer &answer) {
-                return answer.participant == plan_.participant && answer.item == item.name;
-            });
-        if (item.when == when && !is_answered) {
-            open.push_back(item);
-        }
-    }
-    return open;
+    return study::open_questions(plan_.protocol, store_.contents(), plan_.participant, when);
 }
 
 /// One after the other; each answer is on the disk before the next question.

@@ -14,23 +14,20 @@ std::vector<Trial> trials_of(const StudyContents &contents, std::string_view par
     return trials;
 }
 
-namespace {
-
-bool has_open_questions(const Protocol &protocol, const StudyContents &contents,
-                        const Progress &progress) {
-    if (progress.next || progress.sessions == 0 ||
-        progress.last_ending == SessionEnding::completed) {
-        return false;
-    }
-    return std::ranges::any_of(protocol.questionnaire, [&](const QuestionnaireItem &item) {
-        return item.when == QuestionnaireTime::after &&
-               std::ranges::none_of(contents.answers, [&](const QuestionnaireAnswer &answer) {
-                   return answer.participant == progress.participant && answer.item == item.name;
-               });
-    });
+std::vector<QuestionnaireItem> open_questions(const Protocol &protocol,
+                                              const StudyContents &contents,
+                                              std::string_view participant,
+                                              QuestionnaireTime when) {
+    std::vector<QuestionnaireItem> open;
+    std::ranges::copy_if(
+        protocol.questionnaire, std::back_inserter(open), [&](const QuestionnaireItem &item) {
+            return item.when == when &&
+                   std::ranges::none_of(contents.answers, [&](const QuestionnaireAnswer &answer) {
+                       return answer.participant == participant && answer.item == item.name;
+                   });
+        });
+    return open;
 }
-
-} // namespace
 
 std::vector<Progress> progress_of(const Protocol &protocol, const StudyContents &contents) {
     std::vector<Progress> all;
@@ -56,7 +53,10 @@ std::vector<Progress> progress_of(const Protocol &protocol, const StudyContents 
         }
         const Sequence sequence = sequence_after(protocol, participant.number, trials);
         progress.next = sequence.next();
-        progress.has_open_questions = has_open_questions(protocol, contents, progress);
+        progress.has_open_questions =
+            !progress.next && progress.sessions > 0 &&
+            progress.last_ending != SessionEnding::completed &&
+            !open_questions(protocol, contents, participant.code, QuestionnaireTime::after).empty();
         progress.blocks_unfinished = static_cast<int>(
             std::ranges::count(sequence.ended(), BlockState::too_many_marked, &EndedBlock::state));
         all.push_back(std::move(progress));

@@ -30,6 +30,12 @@ struct Progress {
 [[nodiscard]] std::vector<Progress> progress_of(const Protocol &protocol,
                                                 const StudyContents &contents);
 
+/// The questions that the participant has not answered, those who would rather not say included.
+[[nodiscard]] std::vector<QuestionnaireItem> open_questions(const Protocol &protocol,
+                                                            const StudyContents &contents,
+                                                            std::string_view participant,
+                                                            QuestionnaireTime when);
+
 /// The trials of one participant, in their order.
 [[nodiscard]] std::vector<Trial> trials_of(const StudyContents &contents,
                                            std::string_view participant);

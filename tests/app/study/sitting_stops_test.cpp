@@ -98,30 +98,33 @@ TEST_F(StudySitting, AStopByHandHoldsWhateverStoppedTheDeviceBefore) {
               1);
 }
 
-TEST_F(StudySitting, AStopByTheMonitorGoesOnByItself) {
-    kind_ = factory::DeviceKind::emulated;
-    faults_ = {"brown-out:9@4-4.1"};
-    int stopped = 0;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            stopped = frames_stopped(port, state, stopped);
-        };
-    });
-    EXPECT_EQ(ending, SessionEnding::completed);
-    EXPECT_NEAR(stopped, 180, 5) << "three seconds";
-}
+/// A board's faults, and whether somebody wants the device stopped by them.
+struct BoardStop {
+    std::vector<std::string> faults;
+    bool is_by_hand = false;
+};
 
-TEST_F(StudySitting, TheBoardsStopSwitchIsAStopByHand) {
+TEST_F(StudySitting, AStopByTheMonitorGoesOnByItselfAndOneByTheBoardsSwitchDoesNot) {
     kind_ = factory::DeviceKind::emulated;
-    faults_ = {"stop@4-6"};
-    int stopped = 0;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            stopped = frames_stopped(port, state, stopped);
-        };
-    });
-    EXPECT_EQ(ending, SessionEnding::completed);
-    EXPECT_GE(stopped, kLongStop_frames);
+    for (const BoardStop &one :
+         {BoardStop{{"brown-out:9@4-4.1"}, false}, BoardStop{{"stop@4-6"}, true},
+          BoardStop{{"brown-out:9@4-4.1", "stop@5-5.5"}, true}}) {
+        SCOPED_TRACE(one.faults.back());
+        faults_ = one.faults;
+        int stopped = 0;
+        static_cast<void>(run([&](MadeUpPort &port, session::Session &) {
+            port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+                const int before = stopped;
+                stopped = frames_stopped(port, state, stopped);
+                port.orders.stops = before > 0 && before == stopped; // it goes on
+            };
+        }));
+        if (one.is_by_hand) {
+            EXPECT_GE(stopped, kLongStop_frames);
+        } else {
+            EXPECT_NEAR(stopped, 180, 5) << "three seconds";
+        }
+    }
 }
 
 /// "Let the device go on" is of the stop that was there.
@@ -162,20 +165,6 @@ TEST_F(StudySitting, AStopOutsideOfTrialsIsNotedAtOnce) {
         EXPECT_EQ(notes.back().kind, "safety");
         EXPECT_EQ(notes.back().participant, "P01");
     }
-}
-
-/// What somebody wants after the monitor has stopped the device.
-TEST_F(StudySitting, TheBoardsStopSwitchHoldsAfterAnotherStop) {
-    kind_ = factory::DeviceKind::emulated;
-    faults_ = {"brown-out:9@4-4.1", "stop@5-5.5"};
-    int stopped = 0;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            stopped = frames_stopped(port, state, stopped);
-        };
-    });
-    EXPECT_EQ(ending, SessionEnding::completed);
-    EXPECT_GE(stopped, kLongStop_frames);
 }
 
 /// On a servo's own thread, whose stops are older than the last frame.

@@ -191,7 +191,6 @@ TEST_F(StudySitting, TheTimeToAnswerBeginsWithTheQuestion) {
     EXPECT_EQ(ending, SessionEnding::completed);
     int late = 0;
     for (const Trial &trial : study::read_study(file()).trials) {
-        study::Sequence sequence(protocol_, 1);
         const double time_s = trial.response_time_s.value_or(0.0);
         late += time_s > protocol_.timing.response_s ? 1 : 0;
     }
