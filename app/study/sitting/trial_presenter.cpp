@@ -20,16 +20,16 @@ constexpr double kAdjustingSteps = 60.0; ///< from one end of an adjustment to t
 
 bool has_scene(const study::Condition &condition) { return condition.scene != study::kNoScene; }
 
-/// Without the wait for a servo that has just been started: this one runs.
-simulated::HandPath path_of(const study::HandCourse &course) {
-    std::vector<simulated::HandPath::Point> points;
+/// From the end of the rest on, which takes as long as it takes.
+simulated::HandPath path_after_rest(const study::HandCourse &course,
+                                    const study::Stimulus &stimulus) {
+    std::vector<simulated::HandPath::Point> points{{0.0, stimulus.start_m}};
     for (const simulated::HandPath::Point &point : course.points) {
-        const double time_s = point.time_s - study::kServoStart_s;
+        const double time_s = point.time_s - study::kServoStart_s - stimulus.rest_s;
         if (time_s > 0.0) {
             points.push_back({time_s, point.position_m});
         }
     }
-    points.insert(points.begin(), {0.0, course.points.front().position_m});
     return simulated::HandPath(std::move(points));
 }
 
@@ -188,15 +188,21 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
     live_ = std::make_unique<study::LiveStimulus>(session.description(), stimulus,
                                                   session.servo().period_s());
     early_.clear();
+    std::optional<simulated::HandPath> path;
     if (session.hand().is_simulated()) {
-        session.follow_path(path_of(
-            study::hand_course(it_.setting, interval.presented, stimulus, study::HandDeviation{})));
+        session.follow_path(simulated::HandPath({{0.0, stimulus.start_m}}));
+        path = path_after_rest(
+            study::hand_course(it_.setting, interval.presented, stimulus, study::HandDeviation{}),
+            stimulus);
     }
     session.servo().follow(live_.get());
     const bool adjusts =
         it_.protocol.task.kind == study::TaskKind::adjustment && interval.is_comparison;
     while (!live_->is_over()) {
         it_.state.phase = live_->phase();
+        if (path && it_.state.phase != study::StimulusPhase::waiting) {
+            session.follow_path(*std::exchange(path, std::nullopt));
+        }
         const SittingFrame frame = it_.show(interval_picture(interval));
         if (adjusts) {
             adjust(*live_, planned, frame.inputs);

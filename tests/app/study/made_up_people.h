@@ -134,9 +134,11 @@ private:
 };
 
 /// Presents a trial by itself, on a device of its own, to a port that `prepare` has seen.
+/// @param before  just before it, when the motors run
 inline void present_alone(const study::Protocol &protocol, const study::ProtocolFolders &folders,
                           const study::PlannedTrial &planned,
-                          const std::function<void(MadeUpPort &)> &prepare) {
+                          const std::function<void(MadeUpPort &)> &prepare,
+                          const std::function<void(session::Session &)> &before = {}) {
     session::SessionOptions options;
     options.scene = testing::assets() / "scenes" / "plate.gltf";
     options.device.file = study::device_file_of(protocol, folders);
@@ -154,6 +156,9 @@ inline void present_alone(const study::Protocol &protocol, const study::Protocol
     presenter.lead_to_start(planned);
     while (session.latest().safety.state != servo::SafetyState::running) {
         session.advance(kMadeUpFrame_s);
+    }
+    if (before) {
+        before(session);
     }
     const auto result = presenter.present(planned);
     EXPECT_TRUE(result && result->marks.empty() && result->safety_events.empty())

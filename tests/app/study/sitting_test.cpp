@@ -156,6 +156,28 @@ TEST_F(StudySitting, PresentsWhatIsIntendedAfterAWarmUp) {
     }
 }
 
+/// Wherever the hand is when a trial begins, and however long it takes to come to rest: one that
+/// sets out too early is seen to rest only when its course is over.
+TEST(TrialPresenter, ALedHandSetsOutOnlyWhenItHasRested) {
+    const study::ProtocolFolders folders{testing::assets() / "protocols", testing::assets()};
+    for (const std::string name : {"hardness", "stiffness", "mass", "blow"}) {
+        const study::Protocol protocol = short_protocol(name);
+        const std::vector<double> level{0.3 * protocol.variable.standard};
+        const study::PlannedTrial planned = trials_of_conditions(protocol, level, {1}).front();
+        for (int away_mm = 0; away_mm <= 20; ++away_mm) {
+            SCOPED_TRACE(name + ", " + std::to_string(away_mm) + " mm away");
+            present_alone(
+                protocol, folders, planned, [](MadeUpPort &) {},
+                [&](session::Session &session) {
+                    const Vector3 away_m = 1e-3 * away_mm * Vector3::UnitY();
+                    session.follow_path(
+                        simulated::HandPath({{0.0, session.hand().target_m() + away_m}}));
+                    session.advance(0.2 + 0.02 * away_mm + 0.013 * (away_mm % 7));
+                });
+        }
+    }
+}
+
 /// When the hand is off: an experimenter may want to say something.
 TEST_F(StudySitting, APauseInTheWarmUpIsObeyedBeforeTheTrial) {
     protocol_.windings = {25.0, 26.0, 60.0};
