@@ -36,7 +36,7 @@ struct ParticipantPicture {
     std::string typed;                 ///< in that field, with a cursor at its end
     std::string footer;                ///< small, at the bottom: how to stop the device
     std::optional<double> progress;    ///< 0 to 1: a thin bar at the very bottom, without numbers
-    std::optional<double> left_share;  ///< 0 to 1, of a break: a bar that empties
+    std::optional<double> left_share;  ///< 0 to 1, of a break or a warm-up: a bar that empties
     std::string left_text;             ///< below that bar
     SceneShown scene = SceneShown::nothing;
     /// Centre of the ball; where the sitting says, which in contact is not where the tip is.

@@ -166,9 +166,15 @@ bool Sitting::warm_up(const study::PlannedTrial &planned) {
     const bool is_hot = study::estimated_windings_C(session_.latest()).maxCoeff() > band.to_C;
     ParticipantPicture picture;
     picture.heading = is_hot ? plan_.protocol.texts.cooling_down : plan_.protocol.texts.warming_up;
+    picture.left_share = 1.0;
+    double most_K = 0.0;
     try {
         while (!course.is_over() && session_.latest().safety.state != servo::SafetyState::tripped) {
             state_.step = SittingStep::warming_up;
+            if (const double left_K = course.off_band_K(); left_K > 0.0) {
+                most_K = std::max(most_K, left_K);
+                picture.left_share = std::min(*picture.left_share, left_K / most_K);
+            }
             static_cast<void>(show(picture));
         }
     } catch (...) {

@@ -17,6 +17,7 @@ public:
     void update(const servo::ServoSample &last, servo::LawInputs &next) noexcept override {
         if (!warm_up_.is_over()) {
             warm_up_.update(last, next);
+            off_band_K_.store(warm_up_.off_band_K(), std::memory_order_relaxed);
             phase_.store(warm_up_.phase(), std::memory_order_release);
         }
     }
@@ -25,11 +26,14 @@ public:
     [[nodiscard]] bool is_over() const {
         return phase() == WarmUpPhase::done || phase() == WarmUpPhase::failed;
     }
+    /// See WarmUp.
+    [[nodiscard]] double off_band_K() const { return off_band_K_.load(std::memory_order_relaxed); }
     /// @pre is_over()
     [[nodiscard]] WarmUpFailure failure() const { return warm_up_.failure(); }
 
 private:
     WarmUp warm_up_;
+    std::atomic<double> off_band_K_{0.0};
     std::atomic<WarmUpPhase> phase_{WarmUpPhase::waiting};
 };
 

@@ -120,10 +120,11 @@ void WarmUp::follow_housings(const Vector3 &winding_C) noexcept {
     }
 }
 
-bool WarmUp::is_warm(Eigen::Index motor, double winding_C) const noexcept {
+/// Warm is what lacks nothing.
+double WarmUp::lacking_K(Eigen::Index motor, double winding_C) const noexcept {
     const device::ThermalParameters &thermal =
         device_.motor[static_cast<std::size_t>(motor)].thermal;
-    return meeting_C(thermal, winding_C, housing_C_[motor]) >= warm_C(band_);
+    return warm_C(band_) - meeting_C(thermal, winding_C, housing_C_[motor]);
 }
 
 /// Of the most that it may have.
@@ -155,15 +156,19 @@ void WarmUp::proceed(const servo::ServoSample &last) noexcept {
         phase_ = WarmUpPhase::heating;
         for (Eigen::Index j = 0; j < 3; ++j) {
             has_warmed_[static_cast<std::size_t>(j)] =
-                winding_C[j] >= band_.from_C && is_warm(j, winding_C[j]);
+                winding_C[j] >= band_.from_C && lacking_K(j, winding_C[j]) <= 0.0;
         }
     }
+    off_band_K_ =
+        std::max({0.0, band_.from_C - winding_C.minCoeff(), winding_C.maxCoeff() - band_.to_C});
     if (phase_ == WarmUpPhase::heating) {
         bool have_all = true;
         for (Eigen::Index j = 0; j < 3; ++j) {
             bool &has = has_warmed_[static_cast<std::size_t>(j)];
-            has = has || is_warm(j, winding_C[j]);
+            const double missing_K = lacking_K(j, winding_C[j]);
+            has = has || missing_K <= 0.0;
             have_all = have_all && has;
+            off_band_K_ = has ? off_band_K_ : std::max(off_band_K_, missing_K);
         }
         if (have_all) {
             phase_ = WarmUpPhase::fading;

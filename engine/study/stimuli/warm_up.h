@@ -131,13 +131,15 @@ public:
         return phase_ == WarmUpPhase::done || phase_ == WarmUpPhase::failed;
     }
     [[nodiscard]] double elapsed_s() const { return elapsed_s_; }
+    /// What the coldest motor still lacks, or the hottest has too much [K].
+    [[nodiscard]] double off_band_K() const { return off_band_K_; }
     /// Of the currents at present [A].
     [[nodiscard]] const Vector3 &amplitude_A() const { return amplitude_A_; }
     [[nodiscard]] const Vector3 &housing_C() const { return housing_C_; }
 
 private:
     void follow_housings(const Vector3 &winding_C) noexcept;
-    [[nodiscard]] bool is_warm(Eigen::Index motor, double winding_C) const noexcept;
+    [[nodiscard]] double lacking_K(Eigen::Index motor, double winding_C) const noexcept;
     [[nodiscard]] double heat_share(Eigen::Index motor,
                                     const servo::ServoSample &last) const noexcept;
     [[nodiscard]] Vector3 wanted_A(const servo::ServoSample &last, const Vector3 &most_A,
@@ -154,6 +156,7 @@ private:
     WarmUpPhase phase_ = WarmUpPhase::waiting;
     WarmUpFailure failure_ = WarmUpFailure::none;
     double elapsed_s_ = 0.0;
+    double off_band_K_ = 0.0;
     double sign_ = 1.0; ///< of the last voltage
     std::optional<double> dR_before_Ohm_;
     double asked_dR_Ohm_ = 0.0; ///< by the last update; the servo glides there

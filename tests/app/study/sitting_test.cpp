@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -222,11 +223,20 @@ TEST_F(StudySitting, TheTimeToAnswerBeginsWithTheQuestion) {
 
 TEST_F(StudySitting, WarmsColdWindingsBeforeTheFirstTrial) {
     protocol_.windings = {25.0, 26.0, 60.0}; // the air's, then the band
+    std::vector<double> left_shares;
     run([&](MadeUpPort &port, session::Session &) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
             port.orders.stops = state.trials.size() == 2;
+            if (state.step == SittingStep::warming_up) {
+                left_shares.push_back(picture.left_share.value());
+            }
         };
     });
+    ASSERT_FALSE(left_shares.empty()); // a bar that empties, and never fills again
+    EXPECT_EQ(left_shares.front(), 1.0);
+    EXPECT_LT(left_shares.back(), 0.1);
+    EXPECT_TRUE(std::ranges::is_sorted(left_shares, std::ranges::greater{}));
+    EXPECT_GT(std::set<double>(left_shares.begin(), left_shares.end()).size(), 10U);
     EXPECT_TRUE(steps_.contains(SittingStep::warming_up));
     const std::vector<Trial> trials = study::read_study(file()).trials;
     ASSERT_EQ(trials.size(), 2U);
