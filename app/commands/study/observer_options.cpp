@@ -142,4 +142,11 @@ std::optional<SimulatedObserver> observer_in(const study::Session &session) {
     return observer;
 }
 
+std::optional<bool> is_person(const study::StudyContents &contents, std::string_view participant) {
+    const auto first =
+        std::ranges::find(contents.sessions, participant, &study::Session::participant);
+    return first == contents.sessions.end() ? std::nullopt
+                                            : std::optional(!observer_in(*first).has_value());
+}
+
 } // namespace springdrive::app

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 namespace CLI {
@@ -52,5 +53,10 @@ struct SimulatedObserver {
 
 /// Nothing if the session had no simulated observer.
 [[nodiscard]] std::optional<SimulatedObserver> observer_in(const study::Session &session);
+
+/// Whether a person sat in the participant's sessions, which are all a person's or all a simulated
+/// observer's. Nothing before the first.
+[[nodiscard]] std::optional<bool> is_person(const study::StudyContents &contents,
+                                            std::string_view participant);
 
 } // namespace springdrive::app

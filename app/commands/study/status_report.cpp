@@ -19,21 +19,13 @@ std::string devices_text(const std::vector<study::DeviceKind> &devices) {
     return text.empty() ? "-" : text;
 }
 
-/// Simulated observers are asked nothing.
-bool is_person(const study::StudyContents &contents, const std::string &participant) {
-    return std::ranges::none_of(contents.sessions, [&](const study::Session &session) {
-        return session.participant == participant && observer_in(session).has_value();
-    });
-}
-
 /// "block 1 of 2 (\"right and left\"), trial 61; stopped"
 std::string stand_of(const study::Protocol &protocol, const study::StudyContents &contents,
                      const study::Progress &progress) {
     std::string text;
     if (!progress.next) {
-        text = progress.has_open_questions && is_person(contents, progress.participant)
-                   ? "through, but for questions"
-                   : "through";
+        const bool is_asked = is_person(contents, progress.participant).value_or(false);
+        text = progress.has_open_questions && is_asked ? "through, but for questions" : "through";
     } else {
         const study::PlannedTrial &next = *progress.next;
         text = fmt::format("block {} of {} (\"{}\"), trial {}", next.place.block,

@@ -2,7 +2,6 @@
 
 #include "app/commands/study/opened_study.h"
 #include "base/input_error.h"
-#include "engine/study/results/progress.h"
 #include "engine/study/store/study_store.h"
 
 #include <CLI/CLI.hpp>

@@ -101,10 +101,8 @@ std::optional<study::Session> StudyTurns::last_session(const std::string &code) 
     return last == contents.sessions.rend() ? std::nullopt : std::optional(*last);
 }
 
-/// Sessions of one participant are all a person's, or all a simulated observer's.
 bool StudyTurns::is_person(const std::string &code) const {
-    const std::optional<study::Session> last = last_session(code);
-    return last ? !observer_in(*last).has_value() : !typed_.is_simulated();
+    return app::is_person(store_.contents(), code).value_or(!typed_.is_simulated());
 }
 
 void StudyTurns::run_simulated(const study::Progress &before) {

@@ -8,7 +8,6 @@
 #include "engine/study/conduct/marking.h"
 #include "engine/study/conduct/stored_trial.h"
 #include "engine/study/protocol/session_length.h"
-#include "engine/study/results/progress.h"
 
 #include <fmt/core.h>
 

@@ -14,17 +14,6 @@ namespace springdrive::study {
 
 namespace {
 
-/// The trials of one participant, in their order.
-std::vector<Trial> trials_of(const StudyContents &contents, const std::string &participant) {
-    std::vector<Trial> trials;
-    for (const Trial &trial : contents.trials) {
-        if (trial.participant == participant) {
-            trials.push_back(trial);
-        }
-    }
-    return trials;
-}
-
 Trial stored_form(const Protocol &protocol, const Session &session, const PlannedTrial &planned,
                   TrialResult result, UtcTime at) {
     Trial trial = before_it_is_run(protocol, planned);

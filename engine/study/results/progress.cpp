@@ -6,14 +6,6 @@
 
 namespace springdrive::study {
 
-std::vector<Trial> trials_of(const StudyContents &contents, std::string_view participant) {
-    std::vector<Trial> trials;
-    std::ranges::copy_if(
-        contents.trials, std::back_inserter(trials),
-        [participant](const Trial &trial) { return trial.participant == participant; });
-    return trials;
-}
-
 std::vector<QuestionnaireItem> open_questions(const Protocol &protocol,
                                               const StudyContents &contents,
                                               std::string_view participant,

@@ -36,8 +36,4 @@ struct Progress {
                                                             std::string_view participant,
                                                             QuestionnaireTime when);
 
-/// The trials of one participant, in their order.
-[[nodiscard]] std::vector<Trial> trials_of(const StudyContents &contents,
-                                           std::string_view participant);
-
 } // namespace springdrive::study

@@ -43,6 +43,14 @@ const Session &session_of(const StudyContents &contents, SessionId id) {
     return *found;
 }
 
+std::vector<Trial> trials_of(const StudyContents &contents, std::string_view participant) {
+    std::vector<Trial> trials;
+    std::ranges::copy_if(
+        contents.trials, std::back_inserter(trials),
+        [participant](const Trial &trial) { return trial.participant == participant; });
+    return trials;
+}
+
 std::vector<Trial> trials_on(const StudyContents &contents, DeviceKind device) {
     std::vector<Trial> trials;
     std::ranges::copy_if(contents.trials, std::back_inserter(trials), [&](const Trial &trial) {

@@ -245,6 +245,10 @@ struct StudyContents {
                                                 std::string_view code);
 [[nodiscard]] const Session &session_of(const StudyContents &contents, SessionId id);
 
+/// The trials of one participant, in their order.
+[[nodiscard]] std::vector<Trial> trials_of(const StudyContents &contents,
+                                           std::string_view participant);
+
 /// Trials of sessions on one kind of device, in their order. An analysis takes those of `usb`,
 /// others only when asked for by name.
 [[nodiscard]] std::vector<Trial> trials_on(const StudyContents &contents, DeviceKind device);

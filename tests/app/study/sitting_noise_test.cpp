@@ -28,15 +28,20 @@ using study::SessionEnding;
 
 constexpr const char *kSystems = "/usr/share/alsa/alsa.conf"; ///< of the package libasound2-data
 
+/// One whose default output is a file.
+void write_sound_system(const fs::path &configuration, const fs::path &played) {
+    std::ofstream(configuration) << "<" << kSystems
+                                 << ">\npcm.!default { type file slave.pcm \"null\" file \""
+                                 << played.string() << "\" format \"raw\" }\n";
+}
+
 TEST_F(StudySitting, TheNoiseIsHeardCheckedAndStored) {
     if (!fs::exists(kSystems)) {
         GTEST_SKIP() << kSystems << " is not there";
     }
     const fs::path configuration = folder_ / "asound.conf";
     const fs::path raw = folder_ / "played.raw";
-    std::ofstream(configuration) << "<" << kSystems
-                                 << ">\npcm.!default { type file slave.pcm \"null\" file \""
-                                 << raw.string() << "\" format \"raw\" }\n";
+    write_sound_system(configuration, raw);
     protocol_.noise = study::MaskingNoise{-40.0};
     plays_noise_ = true;
     const std::string said = testing::said_in_child(
@@ -70,9 +75,7 @@ TEST_F(StudySitting, BeginsTheNoiseAgainThatHadStopped) {
     const fs::path configuration = folder_ / "asound.conf";
     const fs::path pipe = folder_ / "played";
     ASSERT_EQ(mkfifo(pipe.c_str(), S_IRUSR | S_IWUSR), 0);
-    std::ofstream(configuration) << "<" << kSystems
-                                 << ">\npcm.!default { type file slave.pcm \"null\" file \""
-                                 << pipe.string() << "\" format \"raw\" }\n";
+    write_sound_system(configuration, pipe);
     protocol_.noise = study::MaskingNoise{-40.0};
     plays_noise_ = true;
     const std::string said = testing::said_in_child(

@@ -223,6 +223,17 @@ TEST_F(StudyConduct, EndsByTripsAndByTimeJustBeyondTheProtocolsLimits) {
     EXPECT_EQ(run(tripping, "P01", trips), SessionEnding::safety_trip);
     EXPECT_EQ(tripping.contents().trials.size(), 3U);
 
+    // If too many are marked with the same trial, and the last block ends, nothing is left to end.
+    protocol_.blocks = {{"only", {0, 1}}};
+    protocol_.practice = {};
+    for (const int most_marked : {2, 3}) {
+        protocol_.marking.most_marked = most_marked;
+        StudyStore ended = quick_store(new_study("trips_and_marks_" + std::to_string(most_marked)));
+        EXPECT_EQ(run(ended, "P01", trips),
+                  most_marked == 2 ? SessionEnding::completed : SessionEnding::safety_trip);
+        EXPECT_EQ(ended.contents().trials.size(), 3U);
+    }
+
     protocol_ = small_protocol();
     protocol_.stopping.longest_session_min = 1.0; // from test_time(0)
     int second = 50;
