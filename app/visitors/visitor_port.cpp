@@ -75,12 +75,17 @@ ParticipantPicture VisitorPort::for_visitors(ParticipantPicture picture, Sitting
     if (made_up_) {
         picture.footer = "A made-up visitor answers. Escape: back to the start.";
     }
-    if (!made_up_ && presence_.away_s(session_.servo().now_s()) > kAskedAfter_s) {
+    if (is_asking()) {
         picture.heading = "Still there?";
         picture.text = "Press any key.";
         picture.is_calm_stop = false;
+        picture.choices = {{"Yes", study_screen::shown_key("enter", false)}};
     }
     return picture;
+}
+
+bool VisitorPort::is_asking() const {
+    return !made_up_ && presence_.away_s(session_.servo().now_s()) > kAskedAfter_s;
 }
 
 void VisitorPort::stop(SittingFrame &frame, VisitEnd why) {
@@ -120,6 +125,7 @@ SittingFrame VisitorPort::show(const ParticipantPicture &picture, const SittingS
     if (std::exchange(step_, state.step) != state.step) {
         step_since_s_ = session_.servo().now_s();
     }
+    const bool was_asking = is_asking();
     SittingFrame frame = window_.show(for_visitors(picture, state.step), state);
     if (frame.orders.stops) {
         end_ = VisitEnd::asked;
@@ -128,6 +134,9 @@ SittingFrame VisitorPort::show(const ParticipantPicture &picture, const SittingS
     watch(frame);
     if (is_pressed(frame.inputs, "escape", SIZE_MAX)) {
         stop(frame, VisitEnd::left);
+    }
+    if (was_asking) { // it answers that, and nothing that was behind it
+        frame.inputs.clear();
     }
     if (state.step == SittingStep::device_stopped && is_pressed(frame.inputs, "enter", 0)) {
         frame.orders.resets_device = true;

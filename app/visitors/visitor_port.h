@@ -47,6 +47,8 @@ public:
 private:
     [[nodiscard]] study_screen::ParticipantPicture
     for_visitors(study_screen::ParticipantPicture picture, study_screen::SittingStep step) const;
+    /// Whether a visitor who may have gone is asked so.
+    [[nodiscard]] bool is_asking() const;
     void act_made_up(const study_screen::SittingState &state, study_screen::SittingFrame &frame);
     void watch(study_screen::SittingFrame &frame);
     void stop(study_screen::SittingFrame &frame, VisitEnd why);

@@ -248,6 +248,28 @@ TEST_F(Visiting, StaysForAVisitorWhoAnswersStillThere) {
     EXPECT_FALSE(was_at_start);
 }
 
+/// Or a stopped device would go on for somebody who only said so.
+TEST_F(Visiting, WhatAnswersStillThereDoesNothingElse) {
+    plan_.has_device = true;
+    bool was_asked = false;
+    int read_on = 0; ///< frames of the instructions after that
+    run([&](const ParticipantPicture &picture, const SittingState &state) -> std::string {
+        if (picture.heading == "Still there?") {
+            EXPECT_EQ(picture.choices.size(), 1U);
+            was_asked = true;
+            return "enter"; // which would leave the instructions, too
+        }
+        if (!is_start(picture) && state.step == SittingStep::instructions) {
+            read_on += was_asked ? 1 : 0;
+            return read_on > 3 ? "enter" : "";
+        }
+        window_->ends = state.step == SittingStep::interval;
+        return willing(picture, state);
+    });
+    EXPECT_TRUE(was_asked);
+    EXPECT_GT(read_on, 3);
+}
+
 TEST_F(Visiting, IsLeftByEscape) {
     plan_.has_device = true;
     int starts = 0;
