@@ -37,7 +37,7 @@ void show_course(const SittingState &state, bool shows_stimuli) {
     }
     const auto marked = std::ranges::count_if(
         state.trials, [](const study::Trial &trial) { return !trial.marks.empty(); });
-    ui::text(kFaintInk, "{} trials stored, {} of them marked", state.trials.size(), marked);
+    ui::text(kFaintInk, "trials stored: {}, marked: {}", state.trials.size(), marked);
     if (!state.trials.empty() && !state.trials.back().marks.empty()) {
         ui::wrapped(kWarning, "The last is marked{}{}.", shows_stimuli ? ": " : "",
                     shows_stimuli ? state.trials.back().marks.front() : "");
@@ -76,7 +76,7 @@ void show_device(const session::Session &session, bool shows_stimuli) {
         ui::text(kFaintInk, "force {:.1f} N of {:.1f}", now.tip_force_N.norm(),
                  now.limits.tip_force_N);
     }
-    ui::text(now.missed_in_a_row > 0 ? kWarning : kFaintInk, "{} deadlines missed",
+    ui::text(now.missed_in_a_row > 0 ? kWarning : kFaintInk, "deadlines missed: {}",
              session.servo().statistics().missed_deadlines());
 }
 

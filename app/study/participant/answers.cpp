@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace springdrive::app::study_screen {
 
@@ -28,6 +29,12 @@ std::optional<std::size_t> index_of(const study::ResponseWays &ways, std::string
     return found == ways.keys.end()
                ? std::nullopt
                : std::optional(static_cast<std::size_t>(found - ways.keys.begin()));
+}
+
+/// Then the plates are the other way round: each on its own side.
+bool is_right_before_left(const study::ResponseWays &ways) {
+    return ways.keys.size() == 2 && input_name(ways.keys[0]) == "right" &&
+           input_name(ways.keys[1]) == "left";
 }
 
 } // namespace
@@ -70,7 +77,10 @@ std::optional<std::size_t> alternative_of(const study::ResponseWays &ways,
         return std::nullopt;
     }
     if (input.source == InputSource::choice) {
-        return input.choice < ways.keys.size() ? std::optional(input.choice) : std::nullopt;
+        if (input.choice >= ways.keys.size()) {
+            return std::nullopt;
+        }
+        return is_right_before_left(ways) ? 1 - input.choice : input.choice;
     }
     const InputSource wanted =
         ways.device == study::ResponseDevice::mouse ? InputSource::mouse_button : InputSource::key;
@@ -100,15 +110,22 @@ std::vector<AnswerChoice> choices_of(const study::Protocol &protocol) {
     for (const std::string &key : protocol.responses.keys) {
         choices.push_back({{}, shown_key(key, is_mouse)});
     }
-    const bool by_interval = protocol.task.kind == study::TaskKind::forced_choice_by_interval;
-    if (by_interval && choices.size() == 2) {
-        choices[0].text = protocol.texts.first_interval;
-        choices[1].text = protocol.texts.second_interval;
-        for (AnswerChoice &choice : choices) {
-            if (choice.key == choice.text) {
-                choice.text.clear(); // once is enough
-            }
+    const study::Texts &texts = protocol.texts;
+    if (protocol.task.kind == study::TaskKind::yes_no) {
+        choices[0].text = texts.answer_no;
+        choices[1].text = texts.answer_yes;
+    } else if (protocol.task.kind == study::TaskKind::forced_choice_by_interval &&
+               choices.size() == 2) {
+        choices[0].text = texts.first_interval;
+        choices[1].text = texts.second_interval;
+    }
+    for (AnswerChoice &choice : choices) {
+        if (choice.key == choice.text) {
+            choice.text.clear(); // once is enough
         }
+    }
+    if (is_right_before_left(protocol.responses)) {
+        std::swap(choices[0], choices[1]);
     }
     return choices;
 }

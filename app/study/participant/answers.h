@@ -40,7 +40,8 @@ inline constexpr double kGesture_m = 0.02;
 /// A forced choice or yes/no. @pre the task is no adjustment
 [[nodiscard]] study::Response response_of(const study::Task &task, std::size_t alternative);
 
-/// What is drawn of the ways to answer, with the labels of intervals where there are some.
+/// What is drawn of the ways to answer, with what they mean where the task says it: "no" and
+/// "yes", the labels of intervals. Left is on the left of right.
 [[nodiscard]] std::vector<AnswerChoice> choices_of(const study::Protocol &protocol);
 
 } // namespace springdrive::app::study_screen

@@ -32,7 +32,9 @@ struct Texts {
     std::string show_standard = "Compare with this.";
     std::string rest_at_spot = "Hold still above the mark.";
     std::string respond = "Your answer?";
-    std::string correct = "Right.";
+    std::string answer_no = "no";
+    std::string answer_yes = "yes";
+    std::string correct = "Correct.";
     std::string wrong = "It was the other one.";
     std::string too_slow = "No answer in time: this one comes again later.";
     std::string repeated = "This one did not count, through no fault of yours. It comes again.";
@@ -68,7 +70,7 @@ struct ParticipantText {
     std::array<std::string_view, 2> placeholders{};
 };
 
-inline constexpr std::array<ParticipantText, 35> kParticipantTexts{{
+inline constexpr std::array<ParticipantText, 37> kParticipantTexts{{
     {"instructions", &Texts::instructions, "before the first trial"},
     {"question", &Texts::question, "above every trial"},
     {"stop_key", &Texts::stop_key, "with the instructions: how to stop the device"},
@@ -88,6 +90,8 @@ inline constexpr std::array<ParticipantText, 35> kParticipantTexts{{
     {"show_standard", &Texts::show_standard, "during a standard that is presented first"},
     {"rest_at_spot", &Texts::rest_at_spot, "until the hand rests at the spot"},
     {"respond", &Texts::respond, "when an answer is waited for"},
+    {"answer_no", &Texts::answer_no, "on the answer no of a yes/no task"},
+    {"answer_yes", &Texts::answer_yes, "on the answer yes of a yes/no task"},
     {"correct", &Texts::correct, "after a right answer in practice"},
     {"wrong", &Texts::wrong, "after a wrong answer in practice"},
     {"too_slow", &Texts::too_slow, "after `response_s` without an answer"},
@@ -99,7 +103,7 @@ inline constexpr std::array<ParticipantText, 35> kParticipantTexts{{
     {"paused", &Texts::paused, "while the experimenter has paused"},
     {"cooling_down", &Texts::cooling_down, "while the windings cool"},
     {"device_stopped", &Texts::device_stopped, "after a trip of the safety monitor"},
-    {"please_lift", &Texts::please_lift, "after a stop, until the tip is free"},
+    {"please_lift", &Texts::please_lift, "after a presentation or a stop, until the tip is free"},
     {"device_lost", &Texts::device_lost, "while the device is not connected"},
     {"questionnaire_before", &Texts::questionnaire_before, "above the questions before"},
     {"questionnaire_after", &Texts::questionnaire_after, "above the questions after"},
