@@ -3,6 +3,7 @@
 
 #include "app/study/sound/pink_noise.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <numbers>

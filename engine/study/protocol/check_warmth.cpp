@@ -92,7 +92,8 @@ public:
     Extremes over(const Rhythm &rhythm) {
         Extremes found{temperature_.winding_C(), temperature_.winding_C()};
         int trial = 0;
-        for (double now_s = 0.0; now_s < rhythm.total_s; now_s += rhythm.loaded_s + rhythm.idle_s) {
+        double now_s = 0.0;
+        while (now_s < rhythm.total_s) {
             pass(rhythm.loaded_s, square_A2_);
             found.highest_C = std::max(found.highest_C, temperature_.winding_C());
             pass(rhythm.idle_s, 0.0);
@@ -100,6 +101,7 @@ public:
                 pass(rhythm.break_s, 0.0);
                 now_s += rhythm.break_s;
             }
+            now_s += rhythm.loaded_s + rhythm.idle_s;
             found.lowest_C = std::min(found.lowest_C, temperature_.winding_C());
         }
         return found;
@@ -133,6 +135,7 @@ CurrentSquares mean_of(const std::vector<CurrentSquares> &all) {
 SessionWarmth check_warmth(const Protocol &protocol, const StudySetting &setting,
                            const std::vector<Presented> &presented, const SessionLength &length) {
     std::vector<CurrentSquares> all;
+    all.reserve(presented.size());
     for (const Presented &one : presented) {
         all.push_back(squares_of(protocol, setting, one));
     }

@@ -93,14 +93,16 @@ HandCourse stroke_course(const Presented &presented, const Stimulus &stimulus,
 
 std::vector<simulated::HandPath::Point> stroke_points(const Vector3 &about_m, double from_s,
                                                       double duration_s, double speed_m_per_s) {
-    constexpr double kStep_s = 0.01;
+    constexpr double kCorner_s = 0.01; // from one corner of the polyline to the next
     constexpr double kSoftly_s = 0.2;
     const double omega = speed_m_per_s / kStroke_m;
     std::vector<simulated::HandPath::Point> points;
-    for (double since_s = 0.0; since_s < duration_s; since_s += kStep_s) {
+    double since_s = 0.0;
+    while (since_s < duration_s) {
         const double way_m =
             kStroke_m * -std::expm1(-since_s / kSoftly_s) * std::sin(omega * since_s);
         points.push_back({from_s + since_s, about_m + way_m * Vector3::UnitX()});
+        since_s += kCorner_s;
     }
     return points;
 }

@@ -180,7 +180,7 @@ void add_procedure(KeyList &list) {
     list.in("responses");
     list.add_choice("device", kResponseDeviceNames, in_toml(kResponseDeviceNames[0]),
                     "with which is answered");
-    list.add("keys", "texts", "\"1\", \"2\"",
+    list.add("keys", "texts", R"("1", "2")",
              "one for each alternative; no, yes; or less, more, done of an adjustment");
 }
 

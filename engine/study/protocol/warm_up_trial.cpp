@@ -77,13 +77,15 @@ double predicted_warm_up_s(const Protocol &protocol, const StudySetting &setting
 MotorTemperatures cooled(const device::DeviceDescription &device, double air_C,
                          const MotorTemperatures &before, double seconds) {
     MotorTemperatures now = before;
-    for (double left_s = seconds; left_s > 0.0; left_s -= kCoolingStep_s) {
+    double left_s = seconds;
+    while (left_s > 0.0) {
         const double h = std::min(left_s, kCoolingStep_s);
         MotorTemperatures gained = rates_K_per_s(device, air_C, now);
         for (const double share : {h / 4.0, h / 3.0, h / 2.0}) {
             gained = rates_K_per_s(device, air_C, sum(now, gained, share));
         }
         now = sum(now, gained, h);
+        left_s -= kCoolingStep_s;
     }
     return now;
 }

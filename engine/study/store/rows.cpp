@@ -70,10 +70,10 @@ template <typename Row> void load_lists(const Database &database, std::vector<Nu
             database.prepare(fmt::format("SELECT {}number FROM {} WHERE {} = ? ORDER BY number",
                                          columns_of(Child{}), table, kTable<Row>)));
     });
-    for (auto &[id, row] : of) {
+    for (Numbered<Row> &one : of) {
         auto selection = selections.begin();
-        for_each_list(row, [&](std::string_view, auto &list) {
-            selection->bind(id);
+        for_each_list(one.row, [&](std::string_view, auto &list) {
+            selection->bind(one.id);
             while (selection->next()) {
                 load_fields(*selection, list.emplace_back());
             }
@@ -102,7 +102,8 @@ template <typename Row> std::int64_t insert(const Database &database, const Row 
 }
 
 template <typename Row> void update(const Database &database, const Numbered<Row> &numbered) {
-    const auto &[id, row] = numbered;
+    const std::int64_t id = numbered.id;
+    const Row &row = numbered.row;
     const std::string_view table = kTable<Row>;
     const std::string columns = columns_of(row) + "sha256";
     Statement change = database.prepare(
