@@ -215,8 +215,9 @@ void add_self_test(CLI::App &device) {
                      "hanging, tip at the origin; without it, the zero is not checked");
     command.add_option("--volts", typed->options.pulse.voltage_V, "of the pulses, 0.3 to 1 [0.8]")
         ->type_name("V");
-    command.add_flag("--pulses-only{false}", typed->options.has_motion,
-                     "without motion by hand, as for motors that are not on a linkage yet");
+    command.add_flag_callback(
+        "--pulses-only", [typed] { typed->options.has_motion = false; },
+        "without motion by hand, as for motors that are not on a linkage yet");
     command
         .add_option("--motion-seconds", typed->options.longest_motion_s,
                     "at most, for moving the device by hand [90]")

@@ -197,9 +197,10 @@ void add_limit_options(CLI::App &command, TypedSweep &typed) {
         ->type_name("N");
     command.add_option("--motion", typed.options.motion_m, "largest amplitude of the tip [0.001]")
         ->type_name("M");
-    command.add_flag("--without-observer{false}", typed.options.observes_resistance,
-                     "R is taken from the device file, not observed: dR then differs from what was "
-                     "asked for as much as R does");
+    command.add_flag_callback(
+        "--without-observer", [&typed] { typed.options.observes_resistance = false; },
+        "R is taken from the device file, not observed: dR then differs from what was "
+        "asked for as much as R does");
     command
         .add_option("--tolerance", typed.tolerance,
                     "exit status 1 unless every magnitude is within X % of the sampled form, and "

@@ -81,8 +81,9 @@ void TypedSession::add_to(CLI::App &command) {
         .add_option("--path", options.path,
                     "the hand's target, a CSV file with columns t,x,y,z [s, m]")
         ->type_name("FILE");
-    command.add_flag("--without-observer{false}", options.observes_resistance,
-                     "set R-hat by the device file's R, not by the one observed while touching");
+    command.add_flag_callback(
+        "--without-observer", [this] { options.observes_resistance = false; },
+        "set R-hat by the device file's R, not by the one observed while touching");
     command.add_option("--cpu", options.cpu, "the processor to which the servo thread is bound")
         ->type_name("N");
     command

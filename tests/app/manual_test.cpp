@@ -74,6 +74,7 @@ TEST(Manual, NamesEveryCommandAndOption) {
     EXPECT_GT(options, 100U);
     EXPECT_EQ(count(page, "\n.SS springdrive device emulate\n"), 1U);
     EXPECT_NE(page.find("\n.SH FILES\n"), std::string::npos);
+    EXPECT_EQ(page.find("{false}"), std::string::npos) << "a name that cannot be typed";
 }
 
 TEST(Manual, HasNoLineThatTroffWouldTakeForARequestByMistake) {

@@ -65,10 +65,12 @@ void TypedSitting::add_to(CLI::App &command) {
         ->type_name("PIXELS");
     command.add_option("--scale", window.scale, "of its text and panels [the display's scale]")
         ->type_name("FACTOR");
-    command.add_flag("--without-records{false}", keeps_records,
-                     "keep no servo record of each trial, which takes about 1 MB a second");
-    command.add_flag("--without-noise{false}", plays_noise,
-                     "do not play the protocol's masking noise, as in a rehearsal");
+    command.add_flag_callback(
+        "--without-records", [this] { keeps_records = false; },
+        "keep no servo record of each trial, which takes about 1 MB a second");
+    command.add_flag_callback(
+        "--without-noise", [this] { plays_noise = false; },
+        "do not play the protocol's masking noise, as in a rehearsal");
     command.add_flag("--lockstep", is_in_lockstep,
                      "run the servo by frame time instead of the clock, which is repeatable; not "
                      "on USB");

@@ -55,8 +55,9 @@ void add_study_check_command(CLI::App &study) {
     command.add_option("protocol", typed->protocol, "a protocol file")
         ->type_name("FILE")
         ->required();
-    command.add_flag("!--no-simulation", typed->simulates,
-                     "leave out the simulation of each condition");
+    command.add_flag_callback(
+        "--no-simulation", [typed] { typed->simulates = false; },
+        "leave out the simulation of each condition");
     command.footer("Exit status: 0 no errors, 1 errors, or a file that is no protocol.");
     command.callback([typed] { check_typed(*typed); });
 }
