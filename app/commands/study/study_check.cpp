@@ -31,7 +31,9 @@ void check_typed(const TypedProtocolCheck &typed) {
     options.simulates = typed.simulates;
     study::CheckedProtocol checked =
         study::check_protocol(protocol, folders_beside(typed.protocol), options);
-    std::ranges::move(study_screen::check_for_persons(protocol),
+    const study::StudySetting setting =
+        study::study_setting(protocol, folders_beside(typed.protocol));
+    std::ranges::move(study_screen::check_for_persons(protocol, setting),
                       std::back_inserter(checked.findings));
     std::ranges::stable_sort(checked.findings, {}, &study::ProtocolFinding::severity);
     write_study_check(std::cout, protocol, checked);

@@ -55,8 +55,12 @@ void run_typed(const TypedRun &typed) {
         study_to_run(typed.file, typed.study, [&typed](const study::Protocol &protocol) {
             if (typed.is_simulated()) {
                 static_cast<void>(observer_of(typed.truth, protocol));
-            } else if (const std::string wrong = study_screen::what_keeps_persons_out(protocol);
-                       !wrong.empty()) {
+                return;
+            }
+            const study::StudySetting setting =
+                study::study_setting(protocol, folders_beside(typed.file));
+            if (const std::string wrong = study_screen::what_keeps_persons_out(protocol, setting);
+                !wrong.empty()) {
                 throw InputError(typed.file.string() + ": " + wrong);
             }
         });

@@ -89,12 +89,19 @@ std::optional<std::size_t> alternative_of(const study::ResponseWays &ways,
 }
 
 std::optional<std::size_t> alternative_of(const study::ResponseWays &ways, const Vector3 &moved_m) {
-    if (ways.device != study::ResponseDevice::gesture || !(moved_m.norm() >= kGesture_m)) {
+    if (ways.device != study::ResponseDevice::gesture) {
         return std::nullopt;
     }
-    const auto largest = std::ranges::max_element(
-        kGestures, {}, [&](const Gesture &one) { return one.direction.dot(moved_m); });
-    return index_of(ways, largest->name);
+    std::optional<std::size_t> furthest;
+    double way_m = kGesture_m;
+    for (const Gesture &gesture : kGestures) {
+        const std::optional<std::size_t> key = index_of(ways, gesture.name);
+        if (const double along_m = gesture.direction.dot(moved_m); key && along_m >= way_m) {
+            furthest = key;
+            way_m = along_m;
+        }
+    }
+    return furthest;
 }
 
 study::Response response_of(const study::Task &task, std::size_t alternative) {

@@ -22,7 +22,7 @@ struct Gesture {
 };
 [[nodiscard]] std::span<const Gesture> gestures();
 
-/// So far a gesture goes [m].
+/// So far a gesture goes, from where the tip rested [m].
 inline constexpr double kGesture_m = 0.02;
 
 /// The first name in `responses.keys` that this program cannot take as an answer, in a line; empty
@@ -33,7 +33,8 @@ inline constexpr double kGesture_m = 0.02;
 [[nodiscard]] std::optional<std::size_t> alternative_of(const study::ResponseWays &ways,
                                                         const ParticipantInput &input);
 
-/// Which alternative a tip gives that has moved by so much; nothing within `kGesture_m`.
+/// Which alternative a tip gives that has moved by so much: that of the keys along which it went
+/// furthest; nothing within `kGesture_m`.
 [[nodiscard]] std::optional<std::size_t> alternative_of(const study::ResponseWays &ways,
                                                         const Vector3 &moved_m);
 

@@ -8,7 +8,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app::study_screen {
@@ -17,10 +21,47 @@ namespace {
 
 constexpr const char *kWhere = "with a person";
 
-study::ProtocolFindings errors_for_persons(const study::Protocol &protocol) {
+/// Its name, if one of the answers is a gesture more along the normal than across it.
+std::string gesture_off(const study::Protocol &protocol, const Vector3 &normal) {
+    for (const std::string &key : protocol.responses.keys) {
+        const auto gesture = std::ranges::find(gestures(), input_name(key), &Gesture::name);
+        if (gesture != gestures().end() &&
+            std::abs(gesture->direction.dot(normal)) > std::numbers::sqrt2 / 2.0) {
+            return key;
+        }
+    }
+    return {};
+}
+
+/// Of the first condition whose spot is left along a gesture.
+std::optional<study::ProtocolFinding> gesture_error(const study::Protocol &protocol,
+                                                    const study::StudySetting &setting) {
+    if (protocol.responses.device != study::ResponseDevice::gesture ||
+        protocol.stimulus == study::StimulusForm::stroke) {
+        return std::nullopt;
+    }
+    for (std::size_t i = 0; i < setting.conditions.size(); ++i) {
+        const std::string key = gesture_off(protocol, setting.conditions[i].spot.normal);
+        if (study::is_used(protocol, i) && !key.empty()) {
+            return study::ProtocolFinding{
+                study::Severity::error, kWhere,
+                fmt::format("responses.keys has \"{}\", which is the way off the surface in "
+                            "condition \"{}\"",
+                            key, protocol.conditions[i].name),
+                "take gestures to its sides"};
+        }
+    }
+    return std::nullopt;
+}
+
+study::ProtocolFindings errors_for_persons(const study::Protocol &protocol,
+                                           const study::StudySetting &setting) {
     study::ProtocolFindings errors;
     if (const std::string wrong = what_is_wrong_with_answers(protocol.responses); !wrong.empty()) {
         errors.push_back({study::Severity::error, kWhere, wrong, ""});
+    }
+    if (std::optional<study::ProtocolFinding> error = gesture_error(protocol, setting)) {
+        errors.push_back(*std::move(error));
     }
     const study::ParameterFacts *const variable =
         study::condition_parameter_named(protocol.variable.parameter);
@@ -65,8 +106,9 @@ std::vector<NamedPicture> pictures_of(const study::Protocol &protocol) {
 
 } // namespace
 
-study::ProtocolFindings check_for_persons(const study::Protocol &protocol) {
-    study::ProtocolFindings findings = errors_for_persons(protocol);
+study::ProtocolFindings check_for_persons(const study::Protocol &protocol,
+                                          const study::StudySetting &setting) {
+    study::ProtocolFindings findings = errors_for_persons(protocol, setting);
     const Typeface typeface;
     for (const NamedPicture &one : pictures_of(protocol)) {
         if (!is_readable(one.picture, typeface)) {
@@ -79,8 +121,9 @@ study::ProtocolFindings check_for_persons(const study::Protocol &protocol) {
     return findings;
 }
 
-std::string what_keeps_persons_out(const study::Protocol &protocol) {
-    const study::ProtocolFindings errors = errors_for_persons(protocol);
+std::string what_keeps_persons_out(const study::Protocol &protocol,
+                                   const study::StudySetting &setting) {
+    const study::ProtocolFindings errors = errors_for_persons(protocol, setting);
     if (errors.empty()) {
         return {};
     }

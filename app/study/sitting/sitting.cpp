@@ -41,7 +41,8 @@ Sitting::Sitting(study::StudyStore &store, SittingPlan plan, session::Session &s
       presenter_({plan_.protocol, plan_.setting, plan_.folders, session_, port_, state_,
                   [this](ParticipantPicture picture) { return show(std::move(picture)); }}),
       stops_(session_, [this](const std::string &what) { note("safety", what); }) {
-    if (const std::string wrong = what_keeps_persons_out(plan_.protocol); !wrong.empty()) {
+    if (const std::string wrong = what_keeps_persons_out(plan_.protocol, plan_.setting);
+        !wrong.empty()) {
         throw InputError(wrong);
     }
     require_device_of_before();

@@ -2,6 +2,7 @@
 
 #include "app/study/participant/answers.h"
 #include "base/input_error.h"
+#include "engine/servo/rest_detector.h"
 #include "engine/study/conduct/presentation.h"
 #include "engine/study/protocol/hand_course.h"
 #include "engine/study/protocol/presented_stimulus.h"
@@ -32,6 +33,33 @@ simulated::HandPath path_after_rest(const study::HandCourse &course,
     }
     return simulated::HandPath(std::move(points));
 }
+
+/// A movement that is an answer: from where the tip rested first, and to the side, since a hand
+/// that leaves the surface goes on for a while.
+class AnswerByGesture {
+public:
+    /// @param way_off  unit, or zero: what is moved along it tells nothing
+    AnswerByGesture(double now_s, Vector3 way_off) : way_off_(std::move(way_off)), seen_s_(now_s) {}
+
+    /// Each frame. Zero until it has rested.
+    [[nodiscard]] Vector3 moved_m(const servo::ServoSample &sample, double now_s) {
+        rest_.set_period(now_s - std::exchange(seen_s_, now_s));
+        rest_.update(sample.tip_m, sample.contact.touching);
+        if (!has_rested_) {
+            has_rested_ = rest_.is_at_rest();
+            from_m_ = sample.tip_m;
+        }
+        const Vector3 moved_m = sample.tip_m - from_m_;
+        return moved_m - moved_m.dot(way_off_) * way_off_;
+    }
+
+private:
+    Vector3 way_off_;
+    servo::RestDetector rest_{0.0}; ///< its ticks are frames
+    bool has_rested_ = false;
+    Vector3 from_m_{Vector3::Zero()};
+    double seen_s_;
+};
 
 } // namespace
 
@@ -244,13 +272,20 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
     return true;
 }
 
+/// The way off the surface that was touched; zero in free space.
+Vector3 TrialPresenter::way_off() const {
+    return it_.protocol.stimulus == study::StimulusForm::stroke
+               ? Vector3(Vector3::Zero())
+               : it_.setting.conditions[it_.state.trial->condition].spot.normal;
+}
+
 /// Nothing if the device was lost meanwhile. A stop is stored with the trial, unanswered.
 std::optional<TrialPresenter::Answer> TrialPresenter::ask(study::TrialResult &result) {
     ParticipantPicture shown = picture(SittingStep::response);
     shown.text = it_.protocol.texts.respond;
     shown.choices = choices_of(it_.protocol);
     std::vector<ParticipantInput> inputs = std::exchange(early_, {});
-    const Vector3 from_m = it_.session.latest().tip_m;
+    AnswerByGesture gesture(it_.session.servo().now_s(), way_off());
     // Whoever holds on after the end is asked later, and has as long to answer.
     const double until_s =
         std::max(ended_s_, it_.session.servo().now_s()) + it_.protocol.timing.response_s;
@@ -271,12 +306,11 @@ std::optional<TrialPresenter::Answer> TrialPresenter::ask(study::TrialResult &re
                 return Answer{response_of(it_.protocol.task, *given), after_s};
             }
         }
-        const std::optional<std::size_t> moved =
-            alternative_of(it_.protocol.responses, Vector3(it_.session.latest().tip_m - from_m));
         if (now_s > until_s) {
             return Answer{study::NoResponse{}, std::nullopt};
         }
-        if (moved) {
+        const Vector3 moved_m = gesture.moved_m(it_.session.latest(), now_s);
+        if (const auto moved = alternative_of(it_.protocol.responses, moved_m)) {
             return Answer{response_of(it_.protocol.task, *moved), now_s - ended_s_};
         }
         inputs = it_.show(shown).inputs;

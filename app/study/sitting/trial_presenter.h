@@ -67,6 +67,7 @@ private:
     [[nodiscard]] bool feel(const study::PlannedTrial &planned, const study::Interval &interval,
                             study::TrialResult &result);
     [[nodiscard]] ParticipantPicture interval_picture(const study::Interval &interval) const;
+    [[nodiscard]] Vector3 way_off() const;
     [[nodiscard]] std::optional<Answer> ask(study::TrialResult &result);
     void adjust(study::LiveStimulus &live, const study::PlannedTrial &planned,
                 const std::vector<ParticipantInput> &inputs);

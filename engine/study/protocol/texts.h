@@ -16,7 +16,7 @@ struct Texts {
     std::string question = "In which interval did you feel it?";
     std::string stop_key = "You may stop the device at any time: press the space bar.";
     std::string gesture_help =
-        "To answer, move the tip to the side of your answer, and hold it there.";
+        "To answer, hold still for a moment, then move the tip to the side of your answer.";
     std::string noise_check = "You should hear a steady noise. Is it comfortable? If it is too "
                               "loud or too soft, say so now.";
     std::string warming_up = "The device is warming up. Do not hold it, please.";

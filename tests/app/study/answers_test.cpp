@@ -55,6 +55,23 @@ TEST(Answers, APlateSaysWhatTheAnswerMeansUnlessTheKeyDoes) {
     EXPECT_EQ(meanings(), (Keys{"no", "yes"}));
 }
 
+TEST(Answers, AGestureIsTheKeyAlongWhichTheTipWentFurthest) {
+    const study::ResponseWays ways{study::ResponseDevice::gesture, {"right", "left"}};
+    constexpr double kBeyond_m = 1.01 * kGesture_m;
+    constexpr double kWithin_m = 0.99 * kGesture_m;
+    EXPECT_EQ(alternative_of(ways, Vector3(kBeyond_m, 0.0, 0.0)), 0U);
+    EXPECT_EQ(alternative_of(ways, Vector3(-kBeyond_m, 0.0, 0.0)), 1U);
+    EXPECT_EQ(alternative_of(ways, Vector3(kWithin_m, 0.0, 0.0)), std::nullopt);
+    EXPECT_EQ(alternative_of(ways, Vector3(kWithin_m, 0.1, 0.1)), std::nullopt) << "up is no key";
+    EXPECT_EQ(alternative_of(ways, Vector3(kBeyond_m, 0.1, 0.0)), 0U);
+    const study::ResponseWays four{study::ResponseDevice::gesture,
+                                   {"left", "right", "towards", "away"}};
+    EXPECT_EQ(alternative_of(four, Vector3(0.03, 0.0, 0.04)), 2U);
+    EXPECT_EQ(alternative_of(four, Vector3(0.03, 0.0, -0.025)), 1U);
+    const study::ResponseWays keys{study::ResponseDevice::keyboard, {"right", "left"}};
+    EXPECT_EQ(alternative_of(keys, Vector3(0.1, 0.0, 0.0)), std::nullopt);
+}
+
 TEST(Answers, AClickOnAPlateGivesWhatItsKeyDoes) {
     study::Protocol protocol = testing::protocol_of(testing::kPlainProtocol);
     for (const Keys &keys : {Keys{"right", "left"}, Keys{"left", "right"}, Keys{"y", "n"},

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <string>
 
 namespace springdrive::app::study_screen {
@@ -14,9 +16,23 @@ namespace {
 using testing::kPlainProtocol;
 using testing::protocol_of;
 
+/// All of its spots are on a floor.
+study::StudySetting on_floor(const study::Protocol &protocol) {
+    study::StudySetting setting;
+    setting.conditions.resize(protocol.conditions.size());
+    for (study::PlacedCondition &condition : setting.conditions) {
+        condition.spot.normal = Vector3::UnitY();
+    }
+    return setting;
+}
+
+std::string kept_out(const study::Protocol &protocol) {
+    return what_keeps_persons_out(protocol, on_floor(protocol));
+}
+
 std::string said_of(const study::Protocol &protocol) {
     std::string said;
-    for (const study::ProtocolFinding &finding : check_for_persons(protocol)) {
+    for (const study::ProtocolFinding &finding : check_for_persons(protocol, on_floor(protocol))) {
         said += text_of(finding) + '\n';
     }
     return said;
@@ -25,7 +41,7 @@ std::string said_of(const study::Protocol &protocol) {
 TEST(PersonChecks, FindNothingInASoundProtocol) {
     const study::Protocol protocol = protocol_of(kPlainProtocol);
     EXPECT_EQ(said_of(protocol), "");
-    EXPECT_EQ(what_keeps_persons_out(protocol), "");
+    EXPECT_EQ(kept_out(protocol), "");
 }
 
 TEST(PersonChecks, FindKeysThatNobodyCanPress) {
@@ -34,9 +50,38 @@ TEST(PersonChecks, FindKeysThatNobodyCanPress) {
     const std::string wrong = "with a person: responses.keys has \"f13\"; a key is a letter, a "
                               "digit or one of left, right, up, down, enter, f1 and so on";
     EXPECT_EQ(said_of(protocol), "error: " + wrong + '\n');
-    EXPECT_EQ(what_keeps_persons_out(protocol), wrong);
+    EXPECT_EQ(kept_out(protocol), wrong);
     protocol.responses.keys[1] = "F11";
     EXPECT_EQ(said_of(protocol), "");
+}
+
+/// A hand that leaves the surface would answer by that.
+TEST(PersonChecks, FindGesturesThatLeaveTheSurface) {
+    study::Protocol protocol = protocol_of(kPlainProtocol);
+    ASSERT_NE(protocol.stimulus, study::StimulusForm::stroke);
+    study::StudySetting setting = on_floor(protocol);
+    const auto tilt = [&setting](double degrees) { // towards the user
+        const double angle = degrees * std::numbers::pi / 180.0;
+        setting.conditions.front().spot.normal = {0.0, std::cos(angle), std::sin(angle)};
+    };
+    const auto wrong = [&] { return what_keeps_persons_out(protocol, setting); };
+    protocol.responses = {study::ResponseDevice::gesture, {"left", "right"}};
+    EXPECT_EQ(wrong(), "");
+    protocol.responses.keys = {"left", "Down"};
+    EXPECT_EQ(wrong(),
+              "with a person: responses.keys has \"Down\", which is the way off the surface "
+              "in condition \"" +
+                  protocol.conditions.front().name + "\"; take gestures to its sides");
+    protocol.responses.keys = {"towards", "away"};
+    tilt(44.0);
+    EXPECT_EQ(wrong(), "");
+    tilt(46.0);
+    EXPECT_NE(wrong(), "");
+    protocol.stimulus = study::StimulusForm::stroke; // in free space
+    EXPECT_EQ(wrong(), "");
+    protocol.stimulus = study::StimulusForm::press;
+    protocol.responses = {study::ResponseDevice::keyboard, {"up", "down"}};
+    EXPECT_EQ(wrong(), "");
 }
 
 TEST(PersonChecks, FindWhatCannotBeAdjustedWhileItIsFelt) {
@@ -44,11 +89,11 @@ TEST(PersonChecks, FindWhatCannotBeAdjustedWhileItIsFelt) {
     protocol.variable.parameter = "press_N";
     EXPECT_EQ(said_of(protocol), "") << "it is no adjustment";
     protocol.task.kind = study::TaskKind::adjustment;
-    EXPECT_EQ(what_keeps_persons_out(protocol),
+    EXPECT_EQ(kept_out(protocol),
               "with a person: variable.parameter is press_N, which cannot be adjusted while it is "
               "felt; adjust a gain, such as eta, or choose another task");
     protocol.variable.parameter = "eta";
-    EXPECT_EQ(what_keeps_persons_out(protocol), "");
+    EXPECT_EQ(kept_out(protocol), "");
 }
 
 /// A line of instructions takes at least 1/36 of the height, so that no more than 36 fit.
@@ -66,7 +111,7 @@ TEST(PersonChecks, FindTextsThatAreTooLongToRead) {
     protocol.texts.instructions = lines(37);
     EXPECT_EQ(said_of(protocol).find("warning: texts.instructions: does not fit"), 0U)
         << said_of(protocol);
-    EXPECT_EQ(what_keeps_persons_out(protocol), "");
+    EXPECT_EQ(kept_out(protocol), "");
     protocol.texts.instructions = "a";
     protocol.questionnaire[0].text = lines(37);
     EXPECT_EQ(said_of(protocol).find("warning: questions.hand: does not fit"), 0U)

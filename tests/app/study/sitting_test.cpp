@@ -8,6 +8,7 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app::study_screen {
@@ -219,6 +220,56 @@ TEST_F(StudySitting, TheTimeToAnswerBeginsWithTheQuestion) {
     }
     EXPECT_GT(late, 0);
     expect_same_decisions(study::read_study(file()).trials, headless());
+}
+
+/// A hand that has left the surface goes on upwards; only then, from its rest, to the side.
+TEST_F(StudySitting, AGestureIsNoMoreThanWhatFollowsTheLift) {
+    protocol_.responses = {study::ResponseDevice::gesture, {"left", "right"}};
+    protocol_.timing.response_s = 3.5;
+    struct Moves {
+        Vector3 lift_m; ///< at once, with the question
+        Vector3 then_m; ///< after 1.9 s, from there
+        study::Response given;
+    };
+    const std::vector<Moves> all{{{0.0, 0.05, 0.0}, {0.0, 0.0, 0.0}, study::NoResponse{}},
+                                 {{0.03, 0.05, 0.0}, {0.0, 0.0, 0.0}, study::NoResponse{}}, // askew
+                                 {{0.03, 0.02, 0.0}, {-0.028, 0.0, 0.0}, study::Chosen{1}},
+                                 {{0.0, 0.03, 0.0}, {0.028, 0.03, 0.0}, study::Chosen{2}},
+                                 {{0.0, 0.03, 0.0}, {0.012, 0.03, 0.0}, study::NoResponse{}}};
+    std::size_t asked = 0;
+    run([&](MadeUpPort &port, session::Session &session) {
+        port.is_silent = true;
+        double since_s = -1.0;
+        bool has_moved = false;
+        Vector3 from_m = Vector3::Zero();
+        port.on_frame = [&, since_s, has_moved, from_m](const ParticipantPicture &,
+                                                        const SittingState &state) mutable {
+            const double now_s = session.servo().now_s();
+            if (state.step == SittingStep::practice_ends) {
+                port.inputs = {MadeUpPort::key("enter", now_s)};
+            }
+            port.orders.stops = asked == all.size() && state.step != SittingStep::response;
+            if (state.step != SittingStep::response) {
+                since_s = -1.0;
+                return;
+            }
+            if (since_s < 0.0) {
+                since_s = now_s;
+                has_moved = false;
+                from_m = session.latest().tip_m;
+                session.follow_path(simulated::HandPath({{0.0, from_m + all.at(asked++).lift_m}}));
+            } else if (now_s > since_s + 1.9 && !std::exchange(has_moved, true)) {
+                const Moves &moves = all.at(asked - 1);
+                session.follow_path(
+                    simulated::HandPath({{0.0, from_m + moves.lift_m + moves.then_m}}));
+            }
+        };
+    });
+    const std::vector<Trial> trials = study::read_study(file()).trials;
+    ASSERT_EQ(trials.size(), all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        EXPECT_EQ(trials[i].response, all[i].given) << i;
+    }
 }
 
 TEST_F(StudySitting, WarmsColdWindingsBeforeTheFirstTrial) {
