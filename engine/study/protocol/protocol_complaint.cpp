@@ -190,17 +190,20 @@ std::string wrong_responses(const Protocol &protocol) {
         return fmt::format("responses.keys has {}; it must have {} for this task", keys.size(),
                            needed);
     }
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-        std::string name = keys[i];
+    std::vector<std::string> names = keys;
+    for (std::string &name : names) {
         std::ranges::transform(name, name.begin(), [](char c) {
             return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
         });
+    }
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        const std::string &name = names[i];
         if (std::ranges::count(kStops, name) > 0) {
             return fmt::format("responses.keys has \"{}\"; it must be no key that stops the device "
                                "or leaves the screen",
                                keys[i]);
         }
-        if (name.empty() || std::ranges::count(keys, keys[i]) > 1) {
+        if (name.empty() || std::ranges::count(names, name) > 1) {
             return fmt::format("responses.keys has \"{}\"; each must have a name of its own",
                                keys[i]);
         }

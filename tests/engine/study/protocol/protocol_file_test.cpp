@@ -295,6 +295,7 @@ const std::vector<Malformed> &malformed() {
          "keys = [\"1\", \"space\"]",
          {"responses.keys has \"space\"", "stops"}},
         {"keys = [\"1\", \"2\"]", "keys = [\"1\", \"1\"]", {"responses.keys has \"1\"", "its own"}},
+        {"keys = [\"1\", \"2\"]", "keys = [\"F\", \"f\"]", {"responses.keys has \"F\"", "its own"}},
         {"keys = [\"1\", \"2\"]", "keys = [\"1\"]", {"responses.keys has 1", "2"}},
         {"to_C = 60.0", "to_C = 20.0", {"windings.to_C is 20", "above windings.from_C, 27"}},
         {"fewest_trials = 2", "fewest_trials = 9", {"practice.fewest_trials is 9", "0 to 4"}},
