@@ -253,10 +253,16 @@ void write_bids(const StudyContents &contents, const std::filesystem::path &fold
                 const BidsOptions &options) {
     const std::string task = "task-" + bids_task_label(contents.facts.title);
     const std::vector<TrialColumn> columns = all_columns(contents);
-    // By participant, then by session, as BIDS numbers them.
+    // By participant, then by session, as BIDS numbers them; without sessions that left nothing.
     std::map<std::string, std::map<SessionId, std::vector<TrialInStudy>>> trials;
     for (const TrialInStudy &trial : trials_in_study(contents, options.devices)) {
         trials[trial.trial.participant][trial.session.id].push_back(trial);
+    }
+    for (const QuestionnaireAnswer &answer : contents.answers) {
+        const DeviceKind device = session_of(contents, answer.session).device;
+        if (std::ranges::count(options.devices, device) > 0) {
+            trials[answer.participant].try_emplace(answer.session);
+        }
     }
     const NewFolder created(folder);
     created.write("dataset_description.json", dataset_description(contents, options));
@@ -280,9 +286,11 @@ void write_bids(const StudyContents &contents, const std::filesystem::path &fold
         int number = 0;
         for (const auto &[id, of_session] : sessions) {
             const std::string stem = fmt::format("sub-{}_ses-{:02}", code, ++number);
-            created.write(
-                fmt::format("sub-{}/ses-{:02}/beh/{}_{}_events.tsv", code, number, stem, task),
-                events_text(columns, of_session));
+            if (!of_session.empty()) {
+                created.write(
+                    fmt::format("sub-{}/ses-{:02}/beh/{}_{}_events.tsv", code, number, stem, task),
+                    events_text(columns, of_session));
+            }
             answers += fmt::format("sub-{}\tses-{:02}", code, number);
             for (const std::string &answer : answers_of(contents, options.questionnaire, id)) {
                 answers += '\t' + tsv_cell(answer);
@@ -296,7 +304,7 @@ void write_bids(const StudyContents &contents, const std::filesystem::path &fold
     created.write("participants.tsv", participants);
     created.write("participants.json",
                   Json{{"number", {{"Description", "number for counterbalancing"}}},
-                       {"sessions", {{"Description", "sessions with trials"}}},
+                       {"sessions", {{"Description", "sessions with trials or answers"}}},
                        {"trials", {{"Description", "trials, of all kinds"}}}});
     if (!options.questionnaire.empty()) {
         created.write("phenotype/questionnaire.tsv", answers);

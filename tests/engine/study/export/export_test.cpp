@@ -302,6 +302,29 @@ TEST(Bids, HasAnswersAsPhenotype) {
     EXPECT_EQ(json.size(), 5U);
 }
 
+/// Who is resumed is not asked again, so that an answer may be all that a session left.
+TEST(Bids, HasTheAnswersOfSessionsWithoutTrials) {
+    StudyContents contents = answered_contents();
+    std::erase_if(contents.trials, [](const Trial &trial) { return trial.session == 1; });
+    const auto folder = fresh_folder("bids_only_answers") / "out";
+    write_bids(contents, folder, {.questionnaire = kQuestions});
+    EXPECT_EQ(contents_of(folder / "phenotype/questionnaire.tsv"),
+              "participant_id\tsession_id\thand\ttiring\tremarks\n"
+              "sub-P01\tses-01\tleft, mostly\tn/a\t\"a \"\"b\"\" c\"\n"
+              "sub-P01\tses-02\tn/a\t3\tn/a\n");
+    EXPECT_NE(contents_of(folder / "participants.tsv").find("sub-P01\t1\t2\t1\n"),
+              std::string::npos);
+    EXPECT_FALSE(std::filesystem::exists(folder / "sub-P01/ses-01"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "sub-P01/ses-02"));
+    std::erase_if(contents.answers,
+                  [](const QuestionnaireAnswer &answer) { return answer.session == 1; });
+    const auto without = fresh_folder("bids_left_nothing") / "out";
+    write_bids(contents, without, {.questionnaire = kQuestions});
+    EXPECT_TRUE(std::filesystem::exists(without / "sub-P01/ses-01"))
+        << "that of the second session";
+    EXPECT_FALSE(std::filesystem::exists(without / "sub-P01/ses-02"));
+}
+
 TEST(Bids, TakesOnlyTheDevicesAskedFor) {
     const StudyContents contents = sample_contents();
     const auto parent = fresh_folder("bids_devices");
