@@ -62,7 +62,8 @@ VisitorPort::VisitorPort(study_screen::SittingPort &window, session::Session &se
                          const study::Protocol &protocol,
                          std::optional<study::SimulatedParticipant> made_up)
     : window_(window), session_(session), protocol_(protocol), made_up_(made_up),
-      presence_(session.servo().now_s()), step_since_s_(session.servo().now_s()) {}
+      presence_(session.servo().now_s()), stops_(session.servo().inputs().stop_count),
+      step_since_s_(session.servo().now_s()) {}
 
 /// With a mouse all can be done by its left button.
 ParticipantPicture VisitorPort::for_visitors(ParticipantPicture picture, SittingStep step) const {
@@ -114,7 +115,9 @@ void VisitorPort::act_made_up(const SittingState &state, SittingFrame &frame) {
 void VisitorPort::watch(SittingFrame &frame) {
     const double now_s = session_.servo().now_s();
     const bool is_real = !session_.hand().is_simulated();
-    presence_.update(now_s, has_acted(frame.inputs),
+    const std::uint32_t stops = session_.servo().inputs().stop_count; // their keys are no inputs
+    const bool is_stopped = std::exchange(stops_, stops) != stops;
+    presence_.update(now_s, has_acted(frame.inputs) || is_stopped,
                      is_real ? std::optional(session_.latest().tip_m) : std::nullopt);
     if (!made_up_ && presence_.away_s(now_s) > kGoneAfter_s) {
         stop(frame, VisitEnd::gone);

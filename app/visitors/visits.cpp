@@ -131,7 +131,8 @@ VisitEnd Visits::sit(study::StudyStore &store, Visitor visitor) {
 }
 
 /// The trials that a made-up visitor was not shown with, answered at once: the curve grows.
-void Visits::reckon_rest(study::StudyStore &store) {
+/// @return whether to its end
+bool Visits::reckon_rest(study::StudyStore &store) {
     study::Protocol protocol = plan_.protocol;
     protocol.practice = {};
     study::Session session;
@@ -162,7 +163,7 @@ void Visits::reckon_rest(study::StudyStore &store) {
         }
         return std::nullopt;
     };
-    study::conduct(store, protocol, session, how);
+    return study::conduct(store, protocol, session, how) == study::SessionEnding::completed;
 }
 
 void Visits::show_curve(const study::StudyContents &visit, Visitor visitor) {
@@ -195,10 +196,9 @@ void Visits::run() {
             {plan_.protocol.title, "can you feel it?", SPRINGDRIVE_VERSION}, study::utc_now());
         store.add({kVisitor, begun_, study::utc_now()});
         const VisitEnd end = sit(store, *visitor);
-        if (end == VisitEnd::seen_enough) {
-            reckon_rest(store);
-        }
-        if (!is_over_ && (end == VisitEnd::none || end == VisitEnd::seen_enough)) {
+        const bool has_all =
+            end == VisitEnd::none || (end == VisitEnd::seen_enough && reckon_rest(store));
+        if (!is_over_ && has_all) {
             show_curve(store.contents(), *visitor);
         }
     }

@@ -56,7 +56,7 @@ public:
 private:
     [[nodiscard]] std::optional<Visitor> wait_for_visitor();
     [[nodiscard]] VisitEnd sit(study::StudyStore &store, Visitor visitor);
-    void reckon_rest(study::StudyStore &store);
+    [[nodiscard]] bool reckon_rest(study::StudyStore &store);
     void show_curve(const study::StudyContents &visit, Visitor visitor);
     [[nodiscard]] bool asks_to_end(const study_screen::ParticipantPicture &picture,
                                    study_screen::SittingStep step);

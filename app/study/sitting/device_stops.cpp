@@ -35,8 +35,10 @@ void DeviceStops::watch() {
     const bool is_recent = session_.servo().now_s() > reset_s_ + kOldest_s;
     const bool is_new = is_tripped && (!was_tripped || (is_reset_ && is_recent));
     is_reset_ = is_reset_ && is_tripped && !is_new;
-    is_by_hand_ =
-        is_by_hand_ || is_pressed || (is_tripped && (is_new || is_recent) && is_wanted(latest));
+    if (is_tripped && (is_new || is_recent) && is_wanted(latest) && !is_by_hand()) {
+        session_.servo().emergency_stop(); // the board's switch may be let go of
+        presses_ = session_.servo().inputs().stop_count;
+    }
     if (is_pressed || is_new) {
         may_go_on_ = false; // it was of another
         begin_calm();
@@ -70,14 +72,15 @@ void DeviceStops::end_trial(bool is_stored) {
     }
 }
 
+bool DeviceStops::is_by_hand() const { return session_.servo().inputs().emergency_stop; }
+
 void DeviceStops::begin_calm() { calm_from_s_ = session_.servo().now_s(); }
 
 void DeviceStops::reset_when_allowed() {
     const double now_s = session_.servo().now_s();
     if (was_tripped_ &&
-        (std::exchange(may_go_on_, false) || (!is_by_hand_ && now_s > calm_from_s_ + kCalm_s))) {
+        (std::exchange(may_go_on_, false) || (!is_by_hand() && now_s > calm_from_s_ + kCalm_s))) {
         session_.servo().reset_safety();
-        is_by_hand_ = false;
         is_reset_ = true;
         calm_from_s_ = reset_s_ = now_s;
     }

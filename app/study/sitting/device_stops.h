@@ -38,12 +38,14 @@ public:
     [[nodiscard]] int count() const { return count_; }
 
 private:
+    /// Until somebody lets the device go on, also in a later sitting.
+    [[nodiscard]] bool is_by_hand() const;
+
     session::Session &session_;
     std::function<void(const std::string &)> note_;
     std::uint32_t presses_; ///< of the emergency stop, so far
     int count_ = 0;
     bool was_tripped_ = false;
-    bool is_by_hand_ = false; ///< until somebody lets the device go on
     bool may_go_on_ = false;
     bool is_in_trial_ = false;
     std::optional<std::string> of_trial_; ///< the stop in the present one

@@ -117,6 +117,9 @@ TEST(CurveOfAnswers, TakesTheVisitorsProtocolAndRefusesOthers) {
     protocol.variable.parameter = "eta";
     EXPECT_NE(what_is_wrong_for_visitors(protocol).find("turn_deg"), std::string::npos);
     protocol = shipped("can_you_feel_it");
+    protocol.noise = study::MaskingNoise{-30.0};
+    EXPECT_NE(what_is_wrong_for_visitors(protocol).find("[noise]"), std::string::npos);
+    protocol = shipped("can_you_feel_it");
     protocol.questionnaire = shipped("direction").questionnaire;
     EXPECT_NE(what_is_wrong_for_visitors(protocol).find("[[questions]]"), std::string::npos);
 }

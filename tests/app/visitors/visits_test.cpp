@@ -3,6 +3,7 @@
 // window.
 #include "app/visitors/visits.h"
 
+#include "device/usb/emulator/emulator_faults.h"
 #include "engine/study/observers/simulated_answer.h"
 #include "engine/study/protocol/analysis_plan.h"
 #include "engine/study/protocol/protocol_file.h"
@@ -96,6 +97,13 @@ protected:
         options.scene = study::scene_file_of(plan_.protocol.conditions.front(), folders_);
         options.device.file = study::device_file_of(plan_.protocol, folders_);
         options.lockstep = true;
+        if (!faults_.empty()) {
+            options.device.kind = factory::DeviceKind::emulated;
+            options.starts_at_zero = true;
+            for (const char *fault : faults_) {
+                options.emulation.faults.push_back(emulator::parse_fault(fault));
+            }
+        }
         session::Session session(options);
         session_ = &session;
         MadeUpWindow window(session,
@@ -144,6 +152,7 @@ protected:
 
     study::ProtocolFolders folders_;
     VisitsPlan plan_;
+    std::vector<const char *> faults_;    ///< of an emulated board; none: a simulated device
     session::Session *session_ = nullptr; ///< of the present run
     MadeUpWindow *window_ = nullptr;
 };
@@ -302,6 +311,81 @@ TEST_F(Visiting, GoesOnAfterAStopByHandWhenTheVisitorWants) {
     });
     EXPECT_GE(frames_stopped, 300);
     EXPECT_TRUE(has_curve);
+}
+
+/// The next visitor finds a stopped device that only somebody's wish lets go on. The monitor knows
+/// no more than what stopped it first.
+TEST_F(Visiting, AStopByHandOutlastsTheVisit) {
+    for (const auto &[faults, is_pressed] :
+         {std::pair<std::vector<const char *>, bool>{{"stop@4-4.5"}, false},
+          {{"brown-out:9@4-4.1", "stop@5-5.5"}, false},
+          {{"brown-out:9@4-4.1"}, true}}) {
+        SCOPED_TRACE(faults.back());
+        plan_.has_device = true;
+        faults_ = faults;
+        int starts = 0;
+        bool is_at_start = false;
+        int frames_stopped = 0; ///< of the second visit
+        bool ran_again = false;
+        run([&](const ParticipantPicture &picture, const SittingState &state) -> std::string {
+            starts += is_start(picture) && !is_at_start ? 1 : 0;
+            is_at_start = is_start(picture);
+            if (state.step == SittingStep::device_stopped) {
+                if (starts == 1) {
+                    ++frames_stopped;
+                    if (frames_stopped == 60 && is_pressed) {
+                        session_->servo().emergency_stop();
+                    }
+                    return frames_stopped == 120 ? "escape" : ""; // before it resets itself
+                }
+                frames_stopped = std::max(frames_stopped, 120);
+                EXPECT_NE(session_->latest().safety.state, servo::SafetyState::running);
+                return ++frames_stopped == 120 + 600 ? "enter" : ""; // ten seconds
+            }
+            ran_again = starts == 2 && state.step == SittingStep::interval;
+            window_->ends = ran_again;
+            return willing(picture, state);
+        });
+        EXPECT_GE(frames_stopped, 120 + 600);
+        EXPECT_TRUE(ran_again);
+    }
+}
+
+/// Their keys are no answers, and stop the device whatever is on the screen.
+TEST_F(Visiting, WhoStopsTheDeviceIsStillThere) {
+    plan_.has_device = true;
+    bool was_asked = false;
+    int frames_stopped = 0;
+    bool is_at_start_again = false;
+    run([&](const ParticipantPicture &picture, const SittingState &state) -> std::string {
+        if (picture.heading == "Still there?" && !std::exchange(was_asked, true)) {
+            session_->servo().emergency_stop();
+            return {};
+        }
+        is_at_start_again = is_at_start_again || (was_asked && is_start(picture));
+        frames_stopped += was_asked && picture.heading != "Still there?" ? 1 : 0;
+        window_->ends = is_at_start_again || frames_stopped == 60 * 20;
+        return was_asked || state.step == SittingStep::instructions
+                   ? (is_start(picture) ? "enter" : "")
+                   : willing(picture, state);
+    });
+    EXPECT_TRUE(was_asked);
+    EXPECT_FALSE(is_at_start_again) << "within twenty seconds";
+}
+
+TEST_F(Visiting, FastMotionIsLeftByEscapeWithoutACurve) {
+    int starts = 0;
+    bool is_at_start = false;
+    bool has_result = false;
+    run([&](const ParticipantPicture &picture, const SittingState &) -> std::string {
+        starts += is_start(picture) && !is_at_start ? 1 : 0;
+        is_at_start = is_start(picture);
+        has_result = has_result || (picture.curve && !picture.choices.empty());
+        window_->ends = starts == 2 || has_result;
+        return is_at_start ? "1" : picture.curve ? "escape" : "";
+    });
+    EXPECT_EQ(starts, 2);
+    EXPECT_FALSE(has_result);
 }
 
 TEST_F(Visiting, ShowsAMadeUpVisitorAndReckonsTheRest) {
