@@ -60,6 +60,25 @@ study::Protocol checked_protocol(const fs::path &file) {
     return protocol;
 }
 
+/// A study looks for the device and scenes of its protocol beside itself.
+void require_files_beside(const fs::path &study, const study::Protocol &protocol,
+                          const fs::path &typed) {
+    std::string problem;
+    try {
+        for (const study::PlacedCondition &condition :
+             study::study_setting(protocol, folders_beside(study)).conditions) {
+            problem = problem.empty() ? condition.problem : problem;
+        }
+    } catch (const InputError &error) {
+        problem = error.what();
+    }
+    if (!problem.empty()) {
+        throw InputError(fmt::format("{}: what the protocol names has to be beside the study: {}; "
+                                     "keep the study in the folder of {}",
+                                     study.string(), problem, typed.string()));
+    }
+}
+
 std::size_t trials_on_kind(const study::StudyContents &contents, study::DeviceKind kind) {
     return study::trials_on(contents, kind).size();
 }
@@ -126,6 +145,7 @@ std::filesystem::path study_to_run(const std::filesystem::path &typed,
     }
     const study::Protocol protocol = checked_protocol(typed);
     accepts(protocol);
+    require_files_beside(file, protocol, typed);
     study::create_study(file, {protocol.title, text_in(typed), SPRINGDRIVE_VERSION},
                         study::utc_now());
     std::cerr << "created: " << file.string() << '\n';

@@ -54,7 +54,11 @@ std::string StudyTurns::next_code() const {
     if (waiting != all.end()) {
         return waiting->participant;
     }
-    int number = study::next_participant_number(store_.contents());
+    // Lists on paper and older exports may have the code of somebody who was removed.
+    const study::StudyContents contents = store_.contents();
+    const int ever =
+        static_cast<int>(contents.participants.size()) + contents.facts.removed_participants;
+    int number = std::max(study::next_participant_number(contents), ever + 1);
     while (progress_named(all, code_of(number)) != nullptr) {
         ++number;
     }

@@ -1,5 +1,6 @@
 // Covers app/commands/study/study_run.cpp, simulated_session.cpp, study_status.cpp,
 // study_export.cpp and study_edit.cpp, from outside.
+#include "app/commands/study/study_turns.h"
 #include "engine/study/store/study_store.h"
 #include "tests/app/study/study_program.h"
 #include "tests/support/full_disk.h"
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <regex>
 #include <string>
 #include <variant>
 #include <vector>
@@ -280,6 +282,38 @@ TEST_F(StudyRun, RemovesAParticipantOnRequest) {
     EXPECT_EQ(contents.facts.removed_participants, 1);
     EXPECT_NE(study({"status", file("stiffness.study")}).out.find("1 removed on request"),
               std::string::npos);
+}
+
+/// Lists on paper and older exports still have it.
+TEST_F(StudyRun, GivesNoCodeOfARemovedParticipantAgain) {
+    ASSERT_EQ(run({"--participants", "3"}).exit_status, 0);
+    const auto next = [this] { return StudyTurns(file("stiffness.study"), {}).next_code(); };
+    EXPECT_EQ(next(), "P04");
+    for (const char *code : {"P03", "P01", "P02"}) {
+        ASSERT_EQ(study({"remove", file("stiffness.study"), code, "--yes"}).exit_status, 0);
+        EXPECT_EQ(next(), "P04") << code;
+    }
+}
+
+TEST_F(StudyRun, CreatesNoStudyThatWouldNotFindItsDevice) {
+    fs::copy_file(testing::assets() / "devices/phantom_1_0.toml", file("mine.toml"));
+    std::string text = testing::shortened("stiffness");
+    text = std::regex_replace(text, std::regex(R"(\ndevice = "phantom_1_0")"),
+                              "\ndevice = \"mine.toml\"");
+    ASSERT_NE(text.find("mine.toml"), std::string::npos);
+    std::ofstream(file("own.toml")) << text;
+    fs::create_directory(file("elsewhere"));
+    const std::vector<std::string> typed{
+        "run",       file("own.toml"), "--participant", "P01",     "--observer",
+        "simulated", "--threshold",    "0.1",           "--slope", "2",
+        "--study"};
+    std::vector<std::string> elsewhere = typed;
+    elsewhere.push_back(file("elsewhere/own.study"));
+    testing::expect_refused(study(elsewhere), "has to be beside the study");
+    EXPECT_FALSE(fs::exists(file("elsewhere/own.study")));
+    std::vector<std::string> beside = typed;
+    beside.push_back(file("other_name.study"));
+    EXPECT_EQ(study(beside).exit_status, 0);
 }
 
 TEST_F(StudyRun, DrawsObserversAsTypedAndRemembersThem) {
