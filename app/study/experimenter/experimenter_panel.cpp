@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
+#include <string>
 #include <utility>
 #include <variant>
 
@@ -128,8 +130,8 @@ void take_note(ExperimenterPanelState &panel, std::optional<std::string> &note) 
     if (is_entered && has_words) {
         note = std::exchange(panel.note, {});
     }
-    for (auto said = panel.notes_of_today.rbegin(); said != panel.notes_of_today.rend(); ++said) {
-        ui::wrapped(kFaintInk, "{}", *said);
+    for (const std::string &said : std::ranges::reverse_view(panel.notes_of_today)) {
+        ui::wrapped(kFaintInk, "{}", said);
     }
 }
 
