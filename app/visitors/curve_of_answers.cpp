@@ -42,8 +42,7 @@ std::string what_is_wrong_for_visitors(const study::Protocol &protocol) {
         return "has more than one condition, which visitors have no time for; leave one";
     }
     if (protocol.noise) {
-        return "plays a masking noise, of which no visitor is asked whether it is comfortable; "
-               "remove its [noise]";
+        return "plays a masking noise, which nobody is there to turn down; remove its [noise]";
     }
     if (!protocol.questionnaire.empty()) {
         return "asks questions, whose answers would not be kept; remove its [[questions]]";

@@ -23,7 +23,6 @@ constexpr double kThinking_s = 0.6; ///< until the answer
 /// Steps that wait for any key.
 bool waits_for_key(SittingStep step) {
     switch (step) {
-    case SittingStep::noise_check:
     case SittingStep::instructions:
     case SittingStep::practice_begins:
     case SittingStep::practice_ends:
@@ -100,6 +99,8 @@ void VisitorPort::act_made_up(const SittingState &state, SittingFrame &frame) {
     const double shown_s = now_s - step_since_s_;
     if (waits_for_key(state.step) && shown_s >= kReading_s) {
         frame.inputs.push_back(key_press("enter", now_s));
+    } else if (state.step == SittingStep::device_stopped && shown_s >= kReading_s) {
+        frame.orders.resets_device = session_.hand().is_simulated();
     } else if (state.step == SittingStep::response && shown_s >= kThinking_s) {
         const study::SimulatedAnswer answer = study::simulated_answer(
             protocol_, *made_up_, *state.trial, state.trial->presented.level);

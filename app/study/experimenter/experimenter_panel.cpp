@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <string>
 #include <utility>
 #include <variant>
@@ -56,7 +55,9 @@ void show_device(const session::Session &session, bool shows_stimuli) {
         ui::text(kGood, "the motors run");
         break;
     case servo::SafetyState::tripped:
-        ui::wrapped(kDanger, "stopped: {}", servo::description(now.safety));
+        ui::wrapped(kDanger, "stopped: {}{}", servo::description(now.safety),
+                    session.servo().inputs().emergency_stop ? "; it stays so until you let it go on"
+                                                            : "");
         break;
     case servo::SafetyState::waiting:
     case servo::SafetyState::starting:
@@ -130,9 +131,8 @@ void take_note(ExperimenterPanelState &panel, std::optional<std::string> &note) 
     if (is_entered && has_words) {
         note = std::exchange(panel.note, {});
     }
-    for (const std::string &said : std::ranges::reverse_view(panel.notes_of_today)) {
-        ui::wrapped(kFaintInk, "{}", said);
-    }
+    std::for_each(panel.notes_of_today.rbegin(), panel.notes_of_today.rend(),
+                  [](const std::string &said) { ui::wrapped(kFaintInk, "{}", said); });
 }
 
 } // namespace
@@ -155,7 +155,8 @@ ExperimenterActs draw_experimenter_panel(ExperimenterPanelState &panel, const Re
     {
         const ui::Disabled disabled(!is_stopped);
         acts.orders.resets_device = ui::button("Let the device go on", {-1.0F, 0.0F});
-        ui::explain("after a stop by hand; after others it goes on by itself, 3 s later");
+        ui::explain("after a stop by hand, or by the switch of the device's board; after others it "
+                    "goes on by itself, 3 s later");
     }
     if (!session.is_zeroed()) {
         acts.zeroes_device = ui::button("It is in its zero pose", {-1.0F, 0.0F});

@@ -13,9 +13,14 @@ namespace {
 constexpr double kCalm_s = 3.0;   ///< after which a stop by the monitor is over
 constexpr double kOldest_s = 0.2; ///< of what is known of the device
 
-/// By the emergency stop, or by the board's switch, whatever came first.
+/// By the emergency stop, or by the board's switch: now, or as what the monitor saw first.
 bool is_wanted(const servo::ServoSample &sample) {
-    return sample.safety.cause == servo::TripCause::emergency_stop ||
+    const servo::SafetyStatus &safety = sample.safety;
+    const device::BoardFaults first{safety.cause == servo::TripCause::board_fault
+                                        ? static_cast<std::uint16_t>(safety.measured)
+                                        : std::uint16_t{0}};
+    return safety.cause == servo::TripCause::emergency_stop ||
+           first.has(device::BoardFaults::kStop) ||
            device::BoardFaults{sample.board_faults}.has(device::BoardFaults::kStop);
 }
 
@@ -35,11 +40,14 @@ void DeviceStops::watch() {
     const bool is_recent = session_.servo().now_s() > reset_s_ + kOldest_s;
     const bool is_new = is_tripped && (!was_tripped || (is_reset_ && is_recent));
     is_reset_ = is_reset_ && is_tripped && !is_new;
-    if (is_tripped && (is_new || is_recent) && is_wanted(latest) && !is_by_hand()) {
+    const bool is_switched =
+        is_tripped && (is_new || is_recent) && is_wanted(latest) && !is_by_hand();
+    if (is_switched) {
         session_.servo().emergency_stop(); // the board's switch may be let go of
         presses_ = session_.servo().inputs().stop_count;
     }
-    if (is_pressed || is_new) {
+    has_news_ = is_pressed || is_switched || is_new;
+    if (has_news_) {
         may_go_on_ = false; // it was of another
         begin_calm();
     }
@@ -50,6 +58,8 @@ void DeviceStops::watch() {
         note_(servo::description(latest.safety));
     } else if (is_pressed && was_tripped) {
         note_("the emergency stop was pressed while the device was stopped");
+    } else if (is_switched) {
+        note_("the board's stop switch was pressed while the device was stopped");
     }
 }
 

@@ -27,7 +27,7 @@ public:
     void end_trial(bool is_stored);
 
     /// Somebody lets the device go on: of a stop that is there, not of a later one.
-    void let_go_on() { may_go_on_ = true; }
+    void let_go_on() { may_go_on_ = !has_news_; }
     /// The calm after a stop begins anew.
     void begin_calm();
     /// Every frame of a stop: resets the device after one by hand when somebody lets it go on,
@@ -46,6 +46,7 @@ private:
     std::uint32_t presses_; ///< of the emergency stop, so far
     int count_ = 0;
     bool was_tripped_ = false;
+    bool has_news_ = false; ///< a stop that nobody has seen yet
     bool may_go_on_ = false;
     bool is_in_trial_ = false;
     std::optional<std::string> of_trial_; ///< the stop in the present one

@@ -127,6 +127,45 @@ TEST_F(StudySitting, AStopByTheMonitorGoesOnByItselfAndOneByTheBoardsSwitchDoesN
     }
 }
 
+/// The order was of the stop by the monitor: a switch that is pressed after it holds.
+TEST_F(StudySitting, AnOrderToGoOnIsNotOfASwitchThatIsPressedLater) {
+    kind_ = factory::DeviceKind::emulated;
+    faults_ = {"brown-out:9@4-4.1", "stop@5-5.5"};
+    int tripped = 0;
+    int stopped = 0;
+    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            tripped += session.latest().safety.state == servo::SafetyState::tripped ? 1 : 0;
+            port.orders.is_paused = tripped > 0 && tripped < 180; // in which nothing is reset
+            port.orders.resets_device = tripped == 20;
+            stopped = frames_stopped(port, state, stopped);
+        };
+    });
+    EXPECT_EQ(ending, SessionEnding::completed);
+    EXPECT_GE(stopped, kLongStop_frames);
+    const std::vector<study::Note> notes = study::read_study(file()).notes;
+    EXPECT_EQ(std::ranges::count(notes,
+                                 "the board's stop switch was pressed while the device was stopped",
+                                 &study::Note::text),
+              1);
+}
+
+/// Nor of one that is pressed in the same frame.
+TEST_F(StudySitting, AStopHoldsAgainstAnOrderOfItsOwnFrame) {
+    Once once(2);
+    int stopped = 0;
+    run([&](MadeUpPort &port, session::Session &) {
+        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
+            stopped = frames_stopped(port, state, stopped);
+            if (once.is_now(state)) {
+                port.presses_emergency_stop = true;
+                port.orders.resets_device = true;
+            }
+        };
+    });
+    EXPECT_GE(stopped, kLongStop_frames);
+}
+
 /// "Let the device go on" is of the stop that was there.
 TEST_F(StudySitting, AnOrderToGoOnIsNotOfALaterStop) {
     Once once(2);

@@ -418,6 +418,22 @@ TEST_F(Visiting, ShowsAMadeUpVisitorAndReckonsTheRest) {
     EXPECT_NE(text.find("In truth it was 25 degrees."), std::string::npos) << text;
 }
 
+/// Nobody is there who would let it go on.
+TEST_F(Visiting, AMadeUpVisitorGoesOnAfterAStop) {
+    bool was_stopped = false;
+    bool has_curve = false;
+    run([&](const ParticipantPicture &picture, const SittingState &state) -> std::string {
+        if (state.step == SittingStep::interval && !std::exchange(was_stopped, true)) {
+            session_->servo().emergency_stop();
+        }
+        has_curve = has_curve || picture.curve.has_value();
+        window_->ends = has_curve;
+        return is_start(picture) ? "1" : "";
+    });
+    EXPECT_TRUE(was_stopped);
+    EXPECT_TRUE(has_curve);
+}
+
 /// A show goes on by itself: nobody presses anything.
 TEST_F(Visiting, AShowGoesFromVisitorToVisitor) {
     plan_.is_show = true;
