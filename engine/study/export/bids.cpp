@@ -286,11 +286,9 @@ void write_bids(const StudyContents &contents, const std::filesystem::path &fold
         int number = 0;
         for (const auto &[id, of_session] : sessions) {
             const std::string stem = fmt::format("sub-{}_ses-{:02}", code, ++number);
-            if (!of_session.empty()) {
-                created.write(
-                    fmt::format("sub-{}/ses-{:02}/beh/{}_{}_events.tsv", code, number, stem, task),
-                    events_text(columns, of_session));
-            }
+            created.write( // without a row if the session has answers only
+                fmt::format("sub-{}/ses-{:02}/beh/{}_{}_events.tsv", code, number, stem, task),
+                events_text(columns, of_session));
             answers += fmt::format("sub-{}\tses-{:02}", code, number);
             for (const std::string &answer : answers_of(contents, options.questionnaire, id)) {
                 answers += '\t' + tsv_cell(answer);

@@ -314,8 +314,14 @@ TEST(Bids, HasTheAnswersOfSessionsWithoutTrials) {
               "sub-P01\tses-02\tn/a\t3\tn/a\n");
     EXPECT_NE(contents_of(folder / "participants.tsv").find("sub-P01\t1\t2\t1\n"),
               std::string::npos);
-    EXPECT_FALSE(std::filesystem::exists(folder / "sub-P01/ses-01"));
-    EXPECT_TRUE(std::filesystem::exists(folder / "sub-P01/ses-02"));
+    // Each participant and session of a table is a folder, too.
+    const auto events = [&folder](const std::string &session) {
+        return contents_of(folder / "sub-P01" / session / "beh" /
+                           ("sub-P01_" + session + "_task-" +
+                            bids_task_label(answered_contents().facts.title) + "_events.tsv"));
+    };
+    EXPECT_EQ(std::ranges::count(events("ses-01"), '\n'), 1) << "the header";
+    EXPECT_EQ(std::ranges::count(events("ses-02"), '\n'), 2);
     std::erase_if(contents.answers,
                   [](const QuestionnaireAnswer &answer) { return answer.session == 1; });
     const auto without = fresh_folder("bids_left_nothing") / "out";
