@@ -54,7 +54,8 @@ std::string StudyTurns::next_code() const {
     if (waiting != all.end()) {
         return waiting->participant;
     }
-    // Lists on paper and older exports may have the code of somebody who was removed.
+    // Lists on paper and older exports may have the code of somebody who was removed: of those that
+    // were given here, none is given again.
     const study::StudyContents contents = store_.contents();
     const int ever =
         static_cast<int>(contents.participants.size()) + contents.facts.removed_participants;

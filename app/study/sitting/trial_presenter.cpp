@@ -24,10 +24,11 @@ bool has_scene(const study::Condition &condition) { return condition.scene != st
 /// From the end of the rest on, which takes as long as it takes.
 simulated::HandPath path_after_rest(const study::HandCourse &course,
                                     const study::Stimulus &stimulus) {
+    constexpr double kRoundOff_s = 1e-9;
     std::vector<simulated::HandPath::Point> points{{0.0, stimulus.start_m}};
     for (const simulated::HandPath::Point &point : course.points) {
         const double time_s = point.time_s - study::kServoStart_s - stimulus.rest_s;
-        if (time_s > 0.0) {
+        if (time_s > kRoundOff_s) {
             points.push_back({time_s, point.position_m});
         }
     }
@@ -272,11 +273,13 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
     return true;
 }
 
-/// The way off the surface that was touched; zero in free space.
+/// The way off the surface that was touched last; zero in free space.
 Vector3 TrialPresenter::way_off() const {
-    return it_.protocol.stimulus == study::StimulusForm::stroke
-               ? Vector3(Vector3::Zero())
-               : it_.setting.conditions[it_.state.trial->condition].spot.normal;
+    if (it_.protocol.stimulus == study::StimulusForm::stroke) {
+        return Vector3::Zero();
+    }
+    const study::Interval last = study::intervals_of(it_.protocol, *it_.state.trial).back();
+    return it_.setting.conditions[last.presented.condition].spot.normal;
 }
 
 /// Nothing if the device was lost meanwhile. A stop is stored with the trial, unanswered.
