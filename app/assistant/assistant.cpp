@@ -4,6 +4,8 @@
 #include "app/assistant/stop_words.h"
 #include "base/complaint.h"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 namespace springdrive::app::assistant {
@@ -11,8 +13,12 @@ namespace springdrive::app::assistant {
 namespace {
 
 Assistant::Steps all_steps() {
-    return {make_link_step(),      make_identity_step(),    make_motion_step(), make_zero_step(),
-            make_self_test_step(), make_calibration_step(), make_touch_step()};
+    constexpr std::array kMake{make_link_step, make_identity_step,  make_motion_step,
+                               make_zero_step, make_self_test_step, make_calibration_step,
+                               make_touch_step};
+    Assistant::Steps steps;
+    std::ranges::transform(kMake, steps.begin(), [](auto make) { return make(); });
+    return steps;
 }
 
 bool is_stopped(const session::Session &session) {

@@ -143,9 +143,9 @@ void draw_troubles(const StepReport &report) {
 void draw_gap() { ImGui::Dummy({0.0F, 0.4F * ImGui::GetFontSize()}); }
 
 /// Side by side, as far as there is room. @return whether there are any
-bool draw_offers(std::vector<assistant::Offer> offers) {
+bool draw_offers(const std::vector<assistant::Offer> &offers) {
     bool is_first = true;
-    for (assistant::Offer &offer : offers) {
+    for (const assistant::Offer &offer : offers) {
         const ImGuiStyle &style = ImGui::GetStyle();
         const float width =
             ImGui::CalcTextSize(offer.label.c_str()).x + 2.0F * style.FramePadding.x;

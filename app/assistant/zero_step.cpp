@@ -45,8 +45,8 @@ public:
                        "you, the forearm hanging, square to it. Hold it still, then press \"zero "
                        "here\". Three degrees are near enough for a touch.";
         if (!is_zeroed_here_) { // which made all counts jump
-            report.seen.push_back(is_still() ? "the device is held still"
-                                             : "the device moves: hold it still");
+            report.seen.emplace_back(is_still() ? "the device is held still"
+                                                : "the device moves: hold it still");
         }
         if (is_zeroed_here_) {
             report.seen.push_back(

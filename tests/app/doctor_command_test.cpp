@@ -80,7 +80,7 @@ TEST(DoctorCommand, EveryCheckHasItsFieldsAndEveryFaultItsLine) {
     }
     for (const json &check : said["checks"]) {
         const bool is_wrong = check["verdict"] == "failure" || check["verdict"] == "warning";
-        EXPECT_EQ(check["mend"] != "", is_wrong) << check.dump(2);
+        EXPECT_NE(check["mend"].get<std::string>().empty(), is_wrong) << check.dump(2);
         EXPECT_NE(check["found"], "") << check.dump(2);
         EXPECT_NE(check["matters"], "") << check.dump(2);
         EXPECT_EQ(check["mend"].get<std::string>().find('\n'), std::string::npos);

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -15,7 +16,7 @@ namespace {
 
 constexpr double kLargestDot = 1.0 / 15.0; ///< radius, of the plot's height
 constexpr double kAxisMargin = 1.12;       ///< of the axis beyond the levels, a factor
-constexpr double kNamedShares[] = {0.0, 0.25, 0.5, 0.75, 1.0};
+constexpr std::array<double, 5> kNamedShares{0.0, 0.25, 0.5, 0.75, 1.0};
 
 glm::vec4 faint(glm::vec4 colour, float alpha) {
     colour.a = alpha;
@@ -103,9 +104,10 @@ private:
         }
         add(text(curve_.share_label), box_.x, box_.y);
         const double chance_y = chart_.y_px(curve_.guess); // dashed
-        for (double x = plot.x; x < plot.x + plot.width; x += 8.0 * thin_px_) {
-            chart_.plates.push_back(chart_bar(x, chance_y - 0.5 * thin_px_, 4.0 * thin_px_,
-                                              thin_px_, palette::kPlateRim));
+        const double dash_px = 8.0 * thin_px_;             // with the gap after it
+        for (int i = 0; i * dash_px < plot.width; ++i) {
+            chart_.plates.push_back(chart_bar(plot.x + i * dash_px, chance_y - 0.5 * thin_px_,
+                                              4.0 * thin_px_, thin_px_, palette::kPlateRim));
         }
     }
 
@@ -144,8 +146,8 @@ private:
             chart_.plates.push_back(
                 chart_bar(x, top, 1.0, chart_.y_px(at.low) - top, faint(palette::kAccent, 0.16F)));
         }
-        constexpr double kStep_px = 0.5;
-        for (double x = plot.x; x <= plot.x + plot.width; x += kStep_px) {
+        for (int half_px = 0; half_px <= 2 * plot.width; ++half_px) {
+            const double x = plot.x + 0.5 * half_px;
             const OwnCurve::Point at = course_at(curve_.course, level_at_px(x));
             chart_.plates.push_back(
                 chart_disc(x, chart_.y_px(at.right_share), thin_px_, palette::kAccent));

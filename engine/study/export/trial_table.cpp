@@ -65,10 +65,11 @@ public:
     /// @param value  of a TrialInStudy
     template <typename Value>
     TrialColumn &add(std::string name, std::string description, Value &&value) {
-        return columns.emplace_back(
-            std::move(name), std::move(description), "",
-            std::vector<std::pair<std::string, std::string>>{},
-            [value](const TrialInStudy &row) { return cell_of(value(row)); });
+        columns.push_back(
+            {std::move(name), std::move(description), "", {}, [value](const TrialInStudy &row) {
+                 return cell_of(value(row));
+             }});
+        return columns.back();
     }
 
     std::vector<TrialColumn> columns;

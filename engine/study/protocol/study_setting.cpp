@@ -46,13 +46,13 @@ LoadedStudyScene load(const std::filesystem::path &file, const device::Workspace
 
 /// The contact of a tip that comes straight down on a spot and stops half a millimetre below it.
 contact::Contact touch_at(const contact::HapticSurface &surface, const scene::TouchSpot &spot) {
-    constexpr double kDeep_m = 0.5e-3;
+    constexpr double kTouchDepth_m = 0.5e-3;
     constexpr int kSteps = 100;
     contact::Proxy proxy;
     proxy.reset(spot.point_m + kApproach_m * spot.normal);
     contact::Contact contact;
     for (int i = 1; i <= kSteps; ++i) {
-        const double height_m = kApproach_m - (kApproach_m + kDeep_m) * i / kSteps;
+        const double height_m = kApproach_m - (kApproach_m + kTouchDepth_m) * i / kSteps;
         contact = proxy.update(surface, spot.point_m + height_m * spot.normal);
         if (contact.touching && height_m > kOffSurface_m) {
             return contact; // something is in the way

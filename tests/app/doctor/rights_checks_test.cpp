@@ -21,8 +21,8 @@ LaidOutComputer fresh_installation() {
 Evidence refused(const LaidOutComputer &computer) {
     Evidence evidence = computer.evidence();
     evidence.trials.rights = {true, 80, EPERM, false, true};
-    evidence.process.memory_lock_limit_bytes = 8192 * 1024;
-    evidence.process.memory_lock_limit_hard_bytes = 8192 * 1024;
+    evidence.process.memory_lock_limit_bytes = 8'388'608; // 8 MiB
+    evidence.process.memory_lock_limit_hard_bytes = 8'388'608;
     return evidence;
 }
 
