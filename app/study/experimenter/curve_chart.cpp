@@ -103,8 +103,8 @@ private:
             add(std::move(label), left, top);
         }
         add(text(curve_.share_label), box_.x, box_.y);
-        const double chance_y = chart_.y_px(curve_.guess); // dashed
-        const double dash_px = 8.0 * thin_px_;             // with the gap after it
+        const double chance_y = chart_.y_px(curve_.guess);
+        const double dash_px = 8.0 * thin_px_; // with the gap after it
         for (int i = 0; i * dash_px < plot.width; ++i) {
             chart_.plates.push_back(chart_bar(plot.x + i * dash_px, chance_y - 0.5 * thin_px_,
                                               4.0 * thin_px_, thin_px_, palette::kPlateRim));

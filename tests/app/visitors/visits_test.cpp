@@ -325,7 +325,7 @@ TEST_F(Visiting, AStopByHandOutlastsTheVisit) {
         faults_ = faults;
         int starts = 0;
         bool is_at_start = false;
-        int frames_stopped = 0; ///< of the second visit
+        int frames_stopped = 0; ///< of both visits
         bool ran_again = false;
         run([&](const ParticipantPicture &picture, const SittingState &state) -> std::string {
             starts += is_start(picture) && !is_at_start ? 1 : 0;
