@@ -212,7 +212,7 @@ void Assistant::again(session::Session &session) {
         return;
     }
     if (is_stopped(session) && !servo::is_final(session.latest().safety.cause)) {
-        session.servo().reset_safety();
+        session.servo().let_go_on();
     }
     enter(session, present_);
 }

@@ -117,7 +117,8 @@ bool CalibrationLoan::settle() {
     const device::Measurement measured = device_.read();
     device::DeviceCommand command = device::DeviceCommand::braking();
     command.number = measured.number;
-    command.resets_faults = true;
+    // A stop by the switch is left to the session's servo, which holds it.
+    command.resets_faults = !measured.faults.has(device::BoardFaults::kStop);
     device_.write(command);
     if (++settling_ticks_ < kSettling_ticks) {
         return true;

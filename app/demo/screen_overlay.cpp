@@ -21,7 +21,7 @@ void Screen::obey(SceneAction action) {
     case SceneAction::none:
         return;
     case SceneAction::reset:
-        session_.servo().reset_safety();
+        session_.servo().let_go_on();
         return;
     case SceneAction::go_on:
         toggle_pause();

@@ -27,7 +27,6 @@ CourseOrders Course::update(const CourseNow &now) {
     }
     if (now.next_visitor) {
         begin_visit(orders, now.time_s);
-        orders.resets_trip = true;
         return orders;
     }
     switch (stage_) {

@@ -35,7 +35,6 @@ struct CourseNow {
 struct CourseOrders {
     std::optional<std::size_t> scene; ///< to be shown from now on
     bool resets = false;              ///< hand, view and gains
-    bool resets_trip = false;         ///< asked for by a person
     bool performs = false;            ///< the scripted hand begins
     bool leaves = false;              ///< the scripted hand ends where it is
     bool visit_begins = false;

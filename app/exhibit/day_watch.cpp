@@ -20,6 +20,7 @@ struct DayChannels {
     std::size_t cause = session::channel_named("trip_cause").value();
     std::size_t measured = session::channel_named("trip_measured").value();
     std::size_t limit = session::channel_named("trip_limit").value();
+    std::size_t held_stop = session::channel_named("held_stop").value();
     std::size_t force = session::channel_named("force_N").value();
     std::array<std::size_t, 3> voltage{session::channel_named("e_W1_V").value(),
                                        session::channel_named("e_W2_V").value(),
@@ -54,7 +55,12 @@ void DayWatch::watch_safety(const record::ChannelStore &store, std::uint64_t row
     const auto now =
         static_cast<SafetyState>(static_cast<int>(store.value(day_channels().state, row)));
     const SafetyState before = std::exchange(state_, now);
+    const double held_stop = store.value(day_channels().held_stop, row);
+    const bool is_requested = held_stop > std::exchange(held_stop_, held_stop);
     if (now == before) {
+        if (is_requested) {
+            events.emplace_back("stopped by hand while it was stopped");
+        }
         return;
     }
     if (now == SafetyState::tripped) {

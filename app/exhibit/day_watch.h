@@ -22,6 +22,7 @@ private:
 
     std::uint64_t next_row_ = 0;
     servo::SafetyState state_ = servo::SafetyState::waiting;
+    double held_stop_ = 0.0;
     bool is_stopped_ = false; ///< and did not run since
     double stopped_s_ = 0.0;
     bool is_lost_ = false;

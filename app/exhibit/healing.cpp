@@ -15,6 +15,20 @@ std::string_view name_of(Condition condition) {
     return kNames[static_cast<std::size_t>(condition)];
 }
 
+HealingNow healing_of(const session::Session &session) {
+    const servo::ServoSample &latest = session.latest();
+    HealingNow now;
+    now.state = latest.safety.state;
+    now.cause = latest.safety.cause;
+    now.is_stop_held = session.servo().is_held_stopped();
+    now.can_reach_a_hand = session.device().device().can_reach_a_hand();
+    now.is_lost = latest.health == device::DeviceHealth::lost;
+    now.is_zeroed = session.is_zeroed() || now.is_lost;
+    now.is_held_back = session.is_kept_released();
+    now.is_touching = latest.contact.touching;
+    return now;
+}
+
 Remedy Healing::update(const HealingNow &now) {
     if (now.state == SafetyState::tripped) {
         running_since_s_.reset();
@@ -27,38 +41,32 @@ Remedy Healing::update(const HealingNow &now) {
 
 /// While it is stopped.
 Remedy Healing::heal(const HealingNow &now) {
-    const bool is_stubborn = resets_ >= kStubborn;
-    if (servo::is_final(now.cause)) {
-        condition_ = Condition::needs_staff;
+    const auto waits = [this](Condition condition) {
+        condition_ = condition;
+        calm_since_s_.reset();
         return Remedy::none;
+    };
+    if (servo::is_final(now.cause)) {
+        return waits(Condition::needs_staff);
     }
     if (now.is_lost) {
-        condition_ = Condition::lost;
-        calm_since_s_.reset();
-        return Remedy::none;
+        return waits(Condition::lost);
     }
-    if (now.cause == TripCause::emergency_stop && now.is_real) {
-        condition_ = Condition::asks_go_on;
-        return Remedy::none;
+    if (now.is_stop_held || now.can_reach_a_hand || resets_ >= kMaxResets) {
+        return waits(Condition::asks_go_on);
     }
     if (now.hand_is_held || now.is_touching) {
-        condition_ = is_stubborn ? Condition::needs_staff : Condition::let_go;
-        calm_since_s_.reset();
+        static_cast<void>(waits(Condition::let_go));
         return now.hand_is_held ? Remedy::none : Remedy::lift_hand;
     }
     calm_since_s_ = calm_since_s_.value_or(now.time_s);
-    const double pause_s = is_stubborn                              ? kStubbornPause_s
-                           : now.cause == TripCause::emergency_stop ? kPauseAfterStop_s
-                                                                    : kPause_s;
-    goes_on_in_s_ = std::max(0.0, *calm_since_s_ + pause_s - now.time_s);
-    condition_ = is_stubborn ? Condition::needs_staff : Condition::pause;
+    goes_on_in_s_ = std::max(0.0, *calm_since_s_ + kPause_s - now.time_s);
+    condition_ = Condition::pause;
     if (goes_on_in_s_ > 0.0) {
         return Remedy::none;
     }
     calm_since_s_ = now.time_s; // if it is in vain
-    if (now.cause != TripCause::emergency_stop && now.cause != TripCause::device_lost) {
-        resets_ = std::min(resets_ + 1, kStubborn); // those two come from people, not from a fault
-    }
+    ++resets_;
     return Remedy::reset;
 }
 

@@ -1,10 +1,12 @@
-// How an exhibit goes on by itself after a stop of the safety monitor, as pure logic: when to reset
-// it, and when to say that somebody of the staff is needed.
+// How an exhibit goes on after a stop of the safety monitor, as pure logic: a simulation by itself,
+// a few times; a device that can reach a hand, and after a requested stop any, when a person lets
+// it go on.
 //
-//   stopped ──device there, hand let go, tip free──► a pause ──► reset ──► lift the tip ──► running
+//   stopped ──hand let go, tip free──► a pause ──► reset ──► lift the tip ──► running
+//      └─────a person: go on───────────────────────► reset
 #pragma once
 
-#include "engine/servo/safety_status.h"
+#include "engine/session/session.h"
 
 #include <cstdint>
 #include <optional>
@@ -17,24 +19,28 @@ struct HealingNow {
     double time_s = 0.0;
     servo::SafetyState state = servo::SafetyState::waiting;
     servo::TripCause cause = servo::TripCause::none;
+    bool is_stop_held = false; ///< somebody requested it
+    bool can_reach_a_hand = false;
     bool is_lost = false;      ///< the device does not answer
     bool is_zeroed = true;     ///< its angles are known
     bool is_held_back = false; ///< the device only brakes, since it failed its commissioning
     bool is_touching = false;  ///< a surface
     bool is_inside = false;    ///< the tip lies in a solid
     bool hand_is_held = false; ///< by the visitor
-    bool is_real = false;      ///< the device: somebody can be hurt
 };
+
+/// What a session tells of itself: all but time, hand, and tip inside.
+[[nodiscard]] HealingNow healing_of(const session::Session &session);
 
 /// What the visitor is told.
 enum class Condition : std::uint8_t {
     well,
-    lost,          ///< it is connected again by itself
+    lost,          ///< it is connected again once it is there
     let_go,        ///< the hand is to be let go, or the tip lifted, first
     pause,         ///< it goes on in `goes_on_in_s`
     asks_go_on,    ///< a person has to say that it may go on
     lift,          ///< the motors wait for the tip to be lifted off
-    needs_staff,   ///< and goes on trying, unless the cause is final
+    needs_staff,   ///< no reset helps
     needs_zeroing, ///< by the staff
 };
 
@@ -44,12 +50,10 @@ enum class Remedy : std::uint8_t { none, reset, lift_hand };
 
 class Healing {
 public:
-    static constexpr double kPause_s = 3.0;           ///< from being free to the reset
-    static constexpr double kPauseAfterStop_s = 10.0; ///< the same after an emergency stop
-    static constexpr double kStubbornPause_s = 60.0;  ///< the same once staff is needed
+    static constexpr double kPause_s = 3.0;   ///< from being free to the reset
     static constexpr double kLift_s = 1.5;    ///< the motors wait in contact, until the hand
                                               ///< is lifted
-    static constexpr int kStubborn = 5;       ///< resets in vain, then staff is needed
+    static constexpr int kMaxResets = 3;      ///< in vain, then a person is needed
     static constexpr double kProven_s = 20.0; ///< of running, and no reset was in vain
 
     Remedy update(const HealingNow &now);
@@ -57,8 +61,8 @@ public:
     [[nodiscard]] Condition condition() const { return condition_; }
     [[nodiscard]] double goes_on_in_s() const { return goes_on_in_s_; } ///< of `pause`
 
-    /// A person has reset it.
-    void note_reset() { calm_since_s_.reset(); }
+    /// A person lets it go on.
+    void begin_anew() { *this = {}; }
 
 private:
     Remedy heal(const HealingNow &now);

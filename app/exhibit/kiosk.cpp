@@ -29,10 +29,6 @@ double boot_time_s() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-bool is_real(const session::Session &session) {
-    return session.device_choice().kind == factory::DeviceKind::usb;
-}
-
 bool is_lost(const session::Session &session) {
     return session.latest().health == device::DeviceHealth::lost;
 }
@@ -81,7 +77,9 @@ void Kiosk::update(const KioskParts &parts, const KioskFrame &frame, const Recta
         session.servo().emergency_stop();
     }
     if (answer.go_on) {
-        go_on(parts);
+        session.servo().let_go_on();
+        healing_.begin_anew();
+        log_.note("a person lets it go on");
     }
     note_visitor(parts, answer);
     for (const std::string &event : watch_.update(session, figures_)) {
@@ -149,24 +147,16 @@ bool Kiosk::tip_was_moved(const session::Session &session) {
 
 void Kiosk::heal(const KioskParts &parts, const KioskFrame &frame) {
     session::Session &session = parts.stage.session;
-    const servo::ServoSample &latest = session.latest();
-    HealingNow now;
+    HealingNow now = healing_of(session);
     now.time_s = now_.time_s;
-    now.state = latest.safety.state;
-    now.cause = latest.safety.cause;
-    now.is_lost = is_lost(session);
-    now.is_zeroed = session.is_zeroed() || now.is_lost;
-    now.is_held_back = session.is_kept_released();
-    now.is_touching = latest.contact.touching;
     // The scripted hand finds its own way.
-    now.is_inside = frame.is_inside && !latest.contact.touching && !course_.is_performing();
+    now.is_inside = frame.is_inside && !now.is_touching && !course_.is_performing();
     now.hand_is_held = parts.view.holds_hand();
-    now.is_real = is_real(session);
     switch (healing_.update(now)) {
     case Remedy::none:
         break;
     case Remedy::reset:
-        go_on(parts);
+        session.servo().reset_safety();
         break;
     case Remedy::lift_hand:
         // A path that the scripted hand was on is left by the course, and then soon at its end.
@@ -179,21 +169,13 @@ void Kiosk::heal(const KioskParts &parts, const KioskFrame &frame) {
     if (session.servo().speed() < 1.0) {
         session.servo().set_speed(1.0);
     }
-    if (is_stopped(session) && servo::is_final(now.cause) && !now.is_real) {
+    if (is_stopped(session) && servo::is_final(now.cause) && !now.can_reach_a_hand &&
+        !now.is_stop_held) {
         final_since_s_ = final_since_s_.value_or(now.time_s);
         if (now.time_s - *final_since_s_ >= kFinal_s) {
             ending_ = KioskEnding::start_again;
         }
     }
-}
-
-void Kiosk::go_on(const KioskParts &parts) {
-    const servo::SafetyStatus &safety = parts.stage.session.latest().safety;
-    if (!is_stopped(parts.stage.session) || servo::is_final(safety.cause)) {
-        return;
-    }
-    parts.stage.session.servo().reset_safety();
-    healing_.note_reset();
 }
 
 void Kiosk::zero(session::Session &session) {
@@ -216,9 +198,6 @@ void Kiosk::carry_out(const CourseOrders &orders, const KioskParts &parts) {
     }
     if (orders.leaves) {
         performer_.leave(parts.stage);
-    }
-    if (orders.resets_trip) {
-        go_on(parts);
     }
     if (orders.resets) {
         parts.stage.lift.stop();
@@ -273,7 +252,6 @@ KioskShown Kiosk::shown(const KioskParts &parts) const {
     KioskShown all;
     all.stage = course_.stage();
     all.has_script = session.hand().is_simulated();
-    all.is_real = is_real(session);
     if (performer_.has_scene(session)) { // not yet while it is loaded
         all.title = scene.lesson.title;
         all.sentence = sentence_of(kTour[course_.scene()], scene);

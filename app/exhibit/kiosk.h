@@ -1,7 +1,8 @@
 // An exhibit: what runs unattended among visitors, in place of the window's panels.
 //
 //   mouse, keys, tip ──► Course ──► scene, scripted hand, gains, view ──► session
-//   session's safety ──► Healing ──► reset, lift of the hand ──► session
+//   session's safety ──► Healing ──► reset of a simulation, lift of the hand ──► session
+//                    button *go on* ──► session
 //                    └─► DayWatch ──► DayLog
 #pragma once
 
@@ -59,7 +60,6 @@ private:
     [[nodiscard]] KioskShown shown(const KioskParts &parts) const;
     void note_visitor(const KioskParts &parts, const KioskAnswer &answer);
     void heal(const KioskParts &parts, const KioskFrame &frame);
-    void go_on(const KioskParts &parts);
     void carry_out(const CourseOrders &orders, const KioskParts &parts);
     void show_scene(const KioskParts &parts, std::size_t scene);
     [[nodiscard]] bool tip_was_moved(const session::Session &session);

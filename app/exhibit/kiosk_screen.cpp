@@ -119,7 +119,7 @@ private:
     [[nodiscard]] const char *banner() const {
         switch (shown_.stage) {
         case Stage::attract:
-            return shown_.is_real ? "Take the pen" : "Touch to begin";
+            return shown_.has_script ? "Touch to begin" : "Take the pen";
         case Stage::showing:
             return "Watch";
         case Stage::your_turn:
@@ -132,7 +132,7 @@ private:
         if (shown_.stage == Stage::showing) {
             return shown_.has_script ? "what the hand does" : "what there is to feel";
         }
-        return shown_.is_real ? "take the pen and touch" : "press on the scene, drag to slide";
+        return shown_.has_script ? "press on the scene, drag to slide" : "take the pen and touch";
     }
 
     void draw_banner() {
@@ -246,7 +246,7 @@ private:
         switch (shown_.condition) {
         case Condition::lost:
             return Words{"The device is not connected.",
-                         "It goes on by itself once it is plugged in again.", kRed};
+                         "Once it is plugged in again, it asks whether it may go on.", kRed};
         case Condition::let_go:
             return Words{"Stopped: let go, please.", shown_.stop, kRed};
         case Condition::pause:
@@ -254,7 +254,7 @@ private:
                 ui::formatted("Stopped. It goes on in {:.0f} s.", std::ceil(shown_.goes_on_in_s)),
                 shown_.stop, kRed};
         case Condition::asks_go_on:
-            return Words{"Stopped by hand.", "Is nobody in its way?", kRed};
+            return Words{"Stopped. Is nobody in its way?", shown_.stop, kRed};
         case Condition::lift:
             return Words{"Lift the tip off the surface.", "Then the motors start."};
         case Condition::needs_staff:

@@ -32,7 +32,6 @@ struct KioskReadOut {
 struct KioskShown {
     Stage stage = Stage::attract;
     bool has_script = true; ///< a scripted hand shows the scene
-    bool is_real = false;   ///< the device
     std::string title;
     std::string sentence;
     Condition condition = Condition::well;

@@ -61,7 +61,7 @@ VisitorPort::VisitorPort(study_screen::SittingPort &window, session::Session &se
                          const study::Protocol &protocol,
                          std::optional<study::SimulatedParticipant> made_up)
     : window_(window), session_(session), protocol_(protocol), made_up_(made_up),
-      presence_(session.servo().now_s()), stops_(session.servo().inputs().stop_count),
+      presence_(session.servo().now_s()), stop_(session.servo().inputs().requested_stop),
       step_since_s_(session.servo().now_s()) {}
 
 /// With a mouse all can be done by its left button.
@@ -99,8 +99,6 @@ void VisitorPort::act_made_up(const SittingState &state, SittingFrame &frame) {
     const double shown_s = now_s - step_since_s_;
     if (waits_for_key(state.step) && shown_s >= kReading_s) {
         frame.inputs.push_back(key_press("enter", now_s));
-    } else if (state.step == SittingStep::device_stopped && shown_s >= kReading_s) {
-        frame.orders.resets_device = session_.hand().is_simulated();
     } else if (state.step == SittingStep::response && shown_s >= kThinking_s) {
         const study::SimulatedAnswer answer = study::simulated_answer(
             protocol_, *made_up_, *state.trial, state.trial->presented.level);
@@ -116,8 +114,8 @@ void VisitorPort::act_made_up(const SittingState &state, SittingFrame &frame) {
 void VisitorPort::watch(SittingFrame &frame) {
     const double now_s = session_.servo().now_s();
     const bool is_real = !session_.hand().is_simulated();
-    const std::uint32_t stops = session_.servo().inputs().stop_count; // their keys are no inputs
-    const bool is_stopped = std::exchange(stops_, stops) != stops;
+    const std::uint32_t stop = session_.servo().inputs().requested_stop; // its keys are no inputs
+    const bool is_stopped = std::exchange(stop_, stop) != stop;
     presence_.update(now_s, has_acted(frame.inputs) || is_stopped,
                      is_real ? std::optional(session_.latest().tip_m) : std::nullopt);
     if (!made_up_ && presence_.away_s(now_s) > kGoneAfter_s) {

@@ -58,7 +58,7 @@ private:
     const study::Protocol &protocol_;
     std::optional<study::SimulatedParticipant> made_up_;
     Presence presence_;
-    std::uint32_t stops_;       ///< presses of the emergency stop
+    std::uint32_t stop_;        ///< the last one requested here
     double step_since_s_ = 0.0; ///< since when the present step is shown
     study_screen::SittingStep step_ = study_screen::SittingStep::instructions;
     VisitEnd end_ = VisitEnd::none;

@@ -111,6 +111,7 @@ VisitEnd Visits::sit(study::StudyStore &store, Visitor visitor) {
     study_screen::SittingPlan plan{plan_.protocol, plan_.setting, plan_.folders, kVisitor};
     plan.offers_practice_again = false; // nobody has the time
     plan.keeps_records = false;
+    plan.is_attended = false;
     const bool is_made_up = visitor == Visitor::made_up;
     if (is_made_up) {
         plan.protocol.practice = {}; // nobody has to learn it

@@ -19,6 +19,7 @@ public:
         return device_->description();
     }
     [[nodiscard]] DeviceClock clock() const override { return device_->clock(); }
+    [[nodiscard]] bool can_reach_a_hand() const override { return device_->can_reach_a_hand(); }
     [[nodiscard]] double delay_periods() const override { return device_->delay_periods(); }
     [[nodiscard]] Measurement read() noexcept override { return device_->read(); }
     void write(const DeviceCommand &command) noexcept override { device_->write(command); }

@@ -101,6 +101,10 @@ public:
     [[nodiscard]] virtual const DeviceDescription &description() const = 0;
     [[nodiscard]] virtual DeviceClock clock() const = 0;
 
+    /// Whether its motors' energy can reach a person's hand, or it stands in for a device whose
+    /// can. Nothing but a person then starts it again after a stop of an exhibit.
+    [[nodiscard]] virtual bool can_reach_a_hand() const { return true; }
+
     /// d: servo periods, whole or fractional, from a measurement until the command computed from it
     /// reaches the windings. Measured on a real device, as the mean of the latest ones.
     [[nodiscard]] virtual double delay_periods() const = 0;

@@ -63,6 +63,7 @@ public:
         return description_;
     }
     [[nodiscard]] device::DeviceClock clock() const override { return device::DeviceClock::servo; }
+    [[nodiscard]] bool can_reach_a_hand() const override { return false; }
     [[nodiscard]] double delay_periods() const override { return delay_periods_; }
     [[nodiscard]] device::Measurement read() noexcept override;
     void write(const device::DeviceCommand &command) noexcept override;

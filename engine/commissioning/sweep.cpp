@@ -245,6 +245,7 @@ void StiffnessSweep::act(const ServoSample &sample) {
         if (stage_ == SweepStage::resting && sample.safety.cause == servo::TripCause::board_fault &&
             inputs_.reset_count == 0) {
             ++inputs_.reset_count;
+            inputs_.released_stop = sample.safety.held_stop;
             return;
         }
         end("the safety monitor ended the sweep, and the device brakes: " +

@@ -5,6 +5,7 @@
 #include "engine/record/record_format.h"
 #include "engine/record/telemetry_columns.h"
 
+#include <limits>
 #include <type_traits>
 
 namespace springdrive::record {
@@ -50,6 +51,11 @@ template <typename Enum> std::vector<std::string> names_of() {
         return {servo::kTripCauseNames.begin(), servo::kTripCauseNames.end()};
     }
 }
+
+constexpr std::uint32_t kMissing = std::numeric_limits<std::uint32_t>::max();
+
+/// Older records lack these columns; their samples have the defaults.
+bool is_recent(std::string_view column) { return column == "held_stop"; }
 
 template <typename Enum> bool is_known(std::uint8_t number) {
     static const std::size_t known = names_of<Enum>().size();
@@ -108,6 +114,10 @@ void encode(const servo::ServoSample &sample, std::byte *row) {
 RowDecoder::RowDecoder(const RecordHeader &header) {
     for (const RecordColumn &wanted : sample_columns()) {
         const RecordColumn *const found = header.column(wanted.name);
+        if (found == nullptr && is_recent(wanted.name)) {
+            offset_.push_back(kMissing);
+            continue;
+        }
         if (found == nullptr) {
             throw InputError("the record has no column " + wanted.name +
                              ", so it is of another version; only exports can read it");
@@ -125,7 +135,9 @@ servo::ServoSample RowDecoder::decode(std::span<const std::byte> row) const {
     servo::ServoSample sample;
     const std::uint32_t *offset = offset_.data();
     for_each_column(sample, [&](std::string_view name, std::string_view, auto &value) {
-        load_into(value, row.data() + *offset++, name);
+        if (const std::uint32_t at = *offset++; at != kMissing) {
+            load_into(value, row.data() + at, name);
+        }
     });
     return sample;
 }

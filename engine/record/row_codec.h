@@ -25,7 +25,8 @@ void encode(const servo::ServoSample &sample, std::byte *row);
 /// Reads rows of a file whose columns may be in another order, with additional ones in between.
 class RowDecoder {
 public:
-    /// @throw InputError naming the first column that is missing or of another type.
+    /// @throw InputError naming the first column that is of another type, or missing though records
+    ///        have always had it.
     explicit RowDecoder(const RecordHeader &header);
 
     /// @param row  of header.row_bytes

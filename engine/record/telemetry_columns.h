@@ -140,6 +140,7 @@ template <typename Sample, typename Visit> void of_safety(Sample &s, Visit &visi
     visit("trip_measured", "SI", s.safety.measured);
     visit("trip_limit", "SI", s.safety.limit);
     visit("ramp", "1", s.safety.ramp);
+    visit("held_stop", "1", s.safety.held_stop);
     visit("held_back_force", "1", s.held_back.force);
     visit("held_back_voltage", "1", s.held_back.voltage);
     visit("held_back_at_edge", "1", s.held_back.at_edge);

@@ -60,29 +60,33 @@ void SafetyMonitor::set_period(double period_s) noexcept {
     rest_.set_period(period_s);
 }
 
-void SafetyMonitor::reset() noexcept {
-    if (status_.state == SafetyState::tripped && !is_final(status_.cause)) {
-        for (device::WindingGuard &guard : guard_) {
-            guard.forget_observations();
-        }
-        status_ = {};
-        board_reset_left_s_ = board_has_faults_ ? kBoardReset_s : 0.0;
-        cut_off_s_ = 0.0;
-        rest_.reset();
-        energy_.reset();
+bool SafetyMonitor::reset(std::uint32_t released_stop) noexcept {
+    if (status_.state != SafetyState::tripped || is_final(status_.cause) ||
+        status_.held_stop > released_stop) {
+        return false;
     }
+    for (device::WindingGuard &guard : guard_) {
+        guard.forget_observations();
+    }
+    status_ = {};
+    board_reset_left_s_ = board_has_faults_ ? kBoardReset_s : 0.0;
+    cut_off_s_ = 0.0;
+    rest_.reset();
+    energy_.reset();
+    return true;
 }
 
 device::DeviceCommand SafetyMonitor::fail(const AssertionFailure &failure) noexcept {
     if (!is_final(status_.cause)) { // keep the first failure; later ones follow from it
-        status_ = {SafetyState::tripped, TripCause::assertion, 0.0, 0.0, 0.0, failure};
+        status_ = {SafetyState::tripped, TripCause::assertion, 0.0, 0.0, 0.0, failure,
+                   status_.held_stop};
     }
     return safe_state();
 }
 
 void SafetyMonitor::trip(TripCause cause, double measured, double limit) noexcept {
     if (status_.state != SafetyState::tripped) {
-        status_ = {SafetyState::tripped, cause, measured, limit, 0.0, {}};
+        status_ = {SafetyState::tripped, cause, measured, limit, 0.0, {}, status_.held_stop};
     }
 }
 
@@ -144,6 +148,21 @@ void SafetyMonitor::watch_link(const Link &link, double elapsed_s) noexcept {
     board_has_faults_ = link.faults.any() || (board_has_faults_ && !device::has_news(link.arrival));
     const double left_s = board_reset_left_s_ - elapsed_s;
     board_reset_left_s_ = board_has_faults_ && left_s > kRoundOff ? left_s : 0.0;
+}
+
+/// A switch that stays on after its stop was released and the board was reset is a stop anew.
+void SafetyMonitor::watch_stops(const Link &link, const SafetyOrders &orders) noexcept {
+    const bool was_on = switch_is_on_;
+    switch_is_on_ =
+        link.faults.has(device::BoardFaults::kStop) || (was_on && !device::has_news(link.arrival));
+    last_stop_ = std::max({last_stop_, orders.requested_stop, orders.released_stop});
+    const bool stays_on = status_.held_stop == 0 && !is_resetting_board();
+    if (switch_is_on_ && (!was_on || stays_on)) {
+        ++last_stop_;
+    }
+    if (last_stop_ > orders.released_stop) {
+        status_.held_stop = last_stop_;
+    }
 }
 
 /// The observer runs only while the gains are constant; while they ramp up the spring changes every
@@ -217,8 +236,11 @@ void SafetyMonitor::check_voltage(const LimitedCommand &passed) noexcept {
 }
 
 /// Checks that do not depend on measured values.
-void SafetyMonitor::check_link(const Link &link, const SafetyOrders &orders) noexcept {
-    if (orders.emergency_stop) {
+void SafetyMonitor::check_link(const Link &link) noexcept {
+    if (status_.held_stop != 0) {
+        if (switch_is_on_) {
+            trip(TripCause::board_fault, link.faults.bits);
+        }
         trip(TripCause::emergency_stop);
     }
     if (link.health != device::DeviceHealth::ok) {
@@ -238,7 +260,7 @@ void SafetyMonitor::check_clocks(const Link &link) noexcept {
 
 void SafetyMonitor::check(const device::DeviceCommand &wanted, const Observation &seen,
                           const SafetyOrders &orders) noexcept {
-    check_link(seen.link, orders);
+    check_link(seen.link);
     if (!seen.all_finite || !wanted.e_W_V.allFinite() ||
         !wanted.cancelled_resistance_Ohm.allFinite() || !seen.current_A.allFinite() ||
         !seen.now.tip_m.allFinite() || !seen.now.tip_velocity_m_per_s().allFinite() ||
@@ -302,6 +324,7 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
         seen.missed_periods - std::min(seen.missed_periods, std::exchange(held_ticks_, 0U));
     const double elapsed_s = (1.0 + unwatched) * period_s_;
     watch_link(seen.link, elapsed_s);
+    watch_stops(seen.link, orders);
     watch_window(orders, elapsed_s);
     watch_energy(seen);
     rest_.update(seen.now.tip_m, seen.touching);
@@ -326,8 +349,9 @@ device::DeviceCommand SafetyMonitor::hold(const device::DeviceCommand &active, c
                                           const SafetyOrders &orders) noexcept {
     ++held_ticks_;
     watch_link(link, period_s_);
+    watch_stops(link, orders);
     watch_window(orders, period_s_);
-    check_link(link, orders);
+    check_link(link);
     check_clocks(link);
     return lets_pass() ? active : safe_state();
 }

@@ -9,7 +9,9 @@
 // A request to release the device reverses the start: from starting or running via releasing, where
 // the gains ramp down, to waiting, for as long as the request is set.
 //
-// A trip latches: the device is in the safe state until a deliberate reset. The safe state is
+// A trip latches: the device is in the safe state until a deliberate reset. A requested stop has a
+// number, in whatever state it finds the monitor: no reset succeeds until that number is released,
+// so that nothing undoes a stop that nobody has seen. The safe state is
 // braking (e_W = 0 and R̂ = 0); only a fault of an amplifier itself opens the windings. Limits come
 // from the device file, and may be lowered, never raised; that of R̂ follows the estimates of each
 // winding's temperature and resistance, see winding_guard.h.
@@ -73,7 +75,8 @@ struct Observation {
 /// Requests from the window to the monitor.
 struct SafetyOrders {
     SafetyLimits limits = unlowered(); ///< lower the device's limits
-    bool emergency_stop = false;
+    std::uint32_t requested_stop = 0;  ///< see ServoInputs
+    std::uint32_t released_stop = 0;   ///< the same
     std::uint32_t heartbeat = 0;
     bool release = false; ///< ramp down and release the device
 };
@@ -96,8 +99,9 @@ public:
 
     /// Clears a trip and starts again; if the cause persists, the next `pass` trips again. Faults
     /// of the device's board get kBoardReset_s, in which the board is told to clear them. A trip by
-    /// a failed assertion stays, because the servo's state cannot be trusted. RT-safe.
-    void reset() noexcept;
+    /// a failed assertion stays, because the servo's state cannot be trusted, and so does one with
+    /// a held stop beyond `released_stop`. Returns whether it was cleared. RT-safe.
+    bool reset(std::uint32_t released_stop = 0) noexcept;
 
     /// Trips in any state; returns the safe state. RT-safe.
     [[nodiscard]] device::DeviceCommand fail(const AssertionFailure &failure) noexcept;
@@ -116,10 +120,11 @@ private:
     void watch_windings(const Observation &seen) noexcept;
     void watch_window(const SafetyOrders &orders, double elapsed_s) noexcept;
     void watch_link(const Link &link, double elapsed_s) noexcept;
+    void watch_stops(const Link &link, const SafetyOrders &orders) noexcept;
     void watch_energy(const Observation &seen) noexcept;
     void trip(TripCause cause, double measured = 0.0, double limit = 0.0) noexcept;
     void trip_above(TripCause cause, double measured, double limit) noexcept;
-    void check_link(const Link &link, const SafetyOrders &orders) noexcept;
+    void check_link(const Link &link) noexcept;
     void check_clocks(const Link &link) noexcept;
     [[nodiscard]] bool is_resetting_board() const noexcept { return board_reset_left_s_ > 0.0; }
     void check(const device::DeviceCommand &wanted, const Observation &seen,
@@ -151,6 +156,8 @@ private:
     bool amplifier_is_at_fault_ = false; ///< as last reported by the board
     bool board_has_faults_ = false;      ///< the same
     double board_reset_left_s_ = 0.0;    ///< of kBoardReset_s
+    bool switch_is_on_ = false;          ///< stop switch or enable line, as last reported
+    std::uint32_t last_stop_ = 0;        ///< number of the last requested stop
     ActiveLimits held_back_;
     double force_share_ = 1.0; ///< passed on by the limiter in the previous tick
     SafetyStatus status_;

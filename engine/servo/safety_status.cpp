@@ -35,9 +35,7 @@ std::string text_of(const AssertionFailure &failure) {
                              failure.file, failure.line, failure.condition);
 }
 
-} // namespace
-
-std::string description(const SafetyStatus &status) {
+std::string cause_text(const SafetyStatus &status) {
     switch (status.cause) {
     case TripCause::none:
         return "no trip";
@@ -78,6 +76,17 @@ std::string description(const SafetyStatus &status) {
         return text_of(status.failure);
     }
     return "unknown";
+}
+
+} // namespace
+
+std::string description(const SafetyStatus &status) {
+    const bool is_by_switch = status.cause == TripCause::board_fault &&
+                              device::BoardFaults{static_cast<std::uint16_t>(status.measured)}.has(
+                                  device::BoardFaults::kStop);
+    const bool says_stop = status.cause == TripCause::emergency_stop || is_by_switch;
+    return cause_text(status) +
+           (status.held_stop != 0 && !says_stop ? "; then it was stopped by hand" : "");
 }
 
 } // namespace springdrive::servo

@@ -66,6 +66,9 @@ struct SafetyStatus {
     double limit = 0.0;
     double ramp = 0.0;          ///< 0 to 1, share of the command that is passed on
     AssertionFailure failure{}; ///< for TripCause::assertion; in records only as a note
+    /// Number of the last requested stop, by window or switch, that no person has released;
+    /// 0: none. It keeps the motors off, whatever tripped first.
+    std::uint32_t held_stop = 0;
 };
 
 /// The limit within which the steady force and currents of a command are kept.

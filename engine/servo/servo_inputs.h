@@ -29,9 +29,12 @@ struct ServoInputs : LawInputs {
         nullptr;                           ///< the touchable surface; owned by the publisher
     std::uint32_t scene_id = 0;            ///< a change puts the proxy at the tip
     double global_alpha_rad2_per_m2 = 0.0; ///< for AlphaMode::global
-    bool emergency_stop = false;           ///< trips the safety monitor while set
-    std::uint32_t stop_count = 0;          ///< a change trips it too, even together with a reset
-    std::uint32_t reset_count = 0;    ///< a change resets a tripped monitor if the cause is gone
+    /// Number of the last stop that was requested here: larger than that of every stop before,
+    /// released or held (SafetyStatus::held_stop).
+    std::uint32_t requested_stop = 0;
+    std::uint32_t released_stop = 0; ///< number of the last stop that a person saw and released
+    /// A change resets a tripped monitor, unless a stop is held that is not released.
+    std::uint32_t reset_count = 0;
     bool observes_resistance = false; ///< R̂ follows the windings' resistances
     bool release = false; ///< release the device: gains ramp down and stay at zero while set
     /// A running window changes it regularly; zero when running without a window.

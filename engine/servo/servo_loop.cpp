@@ -63,16 +63,12 @@ void ServoLoop::set_period(double period_s) {
 
 /// Takes the inputs that apply even without a new measurement.
 void ServoLoop::take_orders(const ServoInputs &inputs) noexcept {
-    if (inputs.reset_count != inputs_.reset_count) {
-        if (safety_.status().state == SafetyState::tripped) {
-            observers_.restart();
-        }
-        safety_.reset();
+    if (inputs.reset_count != inputs_.reset_count && safety_.reset(inputs.released_stop)) {
+        observers_.restart();
     }
-    stops_now_ = inputs.stop_count != inputs_.stop_count;
     inputs_.reset_count = inputs.reset_count;
-    inputs_.stop_count = inputs.stop_count;
-    inputs_.emergency_stop = inputs.emergency_stop;
+    inputs_.requested_stop = inputs.requested_stop;
+    inputs_.released_stop = inputs.released_stop;
     inputs_.release = inputs.release;
     inputs_.heartbeat = inputs.heartbeat;
 }
@@ -225,7 +221,7 @@ Observation ServoLoop::observation(const control::Configuration &now,
 }
 
 SafetyOrders ServoLoop::orders() const noexcept {
-    return {inputs_.limits, inputs_.emergency_stop || stops_now_, inputs_.heartbeat,
+    return {inputs_.limits, inputs_.requested_stop, inputs_.released_stop, inputs_.heartbeat,
             inputs_.release};
 }
 
@@ -336,7 +332,6 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
     if (is_final(safety_.status().cause)) {
         return brake(measured, inputs, timing);
     }
-    stops_now_ = false;
     if (!device::has_news(measured.arrival) || measured.health == device::DeviceHealth::lost) {
         return hold(measured, inputs, timing);
     }

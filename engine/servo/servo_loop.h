@@ -129,7 +129,6 @@ private:
     std::uint32_t scene_id_ = 0;
     const contact::HapticSurface *surface_ = nullptr;
     std::optional<Vector3> fixed_x0_m_;
-    bool stops_now_ = false; ///< an emergency stop arrived with this tick's inputs
     bool scene_is_new_ = false;
     SafetyMonitor safety_;
     device::DeviceCommand command_ = device::DeviceCommand::braking(); ///< active

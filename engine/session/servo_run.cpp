@@ -35,17 +35,20 @@ void ServoRun::lower_limits(const servo::SafetyLimits &limits) {
 }
 
 void ServoRun::emergency_stop() {
-    inputs_.emergency_stop = true;
-    ++inputs_.stop_count;
+    inputs_.requested_stop = std::max(inputs_.released_stop, latest_.safety.held_stop) + 1;
     publish();
     step(); // a device that stands still is stopped at once, too
 }
 
 void ServoRun::reset_safety() {
-    inputs_.emergency_stop = false;
     ++inputs_.reset_count;
     publish();
     step();
+}
+
+void ServoRun::let_go_on() {
+    inputs_.released_stop = std::max(inputs_.released_stop, shown_stop_);
+    reset_safety();
 }
 
 void ServoRun::touch(const contact::HapticSurface &surface, std::uint32_t scene_id,
@@ -81,6 +84,7 @@ std::vector<std::string> ServoRun::start(const std::function<void()> &on_thread)
 }
 
 void ServoRun::advance(double frame_s) {
+    shown_stop_ = latest_.safety.held_stop;
     inputs_.heartbeat = std::max(1U, inputs_.heartbeat + 1U);
     publish();
     if (!is_halted() && (way_.lockstep || speed_ < 1.0)) {
@@ -227,9 +231,8 @@ void ServoRun::renew(device::HapticDevice &device) {
     history_.set_device(device.description().geometry);
     device_ = &device;
     servo_ = std::make_unique<servo::Servo>(device, servo_hz);
-    // The new loop's counts start at zero: only a difference is a request.
-    inputs_.stop_count = 0;
-    inputs_.reset_count = 0;
+    inputs_.requested_stop = std::max(inputs_.requested_stop, latest_.safety.held_stop);
+    inputs_.reset_count = 0; // as the new loop's: only a difference is a request
     inputs_.release = false;
     next_tick_ = 0;
     latest_.time_s = 0.0; // of the new servo, whose first sample is still to come

@@ -6,6 +6,7 @@
 #include "engine/servo/servo_statistics.h"
 #include "engine/session/telemetry_history.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -45,7 +46,10 @@ public:
     void observe_resistance(bool on);
     void lower_limits(const servo::SafetyLimits &limits);
     void emergency_stop();
+    /// After a trip; not by a person: without effect while a stop is held.
     void reset_safety();
+    /// A person lets the device go on, after any stop that the previous frame showed.
+    void let_go_on();
     /// @param surface  must stay valid until a sample has a later `scene_id`
     void touch(const contact::HapticSurface &surface, std::uint32_t scene_id,
                const control::Tuning &tuning);
@@ -99,8 +103,8 @@ public:
     /// @throw InputError as Servo::set_rate does; nothing is then changed
     std::uint64_t set_rate(double servo_hz);
 
-    /// Restarts on another device with the same inputs, except for `release`. Must be started. An
-    /// emergency stop stays set.
+    /// Restarts on another device with the same inputs, except for `release`. Must be started. A
+    /// held stop stays held.
     /// @pre the servo's thread is not running, and no assertion failed on it
     void renew(device::HapticDevice &device);
 
@@ -111,6 +115,11 @@ public:
     [[nodiscard]] bool is_in_lockstep() const { return way_.lockstep; }
     [[nodiscard]] const servo::ServoInputs &inputs() const { return inputs_; }
     [[nodiscard]] const servo::ServoSample &latest() const { return latest_; }
+    /// Whether a requested stop holds, also one that no tick has seen yet, until a person lets the
+    /// device go on.
+    [[nodiscard]] bool is_held_stopped() const {
+        return std::max(inputs_.requested_stop, latest_.safety.held_stop) > inputs_.released_stop;
+    }
     /// Whether an assertion failed in a tick: the motors then brake permanently.
     [[nodiscard]] bool has_failed() const { return servo::is_final(latest_.safety.cause); }
     [[nodiscard]] const TelemetryHistory &history() const { return history_; }
@@ -131,6 +140,7 @@ private:
     device::HapticDevice *device_;
     std::unique_ptr<servo::Servo> servo_;
     servo::ServoInputs inputs_;
+    std::uint32_t shown_stop_ = 0; ///< held when the present frame began
     double speed_ = 1.0;
     std::optional<bool> halt_;   ///< while it stands still: whether the thread ran before
     double pending_ticks_ = 0.0; ///< fraction of a tick due in lockstep, or slowed down

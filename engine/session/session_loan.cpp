@@ -115,7 +115,7 @@ void Session::go_on_with_loan(double frame_s) {
     if (!loan_) {
         return;
     }
-    if (servo_->inputs().emergency_stop || loan_->is_over() ||
+    if (servo_->is_held_stopped() || loan_->is_over() ||
         latest().safety.state == servo::SafetyState::tripped) {
         take_device_back();
     } else if (loan_->has_begun()) {

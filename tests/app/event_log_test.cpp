@@ -28,7 +28,8 @@ TEST(EventLog, HoldsEveryTripAlsoOneThatIsResetWithinAFrame) {
     for (int trip = 0; trip < 3; ++trip) {
         session.servo().emergency_stop();
         session.advance(0.004);
-        session.servo().reset_safety();
+        session.advance(0.004);
+        session.servo().let_go_on();
         session.advance(0.004);
     }
     log.update(session, tuning);

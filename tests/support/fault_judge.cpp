@@ -89,7 +89,8 @@ void FaultJudge::look_at_link(const device::Measurement &measured,
 
 void FaultJudge::look_at_window(const servo::ServoInputs &inputs, const servo::TickTiming &timing,
                                 const servo::SafetyLimits &limits) {
-    find(servo::TripCause::emergency_stop, inputs.emergency_stop ? 1.0 : 0.0, 0.5, 0.0);
+    find(servo::TripCause::emergency_stop, inputs.requested_stop > inputs.released_stop ? 1.0 : 0.0,
+         0.5, 0.0);
     find(servo::TripCause::missed_deadlines, timing.missed_in_a_row * period_s_, limits.late_s,
          kRoundOff);
     const bool silent = inputs.heartbeat == heartbeat_ && inputs.heartbeat != 0;

@@ -56,8 +56,8 @@ void show_device(const session::Session &session, bool shows_stimuli) {
         break;
     case servo::SafetyState::tripped:
         ui::wrapped(kDanger, "stopped: {}{}", servo::description(now.safety),
-                    session.servo().inputs().emergency_stop ? "; it stays so until you let it go on"
-                                                            : "");
+                    session.servo().is_held_stopped() ? "; it stays so until you let it go on"
+                                                      : "");
         break;
     case servo::SafetyState::waiting:
     case servo::SafetyState::starting:

@@ -1,5 +1,5 @@
 // Stops of the device in a sitting: each is stored with the trial in which it was, or noted; and
-// when the motors may run again.
+// when the device is reset after one that nobody requested.
 #pragma once
 
 #include "engine/session/session.h"
@@ -13,12 +13,13 @@ namespace springdrive::app::study_screen {
 
 class DeviceStops {
 public:
-    /// @param note  stores what it is told of a stop outside of trials
-    DeviceStops(session::Session &session, std::function<void(const std::string &)> note);
+    /// @param resets_itself  after a calm, unless a requested stop is held
+    /// @param note           stores what it is told of a stop outside of trials
+    DeviceStops(session::Session &session, bool resets_itself,
+                std::function<void(const std::string &)> note);
 
     /// Every frame, and before what is known of the device is relied on: with all that the servo
-    /// has published. A stop that somebody wants holds, whatever else has stopped the device
-    /// before: the monitor knows only the first one.
+    /// has published.
     void watch();
 
     /// A stop from now on is the trial's.
@@ -26,28 +27,25 @@ public:
     /// @param is_stored  with the trial; otherwise it is noted now
     void end_trial(bool is_stored);
 
-    /// Somebody lets the device go on: of a stop that is there, not of a later one.
-    void let_go_on() { may_go_on_ = !has_news_; }
+    /// A person lets the device go on.
+    void let_go_on();
     /// The calm after a stop begins anew.
     void begin_calm();
-    /// Every frame of a stop: resets the device after one by hand when somebody lets it go on,
-    /// after another when it was calm for a while.
-    void reset_when_allowed();
+    /// Every frame of a stop: resets the device when it was calm for a while.
+    void reset_when_calm();
 
     /// Of the session so far.
     [[nodiscard]] int count() const { return count_; }
 
 private:
-    /// Until somebody lets the device go on, also in a later sitting.
-    [[nodiscard]] bool is_by_hand() const;
+    void note_reset();
 
     session::Session &session_;
+    bool resets_itself_;
     std::function<void(const std::string &)> note_;
-    std::uint32_t presses_; ///< of the emergency stop, so far
     int count_ = 0;
     bool was_tripped_ = false;
-    bool has_news_ = false; ///< a stop that nobody has seen yet
-    bool may_go_on_ = false;
+    std::uint32_t held_stop_ = 0; ///< as last seen
     bool is_in_trial_ = false;
     std::optional<std::string> of_trial_; ///< the stop in the present one
     bool is_reset_ = false;               ///< and not yet seen to run

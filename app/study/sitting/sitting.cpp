@@ -40,7 +40,8 @@ Sitting::Sitting(study::StudyStore &store, SittingPlan plan, session::Session &s
     : store_(store), plan_(std::move(plan)), session_(session), port_(port),
       presenter_({plan_.protocol, plan_.setting, plan_.folders, session_, port_, state_,
                   [this](ParticipantPicture picture) { return show(std::move(picture)); }}),
-      stops_(session_, [this](const std::string &what) { note("safety", what); }) {
+      stops_(session_, plan_.is_attended || !session_.device().device().can_reach_a_hand(),
+             [this](const std::string &what) { note("safety", what); }) {
     if (const std::string wrong = what_keeps_persons_out(plan_.protocol, plan_.setting);
         !wrong.empty()) {
         throw InputError(wrong);
@@ -144,7 +145,7 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
             if (servo::is_final(latest.safety.cause)) {
                 throw Ends{study::SessionEnding::failed};
             }
-            stops_.reset_when_allowed();
+            stops_.reset_when_calm();
         } else {
             if (std::exchange(is_lead_lost, false)) {
                 presenter_.lead_to_start(planned); // of a hand that is simulated anew

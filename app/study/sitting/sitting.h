@@ -31,6 +31,7 @@ struct SittingPlan {
     bool plays_noise = true;             ///< the protocol's masking noise
     std::vector<study::Setting> facts{}; ///< of the session, besides those of the device
     bool offers_practice_again = true;   ///< after the practice, where two keys answer
+    bool is_attended = true; ///< else a device that can reach a hand starts again by a person alone
 };
 
 class Sitting {

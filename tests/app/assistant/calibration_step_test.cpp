@@ -234,6 +234,27 @@ TEST(CalibrationStep, APulledCableAndAnEmergencyStopAreNamedAndItIsDoneAgain) {
     EXPECT_TRUE(at.in_use());
 }
 
+/// Shorter than the time for which the hand comes to rest after a calibration.
+TEST(CalibrationStep, AStopByTheBoardsSwitchIsHeldAfterItsRelease) {
+    AtCalibration at;
+    Walker &walker = at.walker;
+    walker.begin_calibration();
+    walker.run(2.0);
+    ASSERT_TRUE(walker.session.is_lent());
+    emulator::EmulatedBoard &board = walker.session.device().emulated()->board();
+    emulator::Fault stop = emulator::parse_fault("stop");
+    stop.begin_s = board.time_s();
+    stop.end_s = stop.begin_s + 0.03;
+    board.set_fault(stop);
+    ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_lent(); }, 5.0));
+    walker.run(0.3);
+    EXPECT_TRUE(walker.session.servo().is_held_stopped());
+    EXPECT_TRUE(walker.says("stop switch")) << walker.text();
+    walker.assistant.again(walker.session);
+    walker.run(0.2);
+    EXPECT_FALSE(walker.session.servo().is_held_stopped());
+}
+
 TEST(CalibrationStep, ABoardThatDoesNotKeepItIsDoubtfulUntilAFileDoes) {
     AtCalibration at(drawn_device({"failed-store"}));
     Walker &walker = at.walker;

@@ -88,7 +88,6 @@ TEST(ExhibitCourse, ATouchBeginsAVisitFromTheFirstScene) {
     EXPECT_TRUE(orders.visit_begins);
     EXPECT_TRUE(orders.resets);
     EXPECT_TRUE(orders.leaves);
-    EXPECT_FALSE(orders.resets_trip); // whoever pressed the stop in passing wants it stopped
     EXPECT_EQ(orders.scene, 0U);
     EXPECT_EQ(walk.course.stage(), Stage::showing);
     EXPECT_EQ(walk.course.visitors(), 1U);
@@ -207,7 +206,7 @@ TEST(ExhibitCourse, TheNextVisitorBeginsInAnyStage) {
     Walk walk;
     for (std::size_t visitor = 1; visitor <= 3; ++visitor) {
         const CourseOrders orders = walk.step(next);
-        EXPECT_TRUE(orders.resets && orders.resets_trip && orders.visit_begins);
+        EXPECT_TRUE(orders.resets && orders.visit_begins);
         EXPECT_EQ(orders.scene, 0U);
         EXPECT_EQ(walk.course.visitors(), visitor);
         if (visitor == 2) {

@@ -81,7 +81,7 @@ TEST(ExhibitDayWatch, FindsStopsAndThePeaksOfWhatIsDriven) {
     session.leave_path();
     session.hand().move_to(session.hand().target_m() + Vector3(0.0, 0.05, 0.0));
     run(1.0);
-    session.servo().reset_safety();
+    session.servo().let_go_on();
     run(3.0);
     ASSERT_EQ(events.size(), 2U);
     EXPECT_EQ(events[0], "stopped: emergency stop");
@@ -108,11 +108,11 @@ TEST(ExhibitDayWatch, FindsStopsAndThePeaksOfWhatIsDriven) {
     events.clear();
     session.servo().emergency_stop();
     run(1.0);
-    session.servo().reset_safety();
+    session.servo().let_go_on();
     run(0.2);
     session.servo().emergency_stop();
     run(1.0);
-    session.servo().reset_safety();
+    session.servo().let_go_on();
     run(3.0);
     ASSERT_EQ(events.size(), 3U);
     EXPECT_EQ(events[0], "stopped: emergency stop");

@@ -1,7 +1,13 @@
-// Covers app/exhibit/healing.cpp, in simulated time.
+// Covers app/exhibit/{healing,day_watch}.cpp, in simulated time.
+#include "app/exhibit/day_watch.h"
 #include "app/exhibit/healing.h"
+#include "tests/engine/session/session_fixture.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
 
 namespace springdrive::app::exhibit {
 namespace {
@@ -53,23 +59,6 @@ TEST(ExhibitHealing, ResetsAfterAPause) {
     EXPECT_EQ(patient.healing.condition(), Condition::well);
 }
 
-TEST(ExhibitHealing, AStopByAPersonIsKeptForLonger) {
-    Patient patient;
-    EXPECT_NEAR(patient.until_remedy_s(stopped_by(TripCause::emergency_stop), 20.0),
-                Healing::kPauseAfterStop_s, 1.5 * kHealingFrame_s);
-    EXPECT_GT(Healing::kPauseAfterStop_s, Healing::kPause_s);
-}
-
-TEST(ExhibitHealing, OfARealDeviceAStopByAPersonIsLeftToAPerson) {
-    Patient patient;
-    HealingNow now = stopped_by(TripCause::emergency_stop);
-    now.is_real = true;
-    patient.pass(now, 3600.0);
-    EXPECT_EQ(patient.healing.condition(), Condition::asks_go_on);
-    now.cause = TripCause::tip_speed; // any other is healed there, too
-    EXPECT_LT(patient.until_remedy_s(now, 20.0), Healing::kPause_s + 2.0 * kHealingFrame_s);
-}
-
 TEST(ExhibitHealing, WaitsUntilTheHandIsLetGoAndTheTipIsFree) {
     Patient patient;
     HealingNow now = stopped_by(TripCause::tip_force);
@@ -88,14 +77,30 @@ TEST(ExhibitHealing, WaitsUntilTheHandIsLetGoAndTheTipIsFree) {
     EXPECT_EQ(patient.last, Remedy::reset);
 }
 
-TEST(ExhibitHealing, WaitsForALostDevice) {
-    Patient patient;
-    HealingNow now = stopped_by(TripCause::device_lost);
-    now.is_lost = true;
-    patient.pass(now, 3600.0);
-    EXPECT_EQ(patient.healing.condition(), Condition::lost);
-    now.is_lost = false;
-    EXPECT_NEAR(patient.until_remedy_s(now, 20.0), Healing::kPause_s, 1.5 * kHealingFrame_s);
+TEST(ExhibitHealing, LeavesAStopThatSomebodyRequestedToAPerson) {
+    for (const TripCause cause : {TripCause::emergency_stop, TripCause::tip_speed}) {
+        Patient patient;
+        HealingNow now = stopped_by(cause);
+        patient.pass(now, Healing::kPause_s - 1.0); // the pause has begun
+        now.is_stop_held = true;
+        patient.pass(now, 3600.0);
+        EXPECT_EQ(patient.healing.condition(), Condition::asks_go_on);
+    }
+}
+
+TEST(ExhibitHealing, LeavesADeviceThatCanReachAHandToAPersonAfterAnyCause) {
+    for (std::size_t cause = 1; cause < servo::kTripCauseNames.size(); ++cause) {
+        Patient patient;
+        HealingNow now = stopped_by(static_cast<TripCause>(cause));
+        now.can_reach_a_hand = true;
+        now.is_lost = now.cause == TripCause::device_lost;
+        patient.pass(now, 600.0);
+        EXPECT_EQ(patient.healing.condition() == Condition::lost, now.is_lost);
+        now.is_lost = false;
+        patient.pass(now, 600.0);
+        EXPECT_EQ(patient.healing.condition(),
+                  servo::is_final(now.cause) ? Condition::needs_staff : Condition::asks_go_on);
+    }
 }
 
 TEST(ExhibitHealing, NeverResetsAFinalCause) {
@@ -104,33 +109,26 @@ TEST(ExhibitHealing, NeverResetsAFinalCause) {
     EXPECT_EQ(patient.healing.condition(), Condition::needs_staff);
 }
 
-/// A fault that comes back at once: five quick trials, then one a minute, and somebody is asked
-/// for.
-TEST(ExhibitHealing, AsksForStaffWhenResetsAreInVain) {
+/// A fault that comes back: a few trials, then a person is asked.
+TEST(ExhibitHealing, GivesUpAfterAFewResetsInVain) {
     Patient patient;
-    const HealingNow now = stopped_by(TripCause::board_fault);
+    const HealingNow now = stopped_by(TripCause::tip_speed);
     HealingNow running;
     running.state = SafetyState::running;
-    for (int i = 0; i < Healing::kStubborn; ++i) {
-        EXPECT_NEAR(patient.until_remedy_s(now, 100.0), Healing::kPause_s, 1.5 * kHealingFrame_s)
-            << i;
-        patient.pass(running, Healing::kProven_s - 2.0 * kHealingFrame_s);
-    }
-    EXPECT_NEAR(patient.until_remedy_s(now, 100.0), Healing::kStubbornPause_s,
-                1.5 * kHealingFrame_s);
-    EXPECT_EQ(patient.healing.condition(), Condition::needs_staff);
-    patient.pass(running, Healing::kProven_s + 2.0 * kHealingFrame_s);
-    EXPECT_NEAR(patient.until_remedy_s(now, 100.0), Healing::kPause_s, 1.5 * kHealingFrame_s);
-}
-
-TEST(ExhibitHealing, PlayingWithTheStopOrTheCableNeedsNoStaff) {
-    for (const TripCause cause : {TripCause::emergency_stop, TripCause::device_lost}) {
-        Patient patient;
-        for (int i = 0; i < 3 * Healing::kStubborn; ++i) {
-            EXPECT_LT(patient.until_remedy_s(stopped_by(cause), 100.0),
-                      Healing::kPauseAfterStop_s + 2.0 * kHealingFrame_s);
-            patient.pass({}, kHealingFrame_s);
+    for (int round = 0; round < 2; ++round) {
+        for (int i = 0; i < Healing::kMaxResets; ++i) {
+            EXPECT_NEAR(patient.until_remedy_s(now, 100.0), Healing::kPause_s,
+                        1.5 * kHealingFrame_s);
+            patient.pass(running, Healing::kProven_s - 2.0 * kHealingFrame_s);
         }
+        patient.pass(now, 3600.0);
+        EXPECT_EQ(patient.healing.condition(), Condition::asks_go_on);
+        patient.healing.begin_anew();
+    }
+    EXPECT_NEAR(patient.until_remedy_s(now, 100.0), Healing::kPause_s, 1.5 * kHealingFrame_s);
+    patient.pass(running, Healing::kProven_s + 2.0 * kHealingFrame_s); // it was not in vain
+    for (int i = 0; i < Healing::kMaxResets; ++i) {
+        EXPECT_LT(patient.until_remedy_s(now, 100.0), Healing::kPause_s + 2.0 * kHealingFrame_s);
     }
 }
 
@@ -157,6 +155,147 @@ TEST(ExhibitHealing, ADeviceWithoutItsZeroNeedsTheStaff) {
     now.is_zeroed = false;
     patient.pass(now, 60.0);
     EXPECT_EQ(patient.healing.condition(), Condition::needs_zeroing);
+}
+
+/// A session that is healed as the exhibit's is, with the lines of its log.
+class Healed {
+public:
+    explicit Healed(const std::vector<const char *> &faults = {}) : session(options(faults)) {
+        session.start();
+        session.hand().move_to({0.0, 0.03, 0.0});
+        pass_until(SafetyState::running, 6.0);
+    }
+
+    static session::SessionOptions options(const std::vector<const char *> &faults) {
+        session::SessionOptions options = testing::scripted();
+        options.plays_script = false;
+        options.servo_hz = 500.0;
+        if (!faults.empty()) {
+            options.device.kind = factory::DeviceKind::emulated;
+            options.starts_at_zero = true;
+        }
+        for (const char *const fault : faults) {
+            options.emulation.faults.push_back(emulator::parse_fault(fault));
+        }
+        return options;
+    }
+    void pass(double seconds) {
+        for (double passed_s = 0.0; passed_s < seconds; passed_s += testing::kFrame_s) {
+            session.advance(testing::kFrame_s);
+            for (std::string &line : watch.update(session, figures)) {
+                log.push_back(std::move(line));
+            }
+            HealingNow now = healing_of(session);
+            now.time_s = session.latest().time_s;
+            if (healing.update(now) == Remedy::reset) {
+                session.servo().reset_safety();
+                ++resets;
+            }
+        }
+    }
+    void pass_until(SafetyState state, double at_most_s) {
+        for (double passed_s = 0.0; passed_s < at_most_s; passed_s += testing::kFrame_s) {
+            if (session.latest().safety.state == state) {
+                return;
+            }
+            pass(0.5 * testing::kFrame_s);
+        }
+        ADD_FAILURE() << "not reached: " << servo::description(session.latest().safety);
+    }
+    void expect_stays_stopped(double seconds) {
+        for (double passed_s = 0.0; passed_s < seconds; passed_s += testing::kFrame_s) {
+            pass(0.5 * testing::kFrame_s);
+            ASSERT_EQ(session.latest().safety.state, SafetyState::tripped);
+            ASSERT_EQ(session.latest().command.e_W_V, Vector3::Zero());
+        }
+        EXPECT_EQ(healing.condition(), Condition::asks_go_on);
+    }
+    void expect_goes_on() {
+        session.servo().let_go_on();
+        healing.begin_anew();
+        pass_until(SafetyState::running, 6.0);
+        EXPECT_TRUE(!log.empty() && log.back().starts_with("running again after "));
+    }
+    [[nodiscard]] auto said(const std::string &line) const { return std::ranges::count(log, line); }
+
+    session::Session session;
+    Healing healing;
+    DayWatch watch;
+    DayFigures figures;
+    std::vector<std::string> log;
+    int resets = 0;
+};
+
+/// By a limit that is low for a moment.
+void trip(Healed &exhibit) {
+    servo::SafetyLimits limits = servo::unlowered();
+    limits.winding_C = 1.0;
+    exhibit.session.servo().lower_limits(limits);
+    exhibit.pass_until(SafetyState::tripped, 1.0);
+    exhibit.session.servo().lower_limits(servo::unlowered());
+}
+
+TEST(ExhibitHealing, ASimulationHealsByItself) {
+    Healed exhibit;
+    trip(exhibit);
+    exhibit.pass_until(SafetyState::running, 8.0);
+    EXPECT_EQ(exhibit.resets, 1);
+}
+
+/// The space bar 0.3 s after a fault.
+TEST(ExhibitHealing, AStopDuringAnotherKeepsItOffForMinutes) {
+    Healed exhibit;
+    trip(exhibit);
+    exhibit.pass(0.3);
+    exhibit.session.servo().emergency_stop();
+    exhibit.expect_stays_stopped(180.0);
+    EXPECT_EQ(exhibit.said("stopped by hand while it was stopped"), 1);
+    EXPECT_EQ(exhibit.resets, 0);
+    exhibit.expect_goes_on();
+}
+
+/// After its reset, before the motors run again.
+TEST(ExhibitHealing, AStopWhileItHealsKeepsItOff) {
+    Healed exhibit;
+    trip(exhibit);
+    exhibit.pass_until(SafetyState::starting, 8.0);
+    exhibit.session.servo().emergency_stop();
+    exhibit.pass(0.1);
+    exhibit.expect_stays_stopped(30.0);
+    exhibit.expect_goes_on();
+}
+
+TEST(ExhibitHealing, AStopSwitchKeepsABoardOffAfterItsRelease) {
+    Healed exhibit({"stop@4-8"});
+    exhibit.pass_until(SafetyState::tripped, 4.0);
+    exhibit.pass(0.1);
+    exhibit.expect_stays_stopped(12.0);
+    exhibit.expect_goes_on();
+}
+
+TEST(ExhibitHealing, AKeyDuringAStopByTheSwitchAndASwitchDuringAStopByAKeyKeepABoardOff) {
+    for (const bool key_first : {false, true}) {
+        Healed exhibit({"stop@4-5"});
+        if (!key_first) {
+            exhibit.pass_until(SafetyState::tripped, 4.0);
+        }
+        exhibit.session.servo().emergency_stop();
+        exhibit.pass(0.1);
+        exhibit.expect_stays_stopped(8.0);
+        EXPECT_EQ(exhibit.said("stopped by hand while it was stopped"), 1);
+        exhibit.expect_goes_on();
+    }
+}
+
+TEST(ExhibitHealing, ABoardThatWasLostAndIsThereAgainAsksAPerson) {
+    Healed exhibit({"unplug@4-5"});
+    exhibit.pass_until(SafetyState::tripped, 4.0);
+    exhibit.pass(0.1);
+    EXPECT_EQ(exhibit.healing.condition(), Condition::lost);
+    exhibit.pass(5.0);
+    EXPECT_EQ(exhibit.said("the device is there again"), 1);
+    exhibit.expect_stays_stopped(12.0);
+    exhibit.expect_goes_on();
 }
 
 } // namespace

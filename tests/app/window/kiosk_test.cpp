@@ -62,6 +62,12 @@ protected:
     void wait_until_driven(double limit_s = 20.0) {
         window().wait_until(is_running, "the motors run", limit_s);
     }
+    void expect_stays_stopped(double seconds) {
+        const auto begin = std::chrono::steady_clock::now();
+        while (std::chrono::steady_clock::now() - begin < std::chrono::duration<double>(seconds)) {
+            ASSERT_TRUE(is_in(window().look(), servo::SafetyState::tripped));
+        }
+    }
     void take_turn() {
         touch();
         wait_for("Watch");
@@ -189,18 +195,19 @@ TEST_F(KioskInTheWindow, NoKeyNoFileAndNoTitleBarLeadsOut) {
               std::string::npos);
 }
 
-TEST_F(KioskInTheWindow, StopsByTheButtonAndGoesOnByItself) {
+TEST_F(KioskInTheWindow, StopsByTheButtonUntilAPersonLetsItGoOn) {
     open();
     wait_until_driven();
     window().click("stop/stop");
-    const auto pressed = std::chrono::steady_clock::now();
     const Report stopped = window().wait_until(
         [](const Report &report) { return is_in(report, servo::SafetyState::tripped); }, "stopped");
     EXPECT_EQ(stopped.column("trip_cause"), static_cast<double>(servo::TripCause::emergency_stop));
-    wait_for("It goes on in");
-    wait_until_driven(40.0);
-    const std::chrono::duration<double> stood = std::chrono::steady_clock::now() - pressed;
-    EXPECT_GT(stood.count(), exhibit::Healing::kPauseAfterStop_s);
+    wait_for("Is nobody in its way?");
+    touch(); // a visitor who touches anything else
+    window().click("choices/next visitor");
+    expect_stays_stopped(2.0 * exhibit::Healing::kPause_s);
+    window().click("condition/go on");
+    wait_until_driven();
     window().person().key("F12");
     window().wait_until(
         [](const Report &report) { return is_in(report, servo::SafetyState::tripped); },
@@ -236,8 +243,9 @@ TEST_F(KioskInTheWindow, TheNextVisitorFindsAllAsItWas) {
     window().wait_until(
         [](const Report &report) { return is_in(report, servo::SafetyState::tripped); }, "stopped");
     window().click("choices/next visitor");
+    window().click("condition/go on");
     wait_for("A stiff wall");
-    wait_until_driven(10.0); // sooner than the stop would be healed
+    wait_until_driven();
     const Report next = window().wait_until(
         [](const Report &report) { return std::abs(report.column("tip_x_m")) < 0.002; },
         "the scripted hand has taken over");
@@ -248,14 +256,32 @@ TEST_F(KioskInTheWindow, TheNextVisitorFindsAllAsItWas) {
     EXPECT_NE(testing::contents_of(log()).find("visitor 2 begins"), std::string::npos);
 }
 
-TEST_F(KioskInTheWindow, ComesBackWhenItsDeviceIsPluggedInAgain) {
+TEST_F(KioskInTheWindow, ComesBackWhenItsDeviceIsPluggedInAgainAndAPersonLetsItGoOn) {
     open({"--device", "emulated", "--fault", "unplug@4-6"});
     wait_for("The device is not connected.");
+    wait_for("Is nobody in its way?");
+    expect_stays_stopped(2.0 * exhibit::Healing::kPause_s);
+    window().click("condition/go on");
     window().wait_until(is_running, "it runs again", 30.0);
     EXPECT_EQ(window().program().end(SIGTERM).exit_status, 0);
     const std::string log_text = testing::contents_of(log());
     EXPECT_NE(log_text.find("the device is there again"), std::string::npos) << log_text;
     EXPECT_NE(log_text.find("the device was lost 1 time;"), std::string::npos) << log_text;
+}
+
+TEST_F(KioskInTheWindow, ItsBoardsStopSwitchHoldsAfterItsRelease) {
+    open({"--device", "emulated", "--fault", "stop@4-8"});
+    wait_until_driven();
+    wait_for("Is nobody in its way?");
+    window().person().key("F12"); // during the other stop
+    expect_stays_stopped(4.0 + 2.0 * exhibit::Healing::kPause_s);
+    window().click("condition/go on");
+    window().wait_until(is_running, "it runs again", 30.0);
+    EXPECT_EQ(window().program().end(SIGTERM).exit_status, 0);
+    const std::string log_text = testing::contents_of(log());
+    EXPECT_NE(log_text.find("its stop switch"), std::string::npos) << log_text;
+    EXPECT_NE(log_text.find("stopped by hand while it was stopped"), std::string::npos) << log_text;
+    EXPECT_NE(log_text.find("a person lets it go on"), std::string::npos) << log_text;
 }
 
 TEST(KioskOptions, RefusesWhatIsNotForVisitorsInOneLine) {

@@ -54,8 +54,8 @@ std::vector<servo::ServoSample> eventful_run(unsigned seed, double period_s) {
                 inputs.fixed_x0_m ? std::nullopt : std::optional(samples.back().tip_m);
         }
         inputs.excitation_V.setConstant(inputs.fixed_x0_m ? 0.3 * std::sin(0.1 * tick) : 0.0);
-        inputs.emergency_stop = tick == ticks * 3 / 4;
-        inputs.reset_count = tick > ticks * 3 / 4 + 10 ? 1 : 0;
+        inputs.requested_stop = tick >= ticks * 3 / 4 ? 1 : 0;
+        inputs.reset_count = inputs.released_stop = tick > ticks * 3 / 4 + 10 ? 1 : 0;
         samples.push_back(rig.tick());
     }
     return samples;

@@ -87,6 +87,24 @@ TEST(RowCodec, NamesAColumnThatIsMissingOrOfAnotherType) {
     EXPECT_NE(said.find("tick is of type <f8, not <u8"), std::string::npos) << said;
 }
 
+/// A row as it was before that column: the same bytes without it.
+TEST(RowCodec, ReadsOlderRecordsThatHoldNoRequestedStop) {
+    RecordHeader header = record_header(1000.0);
+    std::mt19937_64 random(3);
+    servo::ServoSample sample = random_sample(random, 99);
+    std::string row = row_of(sample);
+    const auto column =
+        std::ranges::find(header.columns, std::string("held_stop"), &RecordColumn::name);
+    ASSERT_NE(column, header.columns.end());
+    row.erase(column->offset, 4);
+    for (auto later = column + 1; later != header.columns.end(); ++later) {
+        later->offset -= 4;
+    }
+    header.columns.erase(column);
+    sample.safety.held_stop = 0;
+    EXPECT_EQ(row_of(RowDecoder(header).decode(bytes_of_text(row))), row_of(sample));
+}
+
 TEST(RowCodec, RejectsAnUnknownEnumValue) {
     const RecordHeader header = record_header(1000.0);
     const RowDecoder decoder(header);

@@ -134,7 +134,7 @@ TEST(ServoAssertion, OnlyARestartClearsIt) {
     rig.inputs.reset_count = 1;
     rig.servo.publish(rig.inputs);
     rig.servo.advance(100);
-    rig.inputs.stop_count = 1;
+    rig.inputs.requested_stop = rig.inputs.released_stop = 1;
     rig.inputs.reset_count = 2;
     rig.inputs.release = true;
     rig.inputs.scene_id = 2; // tells the publisher that the first surface is no longer used

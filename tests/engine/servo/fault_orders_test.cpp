@@ -18,12 +18,13 @@ TEST(FaultInjection, EmergencyStop) {
         testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
-        rig.inputs.emergency_stop = true;
+        rig.inputs.requested_stop = 1;
         rig.step();
         rig.expect_tripped_by(TripCause::emergency_stop);
         rig.expect_latched();
-        rig.expect_reset_trips_again(TripCause::emergency_stop, 0.01);
-        rig.inputs.emergency_stop = false;
+        rig.reset(); // without effect
+        rig.expect_latched();
+        rig.inputs.released_stop = 1;
         rig.expect_latched();
         rig.expect_recovery();
     }

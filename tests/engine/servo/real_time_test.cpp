@@ -53,8 +53,9 @@ public:
     int run(int ticks) {
         int touching = 0;
         for (int i = 0; i < ticks; ++i) {
-            closed_loop.inputs.emergency_stop = i == ticks - 200;
-            closed_loop.inputs.reset_count = i > ticks - 100 ? 1U : 0U;
+            closed_loop.inputs.requested_stop = i >= ticks - 200 ? 1U : 0U;
+            closed_loop.inputs.released_stop = i > ticks - 100 ? 1U : 0U;
+            closed_loop.inputs.reset_count = closed_loop.inputs.released_stop;
             touching += closed_loop.tick().contact.touching ? 1 : 0;
         }
         return touching;

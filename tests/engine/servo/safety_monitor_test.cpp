@@ -96,7 +96,9 @@ TEST_F(SafetyMonitorTest, MayMoveAndTouchOnceStarting) {
 
 TEST_F(SafetyMonitorTest, AResetRestartsWaitAndRamp) {
     start_up();
-    pass(calm(), {unlowered(), true, 0, true});
+    Observation pushed = calm();
+    pushed.tip_force_N.x() = 9.0;
+    pass(pushed);
     for (int i = 0; i < 1000; ++i) { // at rest for long, but tripped
         expect_braking(pass(calm()));
     }

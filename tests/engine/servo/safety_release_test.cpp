@@ -65,7 +65,7 @@ TEST_F(SafetyMonitorTest, StillTripsDuringReleaseAndATripStays) {
     start_up();
     pass(calm(), to_release());
     SafetyOrders stop = to_release();
-    stop.emergency_stop = true;
+    stop.requested_stop = 1;
     expect_braking(pass(calm(), stop));
     EXPECT_EQ(monitor.status().cause, TripCause::emergency_stop);
     pass(calm(), to_release());

@@ -1,6 +1,8 @@
 // Covers engine/servo/safety_status.cpp.
 #include "engine/servo/safety_status.h"
 
+#include "device/core/board_faults.h"
+
 #include <gtest/gtest.h>
 
 #include <cstddef>
@@ -12,7 +14,7 @@ namespace springdrive::servo {
 namespace {
 
 std::string told(TripCause cause, double measured = 0.0, double limit = 0.0) {
-    return description({SafetyState::tripped, cause, measured, limit, 0.0, {}});
+    return description({SafetyState::tripped, cause, measured, limit, 0.0, {}, 0});
 }
 
 TEST(SafetyStatus, DescribesTheExceededLimitInDisplayUnits) {
@@ -48,6 +50,17 @@ TEST(SafetyStatus, EveryCauseHasItsOwnNameAndText) {
     EXPECT_EQ(kTripCauseNames[static_cast<std::size_t>(TripCause::torn_inputs)], "torn_inputs");
     EXPECT_EQ(kTripCauseNames[static_cast<std::size_t>(TripCause::current)], "current");
     EXPECT_EQ(kTripCauseNames[static_cast<std::size_t>(TripCause::voltage)], "voltage");
+}
+
+TEST(SafetyStatus, SaysThatARequestedStopIsHeldWhateverTrippedFirst) {
+    SafetyStatus status{SafetyState::tripped, TripCause::tip_speed, 2.5, 2.0, 0.0, {}, 3};
+    EXPECT_EQ(description(status),
+              "tip speed 2.50 m/s, limit 2.00 m/s; then it was stopped by hand");
+    status.cause = TripCause::emergency_stop;
+    EXPECT_EQ(description(status), "emergency stop");
+    status.cause = TripCause::board_fault;
+    status.measured = device::BoardFaults::kStop;
+    EXPECT_EQ(description(status).find("hand"), std::string::npos);
 }
 
 TEST(SafetyStatus, DescribesNaNAndHugeNumbers) {

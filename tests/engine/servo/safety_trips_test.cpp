@@ -1,4 +1,5 @@
 // Covers engine/servo/safety_monitor.cpp: both sides of every cause of a trip.
+#include "device/simulated/simulated_phantom.h"
 #include "tests/engine/servo/safety_monitor_fixture.h"
 
 #include <Eigen/LU>
@@ -74,6 +75,41 @@ protected:
         EXPECT_NEAR(monitor.status().limit, limit, 1e-12 * limit);
         monitor.reset();
     }
+
+    /// All but `none`, `assertion` and `torn_inputs`, which is of old records.
+    [[nodiscard]] static std::vector<std::pair<TripCause, std::function<void(Tick &)>>>
+    every_cause() {
+        return {
+            {TripCause::emergency_stop, [](Tick &t) { t.orders.requested_stop = 1; }},
+            {TripCause::device_lost,
+             [](Tick &t) { t.seen.link.health = device::DeviceHealth::lost; }},
+            {TripCause::board_fault,
+             [](Tick &t) { t.seen.link.faults.bits = device::BoardFaults::kTemperature; }},
+            {TripCause::stale_measurement,
+             [](Tick &t) {
+                 t.seen.link.arrival = device::Arrival::late;
+                 t.orders.limits.stale_s = 0.5e-3;
+             }},
+            {TripCause::not_finite, [](Tick &t) { t.seen.all_finite = false; }},
+            {TripCause::missed_deadlines, [](Tick &t) { t.seen.link.missed_in_a_row = 51; }},
+            {TripCause::window_silent, [](Tick &t) { t.orders.limits.window_silence_s = 1e-3; }},
+            {TripCause::encoder_jump, [](Tick &t) { t.seen.now.tip_m.x() += 0.1; }},
+            {TripCause::current, [](Tick &t) { t.seen.current_A[0] = 9.0; }},
+            {TripCause::tip_force, [](Tick &t) { t.seen.tip_force_N[0] = 9.0; }},
+            {TripCause::tip_speed,
+             [](Tick &t) {
+                 t.seen.now.theta_rate_rad_per_s = t.seen.now.J.inverse() * Vector3(9.0, 0.0, 0.0);
+             }},
+            {TripCause::winding_temperature, [](Tick &t) { t.orders.limits.winding_C = 30.0; }},
+            {TripCause::beyond_stops, [](Tick &t) { t.seen.now.theta_rad[0] = 100.0; }},
+            {TripCause::energy,
+             [](Tick &t) {
+                 t.orders.limits.generated_energy_J = 1e-6;
+                 t.seen.tip_force_N[0] = std::max(5.0, t.seen.tip_force_N[0]);
+                 t.seen.now.tip_m.x() += 1e-3; // 2.5 mJ with the mean of 0 and 5 N
+             }},
+            {TripCause::voltage, [](Tick &t) { t.wanted.e_W_V[0] = 0.4; }}};
+    }
 };
 
 TEST_F(SafetyTrips, TipSpeed) {
@@ -110,8 +146,15 @@ TEST_F(SafetyTrips, CurrentOfEachMotorByItsOwnLimit) {
 
 TEST_F(SafetyTrips, EmergencyStop) {
     Tick stop = fine();
-    stop.orders.emergency_stop = true;
-    expect_line(fine(), stop, TripCause::emergency_stop);
+    stop.orders.requested_stop = 1;
+    start_up();
+    expect_tripped(pass_tick(stop), TripCause::emergency_stop);
+    EXPECT_FALSE(monitor.reset());
+    expect_tripped(pass_tick(stop), TripCause::emergency_stop);
+    stop.orders.released_stop = 1;
+    EXPECT_TRUE(monitor.reset(stop.orders.released_stop));
+    pass_tick(stop);
+    EXPECT_EQ(monitor.status().state, SafetyState::waiting);
 }
 
 TEST_F(SafetyTrips, ALostDevice) {
@@ -395,7 +438,7 @@ TEST_F(SafetyTrips, NamesTheFirstCauseAndKeepsIt) {
     start_up();
     pass_tick(with_speed(7.0));
     Tick stop = fine();
-    stop.orders.emergency_stop = true;
+    stop.orders.requested_stop = 1;
     pass_tick(stop);
     EXPECT_EQ(monitor.status().cause, TripCause::tip_speed);
     EXPECT_NEAR(monitor.status().measured, 7.0, 1e-9);
@@ -404,37 +447,8 @@ TEST_F(SafetyTrips, NamesTheFirstCauseAndKeepsIt) {
 
 TEST_F(SafetyTrips, ReportsTheFirstInTheListOfSimultaneousCauses) {
     // All causes from one to the last, in one tick.
-    const std::vector<std::pair<TripCause, std::function<void(Tick &)>>> causes{
-        {TripCause::emergency_stop, [](Tick &t) { t.orders.emergency_stop = true; }},
-        {TripCause::device_lost, [](Tick &t) { t.seen.link.health = device::DeviceHealth::lost; }},
-        {TripCause::board_fault,
-         [](Tick &t) { t.seen.link.faults.bits = device::BoardFaults::kTemperature; }},
-        {TripCause::stale_measurement,
-         [](Tick &t) {
-             t.seen.link.arrival = device::Arrival::late;
-             t.orders.limits.stale_s = 0.5e-3;
-         }},
-        {TripCause::not_finite, [](Tick &t) { t.seen.all_finite = false; }},
-        {TripCause::missed_deadlines, [](Tick &t) { t.seen.link.missed_in_a_row = 51; }},
-        {TripCause::window_silent, [](Tick &t) { t.orders.limits.window_silence_s = 1e-3; }},
-        {TripCause::encoder_jump, [](Tick &t) { t.seen.now.tip_m.x() += 0.1; }},
-        {TripCause::current, [](Tick &t) { t.seen.current_A[0] = 9.0; }},
-        {TripCause::tip_force, [](Tick &t) { t.seen.tip_force_N[0] = 9.0; }},
-        {TripCause::tip_speed,
-         [](Tick &t) {
-             t.seen.now.theta_rate_rad_per_s = t.seen.now.J.inverse() * Vector3(9.0, 0.0, 0.0);
-         }},
-        {TripCause::winding_temperature, [](Tick &t) { t.orders.limits.winding_C = 30.0; }},
-        {TripCause::beyond_stops, [](Tick &t) { t.seen.now.theta_rad[0] = 100.0; }},
-        {TripCause::energy,
-         [](Tick &t) {
-             t.orders.limits.generated_energy_J = 1e-6;
-             t.seen.tip_force_N[0] = std::max(5.0, t.seen.tip_force_N[0]);
-             t.seen.now.tip_m.x() += 1e-3; // 2.5 mJ with the mean of 0 and 5 N
-         }},
-        {TripCause::voltage, [](Tick &t) { t.wanted.e_W_V[0] = 0.4; }}};
+    const auto causes = every_cause();
     device.motor[0].supply_V = 0.25;
-    // All but `none`, `assertion` and `torn_inputs`, which is of old records.
     ASSERT_EQ(causes.size() + 3, kTripCauseNames.size());
     for (std::size_t first = 0; first < causes.size(); ++first) {
         monitor = SafetyMonitor(device, kPeriod_s);
@@ -451,6 +465,107 @@ TEST_F(SafetyTrips, ReportsTheFirstInTheListOfSimultaneousCauses) {
         }
         expect_tripped(pass_tick(tick), causes[first].first);
     }
+}
+
+/// A requested stop, before, with or after each cause of a trip, by the window or by the board's
+/// switch: with any number of resets by a program the motors stay off. That they are off is seen at
+/// the currents of a simulated device, which gets what the monitor passes.
+TEST_F(SafetyTrips, ARequestedStopHoldsWhateverElseTripsUntilItIsReleased) {
+    constexpr int kCause = 300; // ticks
+    constexpr int kPresent = 100;
+    constexpr int kDecayed = 200; // of the currents, and of the motion that they left
+    constexpr int kEnd = 900;
+    constexpr double kNone_A = 1e-5;
+    simulated::SimulationOptions still;
+    still.effects = simulated::PlantEffects::none();
+    still.hand = {1.0, 100.0, 1e5, 50.0};
+    const device::DeviceDescription plant_of = device;
+    device.motor[0].supply_V = 0.25;
+    const auto causes = every_cause();
+    ASSERT_EQ(causes.size() + 3, kTripCauseNames.size());
+    for (const auto &[cause, apply] : causes) {
+        for (const int pressed : {kCause - 200, kCause, kCause + 20, kCause + 200}) {
+            for (const bool by_switch : {false, true}) {
+                SCOPED_TRACE(std::string(kTripCauseNames[static_cast<std::size_t>(cause)]) +
+                             ", pressed at " + std::to_string(pressed) +
+                             (by_switch ? " by switch" : ""));
+                monitor = SafetyMonitor(device, kPeriod_s);
+                start_up();
+                simulated::SimulatedPhantom plant(plant_of, still, Vector3(0.0, 0.02, 0.0));
+                std::uint32_t released = 0;
+                const auto tick_at = [&](int number) {
+                    Tick tick = fine();
+                    if (number >= kCause && number < kCause + kPresent) {
+                        tick.orders.heartbeat = 7;
+                        apply(tick);
+                    }
+                    if (by_switch && number >= pressed && number < pressed + 20) {
+                        tick.seen.link.faults.bits |= device::BoardFaults::kStop;
+                    } else if (!by_switch && number >= pressed) {
+                        tick.orders.requested_stop = 2; // as there may be one among the causes
+                    }
+                    tick.orders.released_stop = released;
+                    static_cast<void>(plant.read());
+                    plant.write(pass_tick(tick));
+                };
+                for (int number = 0; number < kEnd; ++number) {
+                    tick_at(number);
+                    if (number % 7 == 0) {
+                        monitor.reset();
+                    }
+                    if (number >= pressed) {
+                        ASSERT_EQ(monitor.status().state, SafetyState::tripped) << number;
+                        ASSERT_NE(monitor.status().held_stop, 0U) << number;
+                    }
+                    if (number > pressed + kDecayed) {
+                        ASSERT_LT(plant.truth().current_A.norm(), kNone_A) << number;
+                    }
+                }
+                EXPECT_NE(description(monitor.status()).find("stop"), std::string::npos);
+                released = monitor.status().held_stop;
+                EXPECT_TRUE(monitor.reset(released));
+                for (int number = kEnd; number < kEnd + 1200; ++number) {
+                    tick_at(number);
+                }
+                ASSERT_EQ(monitor.status().state, SafetyState::running)
+                    << description(monitor.status());
+                EXPECT_GT(plant.truth().current_A.norm(), 0.01);
+            }
+        }
+    }
+}
+
+/// Each press has its number, and a switch that stays on one more after every reset.
+TEST_F(SafetyTrips, AReleaseIsOfTheStopsUpToItsNumber) {
+    Tick tick = fine();
+    start_up();
+    tick.orders.requested_stop = 1;
+    pass_tick(tick);
+    ASSERT_EQ(monitor.status().held_stop, 1U);
+    tick.seen.link.faults.bits = device::BoardFaults::kStop; // while it is stopped
+    pass_tick(tick);
+    EXPECT_EQ(monitor.status().held_stop, 2U);
+    tick.orders.released_stop = 1; // on its way before the switch was seen
+    EXPECT_FALSE(monitor.reset(1));
+    pass_tick(tick);
+    EXPECT_EQ(monitor.status().state, SafetyState::tripped);
+    tick.orders.released_stop = 2;
+    EXPECT_TRUE(monitor.reset(2)); // while it is still on
+    for (int i = 0; i < 120; ++i) {
+        expect_braking(pass_tick(tick));
+    }
+    EXPECT_EQ(monitor.status().held_stop, 3U);
+    tick.seen.link.faults.bits = 0;
+    for (int i = 0; i < 1200; ++i) {
+        monitor.reset(2); // whoever resets: nobody has released this one
+        expect_braking(pass_tick(tick));
+    }
+    tick.orders.released_stop = 3;
+    EXPECT_TRUE(monitor.reset(3));
+    for (int i = 0; i < 1200; ++i) {
+        pass_tick(tick);
+    }
+    EXPECT_EQ(monitor.status().state, SafetyState::running);
 }
 
 } // namespace

@@ -49,8 +49,8 @@ std::uint32_t checksum(const ServoInputs &inputs) {
     mix.add(std::bit_cast<std::uintptr_t>(inputs.surface));
     mix.add(std::uint64_t{inputs.scene_id});
     mix.add(inputs.global_alpha_rad2_per_m2);
-    mix.add(std::uint64_t{inputs.emergency_stop});
-    mix.add(std::uint64_t{inputs.stop_count});
+    mix.add(std::uint64_t{inputs.requested_stop});
+    mix.add(std::uint64_t{inputs.released_stop});
     mix.add(std::uint64_t{inputs.reset_count});
     mix.add(std::uint64_t{inputs.release});
     mix.add(std::uint64_t{inputs.heartbeat});
@@ -92,7 +92,8 @@ ServoInputs any_inputs(std::mt19937_64 &random) {
     inputs.surface = share(random) < 0.5 ? &kSurface : nullptr;
     inputs.scene_id = static_cast<std::uint32_t>(random());
     inputs.global_alpha_rad2_per_m2 = 5000.0 * share(random);
-    inputs.emergency_stop = share(random) < 0.5;
+    inputs.requested_stop = static_cast<std::uint32_t>(random());
+    inputs.released_stop = static_cast<std::uint32_t>(random());
     inputs.reset_count = static_cast<std::uint32_t>(random());
     inputs.heartbeat = static_cast<std::uint32_t>(random());
     inputs.excitation_V.setConstant(share(random));
@@ -149,8 +150,8 @@ std::vector<Bit> every_bit() {
     }
     for (int bit = 0; bit < 32; ++bit) {
         for (std::uint32_t ServoInputs::*field :
-             {&ServoInputs::scene_id, &ServoInputs::stop_count, &ServoInputs::reset_count,
-              &ServoInputs::heartbeat}) {
+             {&ServoInputs::scene_id, &ServoInputs::requested_stop, &ServoInputs::released_stop,
+              &ServoInputs::reset_count, &ServoInputs::heartbeat}) {
             bits.push_back({"a number", [bit, field](ServoInputs &inputs) {
                                 inputs.*field = flipped(inputs.*field, bit);
                             }});
@@ -166,8 +167,6 @@ std::vector<Bit> every_bit() {
                                 flipped(static_cast<std::uint8_t>(inputs.tuning.alpha_mode), bit));
                         }});
     }
-    bits.push_back({"emergency_stop",
-                    [](ServoInputs &inputs) { inputs.emergency_stop = !inputs.emergency_stop; }});
     bits.push_back({"release", [](ServoInputs &inputs) { inputs.release = !inputs.release; }});
     return bits;
 }
@@ -175,7 +174,7 @@ std::vector<Bit> every_bit() {
 TEST(SealedInputs, DetectAnyFlippedBit) {
     std::mt19937_64 random(9);
     const std::vector<Bit> bits = every_bit();
-    EXPECT_EQ(bits.size(), 64U * (6 + 10 + 3 + 2) + 32U * 4 + 8U * 2 + 2);
+    EXPECT_EQ(bits.size(), 64U * (6 + 10 + 3 + 2) + 32U * 5 + 8U * 2 + 1);
     for (int run = 0; run < 50; ++run) {
         SealedInputs sealed(run == 0 ? ServoInputs{} : any_inputs(random));
         for (const Bit &bit : bits) {

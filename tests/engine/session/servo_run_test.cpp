@@ -68,7 +68,9 @@ TEST(ServoRun, RestartsOnAnotherDevice) {
     simulated::SimulatedPhantom other(testing::phantom_premium_1_5(), {}, kStart_m);
     Rig rig; // whose end is the last that the other device hears of
     rig.run.emergency_stop();
-    rig.run.reset_safety();
+    rig.run.advance(0.1);
+    rig.run.advance(0.1);
+    rig.run.let_go_on();
     rig.run.advance(0.1);
     rig.run.stop();
     rig.run.renew(other);

@@ -88,7 +88,7 @@ TEST(SessionDevice, AnEmergencyStopPersistsThroughAnExchange) {
     ASSERT_TRUE(exchange_to_the_end(session, premium())); // immediately: it is already braking
     run(session, 1.0);
     EXPECT_EQ(session.latest().safety.cause, servo::TripCause::emergency_stop);
-    session.servo().reset_safety();
+    session.servo().let_go_on();
     EXPECT_TRUE(run_into_contact(session));
 }
 
@@ -98,7 +98,7 @@ TEST(SessionDevice, AClearedStopDoesNotStopTheNextDevice) {
     ASSERT_TRUE(run_into_contact(session));
     session.servo().emergency_stop();
     run(session, 0.1);
-    session.servo().reset_safety();
+    session.servo().let_go_on();
     run(session, 0.1);
     ASSERT_TRUE(exchange_to_the_end(session, premium()));
     EXPECT_TRUE(run_into_contact(session));
@@ -190,7 +190,7 @@ TEST(SessionDevice, AnotherRateDoesNotClearATrip) {
     ASSERT_TRUE(run_into_contact(session));
     session.servo().emergency_stop();
     run(session, 0.05);
-    session.servo().reset_safety();
+    session.servo().let_go_on();
     session.servo().emergency_stop();
     for (const double servo_hz : {500.0, 2000.0}) {
         session.set_servo_rate(servo_hz);

@@ -324,7 +324,7 @@ TEST(CalibratedSession, IsRefusedWhileDrivenOrStoppedAndForAnotherDevice) {
     testing::run(session, 0.1);
     EXPECT_NE(refused(own).find("emergency stop"), std::string::npos);
     EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
-    session.servo().reset_safety();
+    session.servo().let_go_on();
     testing::run(session, 0.1);
     EXPECT_EQ(complaint_of([&] { session.use_calibration(own); }), "");
     session.stop();

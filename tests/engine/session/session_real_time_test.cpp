@@ -77,7 +77,7 @@ public:
         session_.hand().move_to(above_m);
         EXPECT_TRUE(until([&] { return (latest().tip_m - above_m).norm() < 5e-3; }));
         if (latest().safety.state == servo::SafetyState::tripped) {
-            session_.servo().reset_safety();
+            session_.servo().let_go_on();
         }
         EXPECT_TRUE(until([&] { return latest().safety.state == servo::SafetyState::running; }));
     }

@@ -125,7 +125,7 @@ TEST(Session, AnEmergencyStopBrakesUntilItIsReset) {
     EXPECT_EQ(session.latest().safety.cause, servo::TripCause::emergency_stop);
     EXPECT_EQ(session.latest().command.e_W_V, Vector3::Zero());
     EXPECT_EQ(session.latest().command.cancelled_resistance_Ohm, Vector3::Zero());
-    session.servo().reset_safety();
+    session.servo().let_go_on();
     testing::run(session, 1.3); // it rests above the scene: a wait, then the ramp
     EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running);
 }
@@ -246,7 +246,7 @@ TEST(Session, AStopAndAResetInOneFrameLeaveItStopped) {
     session.start();
     testing::run(session, 1.2);
     session.servo().emergency_stop();
-    session.servo().reset_safety(); // before any tick has seen the stop
+    session.servo().let_go_on(); // before any tick has seen the stop
     session.advance(1.0 / session.servo().rate_hz());
     EXPECT_EQ(session.latest().safety.cause, servo::TripCause::emergency_stop);
     session.stop();

@@ -84,8 +84,8 @@ TEST(WhatIf, TheRecordsOwnTuningChangesNoBitButTheCurrents) {
         press.seconds = 4.0;
         press.before_tick = [](rig::ServoRig &rig, int tick) {
             rig.inputs.limits.tip_force_N = tick < 2100 ? 1.0 : 8.0; // less than the hand presses
-            rig.inputs.emergency_stop = tick == 2000;
-            rig.inputs.reset_count = tick > 2010 ? 1 : 0;
+            rig.inputs.requested_stop = tick >= 2000 ? 1 : 0;
+            rig.inputs.reset_count = rig.inputs.released_stop = tick > 2010 ? 1 : 0;
             if (tick == 1400 || tick == 1420) { // ticks that hold the last command
                 rig.device().commit({rig::FaultKind::absent, Vector3::Zero(), 2});
             }
