@@ -5,7 +5,6 @@
 #include "app/demo/demo.h"
 #include "app/demo/settings.h"
 #include "app/exhibit/day_log.h"
-#include "app/exhibit/supervisor.h"
 #include "app/exhibit/tour.h"
 #include "base/input_error.h"
 
@@ -66,8 +65,6 @@ void add_run_options(CLI::App &demo, TypedDemo &typed) {
     demo.add_option("--log", options.day_log,
                     "of a kiosk's day [~/.local/state/springdrive/kiosk/DATE.log]")
         ->type_name("FILE");
-    demo.add_flag("--unsupervised", options.unsupervised,
-                  "a kiosk that is not started again when it dies, for systemd and the like");
     demo.add_flag(
         "--report", options.reports,
         "for each line \"report\" on standard input, write what the window shows as a line "
@@ -117,8 +114,8 @@ void check_kiosk(const TypedDemo &typed, const CLI::App &demo) {
         }
     };
     if (!typed.options.kiosk) {
-        if (demo.count("--log") > 0 || typed.options.unsupervised) {
-            throw InputError("--log and --unsupervised: are for a kiosk; add --kiosk");
+        if (demo.count("--log") > 0) {
+            throw InputError("--log: is for a kiosk; add --kiosk");
         }
         return;
     }
@@ -132,10 +129,6 @@ void check_kiosk(const TypedDemo &typed, const CLI::App &demo) {
     if (typed.session.options.model.automatic || typed.session.model.use == "auto") {
         throw InputError("--model auto: not with --kiosk, whose gains stay as they are at the "
                          "start; give them with --tuning-file");
-    }
-    if (demo.count("--record") > 0 && !typed.options.unsupervised) {
-        throw InputError("--record: with --kiosk it needs --unsupervised, as a second start would "
-                         "find the file of the first");
     }
 }
 
@@ -191,9 +184,7 @@ void run(TypedDemo typed, const CLI::App &demo) {
     }
     check_outputs(typed.session.files({options.screenshot}), options.existing);
     choose_settings(options, typed.resets_settings);
-    const bool has_child = options.kiosk && !options.unsupervised && !options.unattended();
-    const int status = has_child ? exhibit::supervise(options.day_log) : run_demo(options);
-    if (status != 0) {
+    if (const int status = run_demo(options); status != 0) {
         throw CLI::RuntimeError(status);
     }
 }

@@ -4,7 +4,6 @@
 #include "app/demo/screen.h"
 #include "app/ending_signal.h"
 #include "app/exhibit/lost_display.h"
-#include "app/exhibit/supervisor.h"
 #include "app/open_session.h"
 #include "app/window/frame_pace.h"
 #include "app/window/software_renderer.h"

@@ -21,7 +21,6 @@ struct DemoOptions {
     bool assistant = false;         ///< opens it, whatever the device has come through
     std::filesystem::path settings; ///< of the window, to be remembered; empty: they are not
     bool kiosk = false;             ///< an exhibit, see app/exhibit/kiosk.h
-    bool unsupervised = false;      ///< a kiosk that nobody starts again
     std::filesystem::path day_log;  ///< of a kiosk; empty: none
     bool reports = false;           ///< answers requests on standard input, see ReportRequests
 

@@ -65,8 +65,8 @@ void Kiosk::obey(const KeyPress &key) {
 
 void Kiosk::update(const KioskParts &parts, const KioskFrame &frame, const Rectangle &view,
                    const Window::LargeText &text) {
-    // Unless the next frame comes in time, SIGALRM ends the process, whatever it waits for; who
-    // started it then starts it again.
+    // Unless the next frame comes in time, SIGALRM ends the process, whatever it waits for; its
+    // service starts it again.
     alarm(kHung_s);
     session::Session &session = parts.stage.session;
     now_ = {};

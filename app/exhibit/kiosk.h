@@ -34,6 +34,9 @@ struct KioskFrame {
     bool is_inside = false; ///< the tip lies in a solid
 };
 
+/// The exit status of a kiosk that only a new start helps.
+inline constexpr int kStartAgain = 3;
+
 enum class KioskEnding : std::uint8_t { none, asked, start_again };
 
 class Kiosk {

@@ -170,8 +170,8 @@ private:
     }
 
     std::vector<std::string> arguments() {
-        std::vector<std::string> all{"--kiosk",           "--unsupervised", "--log",
-                                     folder_ / "day.log", "--device",       "emulated"};
+        std::vector<std::string> all{"--kiosk", "--log", folder_ / "day.log", "--device",
+                                     "emulated"};
         if (has_record()) {
             all.insert(all.end(), {"--record", record()});
         }

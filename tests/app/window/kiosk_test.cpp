@@ -1,4 +1,4 @@
-// Covers app/exhibit/{kiosk,kiosk_screen,lost_display,supervisor}.cpp: an exhibit as its visitors,
+// Covers app/exhibit/{kiosk,kiosk_screen,lost_display}.cpp: an exhibit as its visitors,
 // its demonstrator and its computer treat it. See kiosk_storm_test.cpp for all of that at once.
 #include "app/exhibit/course.h"
 #include "app/exhibit/healing.h"
@@ -48,7 +48,7 @@ protected:
     explicit KioskInTheWindow() : folder_(testing::fresh_folder("kiosk")) {}
 
     void open(std::vector<std::string> more = {}) {
-        more.insert(more.begin(), {"--kiosk", "--unsupervised", "--log", log()});
+        more.insert(more.begin(), {"--kiosk", "--log", log()});
         window_ = std::make_unique<ShownWindow>(std::move(more), kExhibit, folder_);
     }
     [[nodiscard]] fs::path log() const { return folder_ / "day.log"; }
@@ -293,11 +293,9 @@ TEST(KioskOptions, RefusesWhatIsNotForVisitorsInOneLine) {
         {{"--kiosk", "--path", "a.csv"}, "--path: not with --kiosk"},
         {{"--kiosk", "--settings", "a"}, "--settings: not with --kiosk"},
         {{"--kiosk", "--model", "auto"}, "--model auto: not with --kiosk"},
-        {{"--kiosk", "--record", "a.rec"}, "--record: with --kiosk it needs --unsupervised"},
         {{"--kiosk", "--log", "/nowhere/day.log"}, "--log /nowhere/day.log: cannot be written"},
         {{"--kiosk", "--log", "/dev/full"}, "--log /dev/full: cannot be written"},
-        {{"--log", "day.log"}, "add --kiosk"},
-        {{"--unsupervised"}, "add --kiosk"}};
+        {{"--log", "day.log"}, "add --kiosk"}};
     for (const auto &[arguments, says] : refused) {
         std::vector<std::string> words{"demo"};
         words.insert(words.end(), arguments.begin(), arguments.end());
@@ -305,85 +303,26 @@ TEST(KioskOptions, RefusesWhatIsNotForVisitorsInOneLine) {
     }
 }
 
-/// The process of an exhibit's child, by its log; −1 if there is none.
-pid_t child_with(const fs::path &log) {
-    for (const auto &entry : fs::directory_iterator("/proc")) {
-        const std::string name = entry.path().filename();
-        if (name.find_first_not_of("0123456789") != std::string::npos) {
-            continue;
-        }
-        std::ifstream file(entry.path() / "cmdline", std::ios::binary);
-        const std::string line(std::istreambuf_iterator<char>(file), {});
-        if (line.find(log.string()) != std::string::npos &&
-            line.find("--unsupervised") != std::string::npos) {
-            return std::stoi(name);
-        }
-    }
-    return -1;
-}
-
-TEST(KioskSupervisor, StartsACrashedExhibitAgainAndEndsWithIt) {
-    const fs::path log = testing::fresh_folder("kiosk_supervised") / "day.log";
-    ShownWindow window({"--kiosk", "--log", log}, kExhibit);
-    EXPECT_TRUE(window.look().shows("Touch to begin"));
-    const pid_t first = child_with(log);
-    ASSERT_GT(first, 0);
-    ASSERT_EQ(kill(first, SIGABRT), 0);
-    window.person().wait_for_window();
-    EXPECT_TRUE(window.look().shows("Touch to begin"));
-    const pid_t second = child_with(log);
-    EXPECT_GT(second, 0);
-    EXPECT_NE(second, first);
-    EXPECT_EQ(window.program().end(SIGTERM).exit_status, 0);
-    EXPECT_EQ(child_with(log), -1);
-    const std::string text = testing::contents_of(log);
-    EXPECT_NE(text.find("ended with status 134 after"), std::string::npos) << text;
-    EXPECT_NE(text.find("end, by a signal"), std::string::npos) << text;
-}
-
-TEST(KioskSupervisor, EndsWellAnExhibitThatHasJustBegunToStart) {
-    const fs::path log = testing::fresh_folder("kiosk_early") / "day.log";
-    const testing::VirtualDisplay display(1280, 720);
-    testing::RunningProgram program(display, {"demo", "--kiosk", "--log", log});
-    const auto begin = std::chrono::steady_clock::now();
-    while (child_with(log) < 0 &&
-           std::chrono::steady_clock::now() - begin < std::chrono::seconds(20)) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    const testing::Ending ending = program.end(SIGTERM);
-    EXPECT_EQ(ending.exit_status, 0) << ending.error;
-    EXPECT_EQ(child_with(log), -1);
-    const std::string text = testing::contents_of(log);
-    EXPECT_NE(text.find("end, by a signal"), std::string::npos) << text;
-}
-
-TEST(KioskSupervisor, StartsAHangingExhibitAgain) {
+/// As its service expects, which then starts it again.
+TEST(KioskDisplay, AHangEndsTheProgramByItsAlarm) {
     const fs::path log = testing::fresh_folder("kiosk_hanging") / "day.log";
     ShownWindow window({"--kiosk", "--log", log}, kExhibit);
     EXPECT_TRUE(window.look().shows("Touch to begin"));
-    const pid_t first = child_with(log);
-    ASSERT_GT(first, 0);
     window.display().freeze(); // whatever is drawn now waits for it
     const auto begin = std::chrono::steady_clock::now();
-    while (child_with(log) == first &&
-           std::chrono::steady_clock::now() - begin < std::chrono::seconds(120)) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    while (window.program().is_running() &&
+           std::chrono::steady_clock::now() - begin < std::chrono::seconds(50)) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
+    EXPECT_FALSE(window.program().is_running());
     window.display().go_on();
-    ASSERT_NE(child_with(log), first);
-    window.person().wait_for_window();
-    EXPECT_TRUE(window.look().shows("Touch to begin"));
-    EXPECT_EQ(window.program().end(SIGTERM).exit_status, 0);
-    const std::string text = testing::contents_of(log);
-    EXPECT_NE(text.find("ended with status " + std::to_string(128 + SIGALRM)), std::string::npos)
-        << text;
+    EXPECT_EQ(window.program().end(0).exit_status, -1) << "by a signal";
 }
 
 TEST(KioskDisplay, ALostOneEndsTheProgramInOneLineAndInTheLog) {
     const fs::path log = testing::fresh_folder("kiosk_display") / "day.log";
     auto display = std::make_unique<testing::VirtualDisplay>(1280, 720);
-    testing::RunningProgram program(
-        *display, {"demo", "--report", "--kiosk", "--unsupervised", "--log", log});
+    testing::RunningProgram program(*display, {"demo", "--report", "--kiosk", "--log", log});
     program.send_line("report");
     ASSERT_TRUE(program.read_line(std::chrono::seconds(60)));
     display.reset();
