@@ -301,7 +301,13 @@ device::CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const PlantCom
     const double middle_rad = truth_.theta_rad[j] + 0.5 * h * truth_.theta_rate_rad_per_s[j];
     truth_.resistance_Ohm[j] =
         device::winding_resistance_Ohm(motor, temperature_[index].winding_C(), middle_rad);
-    const device::DriveState now{truth_.resistance_Ohm[j], truth_.current_A[j],
+    const double current_A = truth_.current_A[j];
+    // V_b tanh(i/i_b) as a resistance at the present current, which can only dissipate.
+    const double brush_Ohm =
+        std::abs(current_A) > 1e-3 * options_.brush_current_A
+            ? options_.brush_voltage_V * std::tanh(current_A / options_.brush_current_A) / current_A
+            : options_.brush_voltage_V / options_.brush_current_A;
+    const device::DriveState now{truth_.resistance_Ohm[j] + brush_Ohm, current_A,
                                  truth_.theta_rate_rad_per_s[j], parts_.effects.amplifier_limits};
     const bool at_once = parts_.dynamics != PlantDynamics::electromechanical;
     if (options_.amplifier == device::AmplifierKind::current_drive) {

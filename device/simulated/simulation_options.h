@@ -81,6 +81,9 @@ struct SimulationOptions {
     device::AmplifierKind amplifier = device::AmplifierKind::spring_drive;
     Vector3 resistance_share{Vector3::Ones()}; ///< each motor's true R relative to its data sheet's
     double ambient_C = device::kReferenceTemperature_C;
+    /// V_b and i_b of the brushes' and bridges' voltage V_b tanh(i/i_b).
+    double brush_voltage_V = 0.0;
+    double brush_current_A = 0.01;
     /// Which device of its kind it is: its motors' and sensors' deviations are drawn from this. 0
     /// is the device that its file describes, with ideal sensors.
     std::uint64_t device_seed = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace springdrive::control {
@@ -31,6 +32,10 @@ constexpr double kSettling_s = 0.5;
 
 /// A window that surprises by more than this many standard deviations teaches nothing.
 constexpr double kOutlier = 4.0;
+
+/// The least mean current that is evidence about R [A]: brushes and bridge drop a voltage with the
+/// current's sign, which looks like a resistance, the larger the smaller the current.
+constexpr double kEvidence_A = 0.15;
 
 /// So many outliers, less a quarter of the other windows, and nothing is believed.
 constexpr double kMaxDisbelief = 8.0;
@@ -121,6 +126,14 @@ constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
 
 } // namespace
 
+double mean_current_A(const DrivenInterval &interval, double dR_Ohm, double inductance_H) noexcept {
+    const double z = dR_Ohm * interval.duration_s / inductance_H;
+    const double first = weight_of_first(z);
+    const double step_A = interval.e_W_step_V * interval.duration_s / inductance_H;
+    return first * interval.before_A + (1.0 - first) * interval.after_A +
+           mean_of_step_A(z, step_A, interval.step_at);
+}
+
 ObservedMotor known_at_start(const device::DeviceDescription &device, std::size_t motor) {
     constexpr double kAny_s = 1e-3;
     return ResistanceObserver(device, motor, kAny_s).motor(0.0);
@@ -136,6 +149,9 @@ double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
         device::residual_resistance_Ohm(device.motor[motor], dR_Ohm) / kHeldUpDeviations;
     if (deviation_Ohm <= enough_Ohm) {
         return 0.0;
+    }
+    if (!(std::abs(current_A) > kEvidence_A)) {
+        return std::numeric_limits<double>::infinity();
     }
     const double count_V = device.motor[motor].torque_constant_Nm_per_A * device.rad_per_count() /
                            std::sqrt(6.0) / kWindow_s; // rounded at both ends
@@ -273,10 +289,8 @@ void ResistanceObserver::update(const DrivenInterval &interval) noexcept {
     const double R_Ohm = of_resistance.dot(state_);
     const double dR_Ohm = R_Ohm - interval.R_hat_Ohm;
     const double z = dR_Ohm * T / motor_.inductance_H;
-    const double first = weight_of_first(z);
     const double step_A = interval.e_W_step_V * T / motor_.inductance_H;
-    const double mean_A = first * interval.before_A + (1.0 - first) * interval.after_A +
-                          mean_of_step_A(z, step_A, interval.step_at);
+    const double mean_A = mean_current_A(interval, dR_Ohm, motor_.inductance_H);
     voltage_Vs_ += interval.e_W_V * T + interval.R_hat_Ohm * mean_A * T -
                    motor_.inductance_H * (interval.after_A - interval.before_A);
     weights_ += (mean_A - state_[kOffset]) * T * of_resistance;
@@ -289,7 +303,7 @@ void ResistanceObserver::update(const DrivenInterval &interval) noexcept {
     const double rate_rad_per_s = (interval.after_rad - interval.before_rad) / T;
     first_rate_rad_per_s_ = window_s_ > 0.0 ? first_rate_rad_per_s_ : rate_rad_per_s;
     last_rate_rad_per_s_ = rate_rad_per_s;
-    asymmetry_s_ += (0.5 - first) * T;
+    asymmetry_s_ += (0.5 - weight_of_first(z)) * T;
     turned_rad_ += interval.after_rad - interval.before_rad;
     window_s_ += T;
     temperature_.update(std::max(0.0, R_Ohm) * mean_square_A2(z, interval, step_A));
@@ -338,14 +352,15 @@ void ResistanceObserver::take_window() noexcept {
     }
 }
 
-/// Whether the mean current is far above noise and what is not known of its offset. If it is not, a
-/// product of two unknowns is no evidence about R: a linearised filter would take it for some. That
-/// of the window before decides, or windows would be chosen by their own noise.
+/// Whether the mean current is kEvidence_A, and far above noise and what is not known of its offset.
+/// If it is not, a product of two unknowns is no evidence about R: a linearised filter would take it
+/// for some. That of the window before decides, or windows would be chosen by their own noise.
 bool ResistanceObserver::had_current() const noexcept {
     constexpr double kDeviations = 10.0;
     const double variance_A2 =
         current_variance_A2_ * period_s_ / kWindow_s + covariance_(kOffset, kOffset);
-    return mean_before_A_ * mean_before_A_ > kDeviations * kDeviations * variance_A2;
+    return mean_before_A_ * mean_before_A_ >
+           std::max(kEvidence_A * kEvidence_A, kDeviations * kDeviations * variance_A2);
 }
 
 void ResistanceObserver::begin_window() noexcept {

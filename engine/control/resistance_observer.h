@@ -54,13 +54,17 @@ struct DrivenInterval {
     double after_rad = 0.0;
 };
 
+/// Of the solution of (1) with (6) between the measured currents at its ends [A]. RT-safe.
+[[nodiscard]] double mean_current_A(const DrivenInterval &interval, double dR_Ohm,
+                                    double inductance_H) noexcept;
+
 /// What is known of a motor before anything is observed, at the angle 0: by the file of its kind,
 /// or by its calibration.
 [[nodiscard]] ObservedMotor known_at_start(const device::DeviceDescription &device,
                                            std::size_t motor);
 
 /// How long a motor has to be driven on with this current until dR needs no longer be held up [s],
-/// if its rotor turns; infinite without a current, 0 for one that is not trusted. An estimate: one
+/// if its rotor turns; infinite with too little current, 0 for one that is not trusted. An estimate: one
 /// count a window limits what is learned.
 [[nodiscard]] double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
                                   const ObservedMotor &known, double dR_Ohm, double current_A);

@@ -45,6 +45,8 @@ SafetyMonitor::SafetyMonitor(device::DeviceDescription device, double period_s)
       limits_(device_limits_), max_R_hat_rate_Ohm_per_s_(max_resistance_change_Ohm_per_s(device_)),
       guard_{guard_of(device_, 0, period_s), guard_of(device_, 1, period_s),
              guard_of(device_, 2, period_s)},
+      consistency_{MotorConsistency(device_, 0, period_s), MotorConsistency(device_, 1, period_s),
+                   MotorConsistency(device_, 2, period_s)},
       energy_(period_s), rest_(period_s) {
     for (std::size_t j = 0; j < guard_.size(); ++j) {
         winding_[j].R_hat_limit_Ohm = guard_[j].max_cancelled_Ohm();
@@ -55,6 +57,9 @@ void SafetyMonitor::set_period(double period_s) noexcept {
     period_s_ = period_s;
     for (device::WindingGuard &guard : guard_) {
         guard.set_period(period_s);
+    }
+    for (MotorConsistency &motor : consistency_) {
+        motor.set_period(period_s);
     }
     energy_.set_period(period_s);
     rest_.set_period(period_s);
@@ -121,14 +126,10 @@ void SafetyMonitor::watch_windings(const Observation &seen) noexcept {
             const double to_both_sides_Ohm = kObservedDeviations * deviation_Ohm;
             guard.narrow({R_Ohm - to_both_sides_Ohm, R_Ohm + to_both_sides_Ohm});
         }
-        // It changes without a step where an observation has become known, or is forgotten.
-        const double most_Ohm = guard.max_cancelled_Ohm();
         const double before_Ohm = winding_[j].R_hat_limit_Ohm;
         const double step_Ohm = max_R_hat_rate_Ohm_per_s_ * period_s_;
         const double limit_Ohm =
-            guard.is_contradicted()
-                ? std::min(most_Ohm, before_Ohm)
-                : std::clamp(most_Ohm, before_Ohm - step_Ohm, before_Ohm + step_Ohm);
+            std::clamp(guard.max_cancelled_Ohm(), before_Ohm - step_Ohm, before_Ohm + step_Ohm);
         winding_[j] = {guard.min_C(), guard.max_C(), limit_Ohm, false, guard.is_contradicted()};
     }
 }
@@ -189,6 +190,7 @@ void SafetyMonitor::check_motion(const Observation &seen) noexcept {
                    max_step_m(device_, device_limits_.tip_speed_m_per_s,
                               (1.0 + seen.missed_periods) * period_s_, seen.now.J));
     }
+    check_consistency(seen);
     check_windings(seen.current_A);
     trip_above(TripCause::tip_force, seen.tip_force_N.norm(), limits_.tip_force_N);
     trip_above(TripCause::tip_speed, seen.now.tip_velocity_m_per_s().norm(),
@@ -202,6 +204,19 @@ void SafetyMonitor::check_motion(const Observation &seen) noexcept {
                beyond_limits(device_.joint_limits, q_rad, 0.0).max_excess_rad(),
                limits_.beyond_stops_rad);
     trip_above(TripCause::energy, energy_.generated_J(), limits_.generated_energy_J);
+}
+
+/// Only while motors are driven: elsewhere a wrong encoder moves nothing.
+void SafetyMonitor::check_consistency(const Observation &seen) noexcept {
+    for (std::size_t j = 0; j < consistency_.size(); ++j) {
+        MotorConsistency &motor = consistency_[j];
+        if (!lets_pass()) {
+            motor.reset();
+        } else if (seen.interval[j]) {
+            motor.update(*seen.interval[j], winding_[j].min_C, winding_[j].max_C);
+            trip_above(TripCause::motor_contradicted, motor.unexplained_rad(), motor.limit_rad());
+        }
+    }
 }
 
 /// Trips on the winding with the largest current relative to its limit.

@@ -22,12 +22,14 @@
 #include "engine/control/motion_control.h"
 #include "engine/servo/command_limiter.h"
 #include "engine/servo/energy_observer.h"
+#include "engine/servo/motor_consistency.h"
 #include "engine/servo/rest_detector.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/servo/safety_status.h"
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 namespace springdrive::servo {
 
@@ -67,6 +69,8 @@ struct Observation {
     control::ObservedMotors motors; ///< for which the command was computed
     /// What was observed of windings as warm as the air; for those that are observed and trusted.
     std::array<control::ResistanceEstimate, 3> unheated{};
+    /// What happened to each motor since the last measurement, if that is known.
+    std::array<std::optional<control::DrivenInterval>, 3> interval;
     bool scene_is_new = false;        ///< the spring is not that of the previous tick
     bool all_finite = true;           ///< of everything else on the signal path
     std::uint32_t missed_periods = 0; ///< since the last new measurement
@@ -131,6 +135,7 @@ private:
                const SafetyOrders &orders) noexcept;
     [[nodiscard]] device::DeviceCommand safe_state() const noexcept;
     void check_motion(const Observation &seen) noexcept;
+    void check_consistency(const Observation &seen) noexcept;
     void check_windings(const Vector3 &current_A) noexcept;
     void check_voltage(const LimitedCommand &passed) noexcept;
     [[nodiscard]] LimitedCommand apply_limits(const device::DeviceCommand &wanted,
@@ -143,6 +148,7 @@ private:
     SafetyLimits limits_; ///< active
     double max_R_hat_rate_Ohm_per_s_;
     std::array<device::WindingGuard, 3> guard_;
+    std::array<MotorConsistency, 3> consistency_;
     std::array<WindingStatus, 3> winding_{};
     EnergyObserver energy_;
     RestDetector rest_;

@@ -58,6 +58,9 @@ std::string cause_text(const SafetyStatus &status) {
         return crossed(status, {"no heartbeat from the window for", " s", 2});
     case TripCause::encoder_jump:
         return crossed(status, {"encoder jump at the tip", " mm", 2, 1e3});
+    case TripCause::motor_contradicted:
+        return crossed(status, {"current and encoder of a motor contradict each other by", "°", 1,
+                                kDegreesPerRadian});
     case TripCause::current:
         return crossed(status, {"winding current", " A", 2});
     case TripCause::tip_force:

@@ -24,8 +24,8 @@ enum class SafetyState : std::uint8_t {
            state == SafetyState::releasing;
 }
 
-/// In the order of the checks: a faulty measurement comes before its consequences for speed, force
-/// and energy. The last is not the result of a check, and no reset clears it.
+/// Up to `assertion`, which is not the result of a check, in the order of the checks: a faulty
+/// measurement comes before its consequences for speed, force and energy.
 enum class TripCause : std::uint8_t {
     none,
     emergency_stop,
@@ -44,15 +44,16 @@ enum class TripCause : std::uint8_t {
     beyond_stops,
     energy,
     voltage,
-    assertion, ///< failed on the servo's thread
+    assertion,          ///< failed on the servo's thread
+    motor_contradicted, ///< checked after encoder_jump; last, as records index these
 };
 
 /// Names in records, indexed by TripCause.
-inline constexpr std::array<std::string_view, 18> kTripCauseNames{
+inline constexpr std::array<std::string_view, 19> kTripCauseNames{
     "none",       "emergency_stop", "device_lost",      "board_fault",         "stale_measurement",
     "not_finite", "torn_inputs",    "missed_deadlines", "window_silent",       "encoder_jump",
     "current",    "tip_force",      "tip_speed",        "winding_temperature", "beyond_stops",
-    "energy",     "voltage",        "assertion"};
+    "energy",     "voltage",        "assertion",        "motor_contradicted"};
 
 /// Whether only a restart of the program clears it.
 [[nodiscard]] constexpr bool is_final(TripCause cause) { return cause == TripCause::assertion; }

@@ -159,12 +159,17 @@ control::Configuration ServoLoop::sense(const device::Measurement &measured,
 
 void ServoLoop::observe_motors(const device::Measurement &measured, const Vector3 &theta_rad,
                                const Passed &since) noexcept {
+    constexpr double kOnTime = 0.05; // of a period
+    const bool is_next = has_measured_ && held_ticks_ == 0 && since.missed_periods == 0 &&
+                         std::abs(since.since_last_s - period_s_) < kOnTime * period_s_ &&
+                         measured.arrival == device::Arrival::fresh &&
+                         measured.current_A.allFinite();
     // With two sensors for a current, the amplifier's has an offset of its own, which is not known.
     if (!inputs_.observes_resistance || !device_.description().current_sensing.is_shared) {
         if (motors_.front().is_observed) {
             observers_.restart();
         }
-        observers_.rest(measured.current_A, since.missed_periods);
+        observers_.rest(measured, theta_rad, is_next, since.missed_periods);
         motors_ = observers_.motors();
         return;
     }
@@ -173,11 +178,6 @@ void ServoLoop::observe_motors(const device::Measurement &measured, const Vector
             observers_.distrust(j);
         }
     }
-    constexpr double kOnTime = 0.05; // of a period
-    const bool is_next = has_measured_ && held_ticks_ == 0 && since.missed_periods == 0 &&
-                         std::abs(since.since_last_s - period_s_) < kOnTime * period_s_ &&
-                         measured.arrival == device::Arrival::fresh &&
-                         measured.current_A.allFinite();
     observers_.take(measured, theta_rad, is_next, since.missed_periods);
     motors_ = observers_.motors();
 }
@@ -213,6 +213,7 @@ Observation ServoLoop::observation(const control::Configuration &now,
     seen.motors = motors_;
     for (std::size_t j = 0; j < seen.unheated.size(); ++j) {
         seen.unheated[j] = observers_.unheated(j);
+        seen.interval[j] = observers_.interval(j);
     }
     seen.scene_is_new = scene_is_new_;
     seen.all_finite = sample.contact.x0_m.allFinite();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace springdrive::servo {
 
@@ -90,9 +91,10 @@ void WindingObservers::pass_over(const Vector3 &current_A, std::uint32_t missed_
     }
 }
 
-void WindingObservers::rest(const Vector3 &current_A, std::uint32_t missed_periods) noexcept {
-    pass_over(current_A, missed_periods);
-    has_previous_ = false;
+void WindingObservers::rest(const device::Measurement &measured, const Vector3 &theta_rad,
+                            bool is_next, std::uint32_t missed_periods) noexcept {
+    static_cast<void>(find_intervals(measured, theta_rad, is_next));
+    pass_over(measured.current_A, missed_periods);
     const double step_Ohm = max_rate_Ohm_per_s_ * period_s_;
     for (std::size_t j = 0; j < observer_.size(); ++j) {
         control::ObservedMotor &used = used_[j];
@@ -122,25 +124,34 @@ void WindingObservers::take(const device::Measurement &measured, const Vector3 &
         before_Ohm[index] = observer_[j].expected_Ohm(theta_rad[index]);
         mean_before_Ohm[index] = observer_[j].mean().resistance_Ohm;
     }
-    // The commands of the last period, the newest of which was noted after the last measurement.
-    const std::size_t needed = whole_delay_ + (delay_fraction_ > 0.0 ? 2 : 1);
-    if (is_next && has_previous_ && known_commands_ >= needed) {
-        learn(measured, theta_rad);
+    if (find_intervals(measured, theta_rad, is_next)) {
+        for (std::size_t j = 0; j < observer_.size(); ++j) {
+            if (interval_[j]) {
+                observer_[j].update(*interval_[j]);
+            } else {
+                observer_[j].skip(measured.current_A[static_cast<Eigen::Index>(j)]);
+            }
+        }
     } else {
         pass_over(measured.current_A, missed_periods);
     }
-    if (!is_next) {
-        known_commands_ = 0;
-    }
-    has_previous_ = true;
-    current_A_ = measured.current_A;
-    theta_rad_ = theta_rad;
     approach(theta_rad, before_Ohm, mean_before_Ohm);
 }
 
-/// With the commands that acted in the last period: the older one until a fraction of it.
-void WindingObservers::learn(const device::Measurement &measured,
-                             const Vector3 &theta_rad) noexcept {
+/// With the commands that acted in the last period: the older one until a fraction of it. The
+/// newest of them was noted after the last measurement.
+bool WindingObservers::find_intervals(const device::Measurement &measured, const Vector3 &theta_rad,
+                                      bool is_next) noexcept {
+    interval_.fill(std::nullopt);
+    const std::size_t needed = whole_delay_ + (delay_fraction_ > 0.0 ? 2 : 1);
+    const bool is_known = is_next && has_previous_ && known_commands_ >= needed;
+    const Vector3 before_A = std::exchange(current_A_, measured.current_A);
+    const Vector3 before_rad = std::exchange(theta_rad_, theta_rad);
+    known_commands_ = is_next ? known_commands_ : 0;
+    has_previous_ = true;
+    if (!is_known) {
+        return false;
+    }
     const device::DeviceCommand &newer = command_before(whole_delay_);
     const device::DeviceCommand &older =
         delay_fraction_ > 0.0 ? command_before(whole_delay_ + 1) : newer;
@@ -158,21 +169,23 @@ void WindingObservers::learn(const device::Measurement &measured,
     };
     const bool is_open =
         newer.mode == device::CommandMode::open || older.mode == device::CommandMode::open;
-    for (std::size_t j = 0; j < observer_.size(); ++j) {
-        const auto index = static_cast<Eigen::Index>(j);
-        const double before_A = current_A_[index];
-        const double after_A = measured.current_A[index];
-        const double limit_A = kWithinPeak * motor_[j].peak_current_A;
-        if (is_open || measured.faults.any() || !(std::abs(before_A) < limit_A) ||
-            !(std::abs(after_A) < limit_A)) {
-            observer_[j].skip(after_A);
-            continue;
+    for (std::size_t motor = 0; motor < observer_.size(); ++motor) {
+        const auto j = static_cast<Eigen::Index>(motor);
+        const double limit_A = kWithinPeak * motor_[motor].peak_current_A;
+        if (!is_open && !measured.faults.any() && std::abs(before_A[j]) < limit_A &&
+            std::abs(current_A_[j]) < limit_A) {
+            interval_[motor] = {period_s_,
+                                acted(&device::DeviceCommand::e_W_V, j),
+                                step_V(j),
+                                delay_fraction_,
+                                acted(&device::DeviceCommand::cancelled_resistance_Ohm, j),
+                                before_A[j],
+                                current_A_[j],
+                                before_rad[j],
+                                theta_rad_[j]};
         }
-        observer_[j].update({period_s_, acted(&device::DeviceCommand::e_W_V, index), step_V(index),
-                             delay_fraction_,
-                             acted(&device::DeviceCommand::cancelled_resistance_Ohm, index),
-                             before_A, after_A, theta_rad_[index], theta_rad[index]});
     }
+    return true;
 }
 
 /// Takes k_T and offset a tick nearer to what is known.

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace springdrive::servo {
 
@@ -39,6 +40,12 @@ public:
         has_previous_ = false;
     }
 
+    /// What happened to a motor between the last two measurements, if that is known: also where
+    /// nothing is observed. Empty near the limits of its amplifier.
+    [[nodiscard]] const std::optional<control::DrivenInterval> &interval(std::size_t motor) const {
+        return interval_[motor];
+    }
+
     /// Once a tick, after `take`: the command that was sent.
     void note(const device::DeviceCommand &command) noexcept;
 
@@ -61,7 +68,8 @@ public:
 
     /// While nothing is observed: the windings' temperatures follow, and what is used approaches
     /// the device file without a step.
-    void rest(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
+    void rest(const device::Measurement &measured, const Vector3 &theta_rad, bool is_next,
+              std::uint32_t missed_periods) noexcept;
 
     /// At the angles last taken. They approach what was last learned without a step.
     [[nodiscard]] const control::ObservedMotors &motors() const { return used_; }
@@ -85,7 +93,8 @@ private:
 
     [[nodiscard]] static std::size_t whole_delay(double delay_periods) noexcept;
     [[nodiscard]] const device::DeviceCommand &command_before(std::size_t ticks) const noexcept;
-    void learn(const device::Measurement &measured, const Vector3 &theta_rad) noexcept;
+    [[nodiscard]] bool find_intervals(const device::Measurement &measured,
+                                      const Vector3 &theta_rad, bool is_next) noexcept;
     void pass_over(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
     void approach_constants(const control::ObservedMotor &known,
                             control::ObservedMotor &used) const noexcept;
@@ -107,6 +116,7 @@ private:
     std::size_t newest_ = 0;
     std::size_t known_commands_ = 0; ///< so many ticks in a row were without a gap
     bool has_previous_ = false;      ///< the next two are of the last tick
+    std::array<std::optional<control::DrivenInterval>, 3> interval_;
     Vector3 current_A_{Vector3::Zero()};
     Vector3 theta_rad_{Vector3::Zero()};
 };

@@ -24,6 +24,16 @@ struct Finding {
 
 inline constexpr std::size_t kTripCauses = servo::kTripCauseNames.size();
 
+/// Whether a cause is checked before another.
+[[nodiscard]] constexpr bool precedes(servo::TripCause first, servo::TripCause second) {
+    const auto place = [](servo::TripCause cause) {
+        return cause == servo::TripCause::motor_contradicted
+                   ? 2 * static_cast<int>(servo::TripCause::encoder_jump) + 1
+                   : 2 * static_cast<int>(cause);
+    };
+    return place(first) < place(second);
+}
+
 /// Tip and J = ∂x/∂θ at motor angles: docs/design.md, "Linkage and motors", written out.
 struct TipAt {
     TipAt(const device::PhantomGeometry &geometry, const Vector3 &theta_rad);

@@ -50,7 +50,10 @@ public:
     void reset();
 
     /// Applies a fault from the next period on.
-    void commit(rig::FaultKind kind, const Vector3 &size) { device().commit({kind, size}); }
+    void commit(rig::FaultKind kind, const Vector3 &size) {
+        device().commit({kind, size});
+        may_contradict_ = true;
+    }
 
     /// Ticks from the first that must trip to the trip; the command takes effect in the next.
     [[nodiscard]] int max_ticks_late() const { return max_ticks_late_; }
@@ -71,6 +74,7 @@ private:
     void check_rest() const;
 
     contact::HapticSurface plate_;
+    bool may_contradict_ = false; ///< a motor's current and its encoder
     std::uint64_t ticks_ = 0;
     std::uint64_t since_reset_ = 0;
     int late_ = 0;

@@ -110,16 +110,7 @@ void WindingGuard::heat_through(std::uint32_t missed_periods, double max_A) noex
 
 /// R(T, θ), at least.
 double WindingGuard::min_Ohm() const noexcept {
-    if (!is_observed_) {
-        return min_resistance_Ohm(least_, minimum_.winding_C());
-    }
-    // Observed at the temperature of the air, of which the share by which R rises is the least in
-    // the warmest.
-    const double rise_K = minimum_.winding_C() - coldest_.winding_C();
-    const double per_K =
-        least_.resistance_rise_per_K /
-        (1.0 + least_.resistance_rise_per_K * (kWarmestAir_C - kReferenceTemperature_C));
-    return (1.0 - least_.commutation_ripple) * observed_.min_Ohm * (1.0 + per_K * rise_K);
+    return min_resistance_Ohm(least_, minimum_.winding_C());
 }
 
 double WindingGuard::max_cancelled_Ohm() const noexcept {

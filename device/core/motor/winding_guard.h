@@ -14,11 +14,11 @@
 // R of any commutator angle at the lowest possible temperature. On a hot motor R̂ may be larger by
 // the rise of R that is certain, and this allowance decreases as the motor cools.
 //
-// Of R itself it knows the file's value within its tolerance, until an observer of the currents
-// narrows the interval. Each observation is intersected with it, so that a sensor that fails later,
-// or a motor that is not the file's, contradicts it: then the tolerance applies again, until
-// observations are forgotten. An interval widens by what the air's temperature and a sensor's gain
-// may change.
+// Of R itself it knows the file's value within its tolerance. What an observer of the currents says
+// never raises the allowed R̂: it may take the voltage of brushes and bridge for a resistance.
+// Observations are intersected, though, so that a sensor that fails later, or a motor that is not
+// the file's, contradicts them. Their interval widens by what the air's temperature and a sensor's
+// gain may change.
 //
 // The bounds are as accurate as the device file and the measured current. They assume that between
 // two ticks the current changes monotonically, as it does behind a held e_W, and that the servo
@@ -73,14 +73,14 @@ public:
     /// bound and without heat, in the coldest air, for the lower.
     void update(double current_A, std::uint32_t missed_periods = 0) noexcept;
 
-    /// Takes an observation into account.
+    /// Takes an observation into account, which may contradict those before.
     /// @param observed  contains R unless a sensor is wrong
     void narrow(ResistanceInterval observed) noexcept;
 
     /// Whether two observations excluded each other, or one the tolerance.
     [[nodiscard]] bool is_contradicted() const { return is_contradicted_; }
 
-    /// The tolerance applies until the next observation.
+    /// Nothing contradicts until the next two observations.
     void forget_observations() noexcept {
         is_observed_ = false;
         is_contradicted_ = false;

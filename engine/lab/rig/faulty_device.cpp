@@ -29,6 +29,7 @@ std::optional<device::Arrival> arrival_by(FaultKind kind) {
 device::Measurement FaultyDevice::read() noexcept {
     const device::Measurement truth = next_truth();
     past_counts_[periods_ % past_counts_.size()] = truth.counts;
+    first_counts_ = periods_ <= from_ ? truth.counts : first_counts_;
     answer_ = as_reported(truth);
     ++periods_;
     return answer_;
@@ -89,6 +90,13 @@ device::Measurement FaultyDevice::as_reported(device::Measurement state) const {
     for (std::size_t motor = 0; motor < 3; ++motor) {
         const auto j = static_cast<Eigen::Index>(motor);
         const double size = fault_.size[j];
+        if (kind == FaultKind::count_scale) {
+            const std::int32_t first = first_counts_[motor];
+            state.counts[motor] =
+                first + static_cast<std::int32_t>(std::lround(size * (state.counts[motor] - first)));
+        } else if (kind == FaultKind::count_stuck_bit) {
+            state.counts[motor] &= ~static_cast<std::int32_t>(size);
+        }
         state.counts[motor] += static_cast<std::int32_t>(std::lround(size * steps(kind)));
         if (size == 0.0) {
             continue;

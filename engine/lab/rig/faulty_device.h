@@ -31,6 +31,8 @@ enum class FaultKind : std::uint8_t {
     count_flicker,   ///< the same, in every other period
     count_drift,     ///< counts that run away by the size in each period [counts]
     late_counts,     ///< counts of size[0] periods ago
+    count_scale,     ///< counts from where they were, times the size: 0 is frozen, −1 reversed
+    count_stuck_bit, ///< this bit of them, where it is not zero, is 0
     current_reading, ///< currents read as the size where it is not zero [A]
     current_offset,  ///< currents read too high by the size [A]
     current_drift,   ///< the same, more in each period [A]
@@ -92,6 +94,7 @@ private:
     device::DeviceCommand last_command_;
     device::Measurement answer_;
     std::array<std::array<std::int32_t, 3>, 512> past_counts_{};
+    std::array<std::int32_t, 3> first_counts_{}; ///< when the fault began
 };
 
 } // namespace springdrive::rig

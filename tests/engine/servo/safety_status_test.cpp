@@ -37,7 +37,7 @@ TEST(SafetyStatus, DescribesTheExceededLimitInDisplayUnits) {
 }
 
 TEST(SafetyStatus, EveryCauseHasItsOwnNameAndText) {
-    ASSERT_EQ(kTripCauseNames.size(), static_cast<std::size_t>(TripCause::assertion) + 1);
+    ASSERT_EQ(kTripCauseNames.size(), static_cast<std::size_t>(TripCause::motor_contradicted) + 1);
     std::set<std::string> names;
     std::set<std::string> words;
     for (std::size_t i = 0; i < kTripCauseNames.size(); ++i) {
@@ -50,6 +50,7 @@ TEST(SafetyStatus, EveryCauseHasItsOwnNameAndText) {
     EXPECT_EQ(kTripCauseNames[static_cast<std::size_t>(TripCause::torn_inputs)], "torn_inputs");
     EXPECT_EQ(kTripCauseNames[static_cast<std::size_t>(TripCause::current)], "current");
     EXPECT_EQ(kTripCauseNames[static_cast<std::size_t>(TripCause::voltage)], "voltage");
+    EXPECT_EQ(kTripCauseNames[static_cast<std::size_t>(TripCause::assertion)], "assertion");
 }
 
 TEST(SafetyStatus, SaysThatARequestedStopIsHeldWhateverTrippedFirst) {

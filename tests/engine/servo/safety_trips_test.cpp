@@ -94,6 +94,8 @@ protected:
             {TripCause::missed_deadlines, [](Tick &t) { t.seen.link.missed_in_a_row = 51; }},
             {TripCause::window_silent, [](Tick &t) { t.orders.limits.window_silence_s = 1e-3; }},
             {TripCause::encoder_jump, [](Tick &t) { t.seen.now.tip_m.x() += 0.1; }},
+            {TripCause::motor_contradicted, // it turns, and there is no current
+             [](Tick &t) { t.seen.interval[0] = {.duration_s = 0.1, .after_rad = 10.0}; }},
             {TripCause::current, [](Tick &t) { t.seen.current_A[0] = 9.0; }},
             {TripCause::tip_force, [](Tick &t) { t.seen.tip_force_N[0] = 9.0; }},
             {TripCause::tip_speed,

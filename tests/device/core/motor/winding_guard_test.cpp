@@ -195,26 +195,24 @@ TEST(WindingGuard, StartsFromTheTolerance) {
     EXPECT_EQ(hot.max_C(), of_most.max_C());
 }
 
-TEST(WindingGuard, AnObservationNarrowsTheTolerance) {
+// Brushes and bridge look like a resistance to an observer, so that its R may be too large.
+TEST(WindingGuard, AnObservationAllowsNoMore) {
     const MotorParameters m = testing::phantom_motor();
-    const double margin_Ohm = 0.01 * m.resistance_Ohm; // what a sensor's gain may change
-    const double share = (1.0 - kMinResidualShare) * (1.0 - m.commutation_ripple);
     for (const double R_Ohm : {2.05, 2.18, 2.35}) {
         WindingGuard bounds(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06);
-        bounds.narrow({R_Ohm - 0.03, R_Ohm + 0.03});
-        EXPECT_NEAR(bounds.max_cancelled_Ohm(), share * (R_Ohm - 0.03 - margin_Ohm), 1e-12);
-        bounds.narrow({R_Ohm - 0.01, R_Ohm + 0.01});
-        EXPECT_NEAR(bounds.max_cancelled_Ohm(), share * (R_Ohm - 0.01 - margin_Ohm), 1e-12);
-        bounds.narrow({R_Ohm - 0.05, R_Ohm + 0.05}); // says nothing new
-        EXPECT_NEAR(bounds.max_cancelled_Ohm(), share * (R_Ohm - 0.01 - margin_Ohm), 1e-12);
+        WindingGuard unobserved = bounds;
+        for (int tick = 0; tick < 2000; ++tick) {
+            bounds.narrow({R_Ohm - 0.03, R_Ohm + 0.03});
+            bounds.update(1.0);
+            unobserved.update(1.0);
+            ASSERT_EQ(bounds.max_cancelled_Ohm(), unobserved.max_cancelled_Ohm());
+        }
         EXPECT_FALSE(bounds.is_contradicted());
     }
 }
 
 TEST(WindingGuard, AnObservationThatContradictsAnotherEndsAll) {
     const MotorParameters m = testing::phantom_motor();
-    const double unobserved_Ohm =
-        WindingGuard(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06).max_cancelled_Ohm();
     const double margins_Ohm = 2.0 * 0.01 * m.resistance_Ohm;
     for (const double gap_Ohm : {0.99 * margins_Ohm, 1.01 * margins_Ohm}) {
         for (const double side : {-1.0, 1.0}) {
@@ -224,10 +222,10 @@ TEST(WindingGuard, AnObservationThatContradictsAnotherEndsAll) {
             EXPECT_EQ(bounds.is_contradicted(), gap_Ohm > margins_Ohm);
             if (bounds.is_contradicted()) {
                 bounds.narrow({2.2, 2.2});
-                EXPECT_EQ(bounds.max_cancelled_Ohm(), unobserved_Ohm);
+                EXPECT_TRUE(bounds.is_contradicted());
                 bounds.forget_observations();
                 bounds.narrow({2.2, 2.2});
-                EXPECT_GT(bounds.max_cancelled_Ohm(), unobserved_Ohm);
+                EXPECT_FALSE(bounds.is_contradicted());
             }
         }
     }
@@ -244,7 +242,6 @@ TEST(WindingGuard, AnObservationThatContradictsAnotherEndsAll) {
     WindingGuard bounds(m, kAmplifierLimit_Ohm, kPeriod_s, 0.06);
     bounds.narrow({NAN, NAN});
     EXPECT_TRUE(bounds.is_contradicted());
-    EXPECT_EQ(bounds.max_cancelled_Ohm(), unobserved_Ohm);
 }
 
 // Half a kelvin a minute is followed; ten kelvins at once are a contradiction.
