@@ -52,6 +52,9 @@ namespace springdrive::app::assistant {
     case TripCause::stale_measurement:
     case TripCause::missed_deadlines:
         return "a shorter cable, no hub; the doctor looks at this computer";
+    case TripCause::motor_contradicted:
+        return "look at the plugs and cables of motors and encoders: one of them is dead, or "
+               "another's";
     case TripCause::tip_speed:
         return "move it more slowly";
     case TripCause::assertion:

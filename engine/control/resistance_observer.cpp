@@ -352,9 +352,10 @@ void ResistanceObserver::take_window() noexcept {
     }
 }
 
-/// Whether the mean current is kEvidence_A, and far above noise and what is not known of its offset.
-/// If it is not, a product of two unknowns is no evidence about R: a linearised filter would take it
-/// for some. That of the window before decides, or windows would be chosen by their own noise.
+/// Whether the mean current is kEvidence_A, and far above noise and what is not known of its
+/// offset. If it is not, a product of two unknowns is no evidence about R: a linearised filter
+/// would take it for some. That of the window before decides, or windows would be chosen by their
+/// own noise.
 bool ResistanceObserver::had_current() const noexcept {
     constexpr double kDeviations = 10.0;
     const double variance_A2 =

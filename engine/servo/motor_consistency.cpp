@@ -123,10 +123,8 @@ void MotorConsistency::update(const control::DrivenInterval &interval, double mi
     const double turned_rad = interval.after_rad - interval.before_rad;
     const double turned_Vs = motor_.torque_constant_Nm_per_A * turned_rad;
     const double within_Vs = k_T_tolerance_ * std::abs(turned_Vs) + amplifier_V * T;
-    above_Vs_ =
-        std::max(0.0, above_Vs_ + turned_Vs - within_Vs - (voltage_Vs - drop.min_Ohm * T));
-    below_Vs_ =
-        std::max(0.0, below_Vs_ - turned_Vs - within_Vs + (voltage_Vs - drop.max_Ohm * T));
+    above_Vs_ = std::max(0.0, above_Vs_ + turned_Vs - within_Vs - (voltage_Vs - drop.min_Ohm * T));
+    below_Vs_ = std::max(0.0, below_Vs_ - turned_Vs - within_Vs + (voltage_Vs - drop.max_Ohm * T));
     learn(interval, voltage_Vs, mean_A);
 }
 

@@ -67,8 +67,8 @@ private:
         double max_A = 0.0;
     };
 
-    [[nodiscard]] ResistanceBounds drop_V(double current_A, const ResistanceBounds &R) const
-        noexcept;
+    [[nodiscard]] ResistanceBounds drop_V(double current_A,
+                                          const ResistanceBounds &R) const noexcept;
     [[nodiscard]] ResistanceBounds at_level(double current_A) const noexcept;
     void learn(const control::DrivenInterval &interval, double voltage_Vs, double mean_A) noexcept;
     void end_window() noexcept;

@@ -93,8 +93,8 @@ private:
 
     [[nodiscard]] static std::size_t whole_delay(double delay_periods) noexcept;
     [[nodiscard]] const device::DeviceCommand &command_before(std::size_t ticks) const noexcept;
-    [[nodiscard]] bool find_intervals(const device::Measurement &measured,
-                                      const Vector3 &theta_rad, bool is_next) noexcept;
+    [[nodiscard]] bool find_intervals(const device::Measurement &measured, const Vector3 &theta_rad,
+                                      bool is_next) noexcept;
     void pass_over(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
     void approach_constants(const control::ObservedMotor &known,
                             control::ObservedMotor &used) const noexcept;

@@ -133,8 +133,9 @@ void FaultTrial::check_trip() const {
     const servo::SafetyStatus &status = last.safety;
     const Finding &found = judge.of(status.cause);
     const bool is_contradicted = status.cause == servo::TripCause::motor_contradicted;
-    EXPECT_TRUE(found.may || (is_contradicted && may_contradict_)) << servo::description(status) << ", but the judge has " << found.measured
-                           << " of " << found.limit;
+    EXPECT_TRUE(found.may || (is_contradicted && may_contradict_))
+        << servo::description(status) << ", but the judge has " << found.measured << " of "
+        << found.limit;
     for (std::size_t cause = 1; cause < kTripCauses; ++cause) {
         const auto other = static_cast<servo::TripCause>(cause);
         EXPECT_FALSE(precedes(other, status.cause) && judge.of(other).must)

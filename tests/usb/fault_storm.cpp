@@ -5,9 +5,6 @@
 #include "tests/support/fault_judge.h"
 #include "tests/support/surfaces.h"
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -104,9 +101,11 @@ constexpr Causes set_of(TripCause cause) { return 1U << static_cast<unsigned>(ca
 constexpr Causes kConsequences = set_of(TripCause::current) | set_of(TripCause::tip_force) |
                                  set_of(TripCause::tip_speed) | set_of(TripCause::energy) |
                                  set_of(TripCause::voltage);
+/// Of a motor whose current, encoder and voltage are not of each other.
+constexpr Causes kWrongMotor = kConsequences | set_of(TripCause::motor_contradicted);
 /// The same, of wrong angles.
 constexpr Causes kWrongAngles =
-    kConsequences | set_of(TripCause::encoder_jump) | set_of(TripCause::beyond_stops);
+    kWrongMotor | set_of(TripCause::encoder_jump) | set_of(TripCause::beyond_stops);
 
 /// An additional delay that counts as one.
 constexpr double kLater_s = 0.1e-3;
@@ -208,11 +207,11 @@ constexpr std::array<Naming, 17> kBoardNamings{{
     {FaultKind::crossed_encoders, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
     {FaultKind::lost_counts, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
     {FaultKind::failed_sensor, kOut, says_nothing, BoardFaults::kSensor, 0, TripCause::board_fault},
-    {FaultKind::reversed_sensor, kOut, says_nothing, 0, kConsequences},
-    {FaultKind::crossed_sensors, kOut, says_nothing, 0, kConsequences},
-    {FaultKind::sensor_gain, kOut, says_nothing, 0, kConsequences},
-    {FaultKind::open_winding, kOut, says_nothing, 0, kConsequences},
-    {FaultKind::crossed_motors, kOut, says_nothing, 0, kConsequences},
+    {FaultKind::reversed_sensor, kOut, says_nothing, 0, kWrongMotor},
+    {FaultKind::crossed_sensors, kOut, says_nothing, 0, kWrongMotor},
+    {FaultKind::sensor_gain, kOut, says_nothing, 0, kWrongMotor},
+    {FaultKind::open_winding, kOut, says_nothing, 0, kWrongMotor},
+    {FaultKind::crossed_motors, kOut, says_nothing, 0, kWrongMotor},
     {FaultKind::failed_stage, kOut, says_nothing, BoardFaults::kAmplifier, 0,
      TripCause::board_fault},
     {FaultKind::hot_stage, kOut, says_nothing, BoardFaults::kTemperature, 0, TripCause::board_fault,
@@ -259,68 +258,15 @@ Naming naming_of(const Fault &fault) {
 
 // ---- The run.
 
-/// From what the servo senses to what is: i_true = S i_sensed.
-Matrix3 sensing(const Fault &fault) {
-    Matrix3 S = Matrix3::Identity();
-    const auto a = static_cast<Eigen::Index>(fault.channel);
-    const auto b = static_cast<Eigen::Index>(fault.other_channel);
-    if (fault.kind == FaultKind::reversed_sensor) {
-        S(a, a) = -1.0;
-    } else if (fault.kind == FaultKind::sensor_gain) {
-        S(a, a) = 1.0 / fault.gain;
-    } else if (fault.kind == FaultKind::crossed_sensors ||
-               fault.kind == FaultKind::crossed_motors) {
-        S.col(a).swap(S.col(b));
-    }
-    return S;
-}
-
-/// The servo limits the force that it senses, F_s = J_s⁻ᵀ k_T i_s, to the device's limit F_max.
-/// With sensors and encoders in order that is the true one. Otherwise the true force is J⁻ᵀ k_T S
-/// k_T⁻¹ J_sᵀ F_s, and at most F_max times the norm of that matrix.
-///
-/// Above that it may be for the response of limit and trip: from the current to the measurement one
-/// period, and d until the answer acts.
-class ForceBound {
-public:
-    ForceBound(const device::DeviceDescription &device, const StormCase &what)
-        : device_(device), S_(sensing(what.fault)), k_T_(control::torque_constants(device)),
-          longest_ticks_(2 + static_cast<int>(std::ceil(what.delay_periods))) {}
-
-    /// @return the true force as a share of the bound
-    [[nodiscard]] double share(const simulated::SimulatedPhantom::Truth &truth,
-                               const Vector3 &sensed_rad, bool acts) const {
-        const TipAt is(device_.geometry, truth.theta_rad);
-        const double force_N = is.force_N(k_T_.cwiseProduct(truth.current_A)).norm();
-        const TipAt sensed(device_.geometry, sensed_rad);
-        const Matrix3 S = acts ? S_ : Matrix3(Matrix3::Identity());
-        const Matrix3 to_true = is.J.transpose().inverse() * k_T_.asDiagonal() * S *
-                                k_T_.cwiseInverse().asDiagonal() * sensed.J.transpose();
-        const double norm = to_true.jacobiSvd().singularValues()[0];
-        return force_N / (device_.limits.tip_force_N * std::max(1.0, norm));
-    }
-
-    /// @return whether it has been above for too long
-    bool is_broken_by(double share) {
-        above_ = share > 1.0 + kForceRoundOff ? above_ + 1 : 0;
-        return above_ > longest_ticks_;
-    }
-
-private:
-    static constexpr double kForceRoundOff = 2e-3; // of counts against true angles
-    device::DeviceDescription device_;
-    Matrix3 S_;
-    Vector3 k_T_;
-    int longest_ticks_;
-    int above_ = 0;
-};
+/// What may be exceeded for so long: the response of limit and trip.
+constexpr double kOver_s = 0.02;
+constexpr double kMax_m_per_s = 2.2; ///< 2 m/s, at which the servo trips, and its response
 
 class Storm {
 public:
     explicit Storm(const StormCase &what)
         : what_(what), servo_(phantom_1_0(), options(what), what.period_s),
           box_(box_soup(Vector3(-0.15, -0.05, -0.15), Vector3(0.15, 0.0, 0.15))),
-          bound_(servo_.device.description(), what),
           trip_A_(options(what).settings.current_trip_A) {
         servo_.inputs.surface = &box_;
         servo_.inputs.tuning = what.tuning;
@@ -342,6 +288,9 @@ public:
         for (int i = 0; i < end && outcome_.broken.empty(); ++i) {
             if (i == servo_.ticks_in(what_.press_s)) {
                 servo_.board.phantom().set_hand_target(what_.target_m);
+            }
+            if (what_.period_s * i >= what_.lift_s) {
+                servo_.board.phantom().set_hand_target(what_.lifted_m);
             }
             if (i == begin - 1) {
                 outcome_.was_driving = servo_.state() == board::State::driving;
@@ -387,8 +336,9 @@ private:
         const bool had_tripped = servo_.has_tripped();
         servo_.tick();
         const double time_s = what_.period_s * tick;
-        const bool acts = time_s + 2.0 * what_.period_s >= what_.fault.begin_s &&
-                          time_s <= what_.fault.end_s + 0.02;
+        if (had_tripped && !servo_.has_tripped()) {
+            outcome_.broken = "starts again by itself";
+        }
         if (servo_.has_tripped() && !had_tripped) {
             outcome_.tripped_after_s = time_s - what_.fault.begin_s;
             if (time_s + what_.period_s < what_.fault.begin_s) {
@@ -396,19 +346,30 @@ private:
                     "trips before any fault: " + servo::description(servo_.last.safety);
             }
         }
-        check(acts);
+        check();
     }
 
-    void check(bool acts) {
+    void check() {
         const double current_A = servo_.truth().current_A.cwiseAbs().maxCoeff();
         outcome_.largest_A = std::max(outcome_.largest_A, current_A);
         if (!(current_A < trip_A_)) {
             outcome_.broken = fmt::format("{:.3g} A in a winding", current_A);
         }
-        const double share = bound_.share(servo_.truth(), servo_.last.theta_rad, acts);
-        outcome_.largest_share = std::max(outcome_.largest_share, share);
-        if (bound_.is_broken_by(share)) {
-            outcome_.broken = fmt::format("{:.3g} of the force's bound", share);
+        const device::DeviceDescription &device = servo_.device.description();
+        const TipAt tip(device.geometry, servo_.truth().theta_rad);
+        const double force_N =
+            tip.force_N(control::torque_constants(device).cwiseProduct(servo_.truth().current_A))
+                .norm();
+        over_s_ = force_N > device.limits.tip_force_N ? over_s_ + what_.period_s : 0.0;
+        outcome_.longest_over_s = std::max(outcome_.longest_over_s, over_s_);
+        outcome_.largest_N = std::max(outcome_.largest_N, force_N);
+        if (over_s_ > kOver_s) {
+            outcome_.broken = fmt::format("{:.3g} N for too long", outcome_.largest_N);
+        }
+        const double speed_m_per_s = servo_.truth().tip_velocity_m_per_s.norm();
+        outcome_.largest_m_per_s = std::max(outcome_.largest_m_per_s, speed_m_per_s);
+        if (!(speed_m_per_s < kMax_m_per_s)) {
+            outcome_.broken = fmt::format("{:.3g} m/s", speed_m_per_s);
         }
         const device::DeviceCommand &command = servo_.last.command;
         if (servo_.has_tripped() &&
@@ -421,8 +382,8 @@ private:
     const StormCase &what_;
     ServoOnBoard servo_;
     contact::HapticSurface box_;
-    ForceBound bound_;
     double trip_A_;
+    double over_s_ = 0.0;
     StormOutcome outcome_;
     std::uint64_t struck_before_ = 0;
 };
@@ -437,12 +398,15 @@ std::string StormCase::description() const {
                           fault.direction == Direction::in ? "in" : "out",
                           fault.packet != 0 ? "one packet" : fmt::format("{:.2f}", fault.share),
                           fault.periods);
-    return fmt::format("{}{}, channels {} and {}, {:.1f} V, {:.0f} C, from {:.5f} s to {:.5f} s; "
-                       "{} at {:.3f} s; {:.0f} Hz, d {:.2f}, dR {}, {}",
-                       emulator::name_of(fault.kind), packets, fault.channel + 1,
-                       fault.other_channel + 1, fault.supply_V, fault.temperature_C, fault.begin_s,
-                       fault.end_s, presses ? "presses" : "moves", press_s, 1.0 / period_s,
-                       delay_periods, tuning.dR_Ohm, control::name_of(tuning.map));
+    return fmt::format(
+        "{}{}, channels {} and {}, {:.1f} V, {:.0f} C, from {:.5f} s to {:.5f} s; "
+        "{} at {:.3f} s; {:.0f} Hz, d {:.2f}, dR {}, {}",
+        emulator::name_of(fault.kind), packets, fault.channel + 1, fault.other_channel + 1,
+        fault.supply_V, fault.temperature_C, fault.begin_s, fault.end_s,
+        !presses                ? "moves"
+        : std::isfinite(lift_s) ? "presses and lifts"
+                                : "presses",
+        press_s, 1.0 / period_s, delay_periods, tuning.dR_Ohm, control::name_of(tuning.map));
 }
 
 StormCase random_storm_case(std::uint64_t seed, int number) {
@@ -478,6 +442,10 @@ StormCase random_storm_case(std::uint64_t seed, int number) {
     const double lasts_s = dice.by_ratio(2e-3, 0.6);
     what.fault.end_s = what.fault.begin_s + lasts_s;
     what.until_s = what.fault.end_s + kPublished_s + kAfterwards_s;
+    if (what.presses && dice.flip()) { // from a surface that the servo may no longer know
+        what.lift_s = std::max(what.press_s, what.fault.begin_s) + dice.even(0.0, 0.3);
+        what.lifted_m = {across_m(), dice.even(0.02, 0.09), across_m()};
+    }
     return what;
 }
 

@@ -3,8 +3,10 @@
 //
 //   rest ── starting ── running, free or pressing ──► fault, for a while ──► afterwards
 //
-// In every tick, by the true currents of the plant: no winding carries more than the board's trip
-// current, and the tip force is within the device's limit, see `ForceBound`.
+// In every tick, by the true state of the plant, which no fault scales: no winding carries more
+// than the board's trip current; the tip force of the true currents at the true angles is not above
+// the device's limit for longer than 20 ms; the tip is not faster than 2.2 m/s; and what has
+// tripped stays so.
 #pragma once
 
 #include "device/usb/driver/usb_device.h"
@@ -14,6 +16,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -78,7 +81,9 @@ struct StormCase {
     double press_s = 0.0; ///< when the hand moves
     double until_s = 0.0;
     Vector3 start_m{Vector3::Zero()};
-    Vector3 target_m{Vector3::Zero()}; ///< of the hand
+    Vector3 target_m{Vector3::Zero()};                       ///< of the hand
+    double lift_s = std::numeric_limits<double>::infinity(); ///< when it goes on,
+    Vector3 lifted_m{Vector3::Zero()};                       ///< to here
     device::HandParameters hand;
     std::uint64_t seed = 1; ///< of the packets' faults
 
@@ -97,8 +102,10 @@ struct StormOutcome {
     device::LinkStatus before;    ///< counters
     device::LinkStatus after;
     double largest_A = 0.0;
-    double largest_share = 0.0; ///< of the bound of force
-    std::string broken;         ///< an invariant, in words; empty if none was
+    double largest_N = 0.0;       ///< of the true tip force
+    double longest_over_s = 0.0;  ///< above its limit
+    double largest_m_per_s = 0.0; ///< of the tip
+    std::string broken;           ///< an invariant, in words; empty if none was
 };
 
 [[nodiscard]] StormOutcome outcome_of(const StormCase &what);

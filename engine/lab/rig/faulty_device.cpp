@@ -92,8 +92,8 @@ device::Measurement FaultyDevice::as_reported(device::Measurement state) const {
         const double size = fault_.size[j];
         if (kind == FaultKind::count_scale) {
             const std::int32_t first = first_counts_[motor];
-            state.counts[motor] =
-                first + static_cast<std::int32_t>(std::lround(size * (state.counts[motor] - first)));
+            state.counts[motor] = first + static_cast<std::int32_t>(
+                                              std::lround(size * (state.counts[motor] - first)));
         } else if (kind == FaultKind::count_stuck_bit) {
             state.counts[motor] &= ~static_cast<std::int32_t>(size);
         }

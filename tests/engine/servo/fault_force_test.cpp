@@ -19,6 +19,7 @@ namespace {
 TEST(FaultInjection, TipForce) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(41);
+    int by_force = 0;
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultTrial rig(testing::random_case(random, i, testing::Place::running_on_plate));
         SCOPED_TRACE(rig.what.description());
@@ -32,20 +33,26 @@ TEST(FaultInjection, TipForce) {
         const double gain = limit_N / force_N * testing::log_uniform(random, 1.1, 2.0);
         rig.commit(rig::FaultKind::amplifier_gain, Vector3::Constant(gain));
         rig.run_to_trip(0.05);
-        // If one tick exceeds both limits, the winding's is reported.
-        rig.expect_tripped_by(rig.last.safety.cause == TripCause::current ? TripCause::current
-                                                                          : TripCause::tip_force);
+        // If one tick exceeds both limits, the winding's is reported. An amplifier whose force
+        // stays below contradicts its motor.
+        const TripCause cause = rig.last.safety.cause;
+        rig.expect_tripped_by(cause == TripCause::current || cause == TripCause::motor_contradicted
+                                  ? cause
+                                  : TripCause::tip_force);
+        by_force += cause == TripCause::motor_contradicted ? 0 : 1;
         rig.expect_latched();
         rig.expect_reset_waits();
         rig.device().clear_fault();
         rig.inputs.limits = unlowered();
         rig.expect_recovery();
     }
+    EXPECT_GT(by_force, testing::kFaultsOfACause / 2);
 }
 
 TEST(FaultInjection, Energy) {
     RecordProperty("faults", testing::kFaultsOfACause);
     std::mt19937 random(42);
+    int by_energy = 0;
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultCase what = testing::random_case(random, i, testing::Place::running_on_plate);
         what.firm = what.firm && what.tuning_name != "soft"; // it would hold even twice a soft
@@ -55,17 +62,21 @@ TEST(FaultInjection, Energy) {
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
         rig.inputs.limits.generated_energy_J =
-            0.03 * testing::uniform(random, 0.1, what.firm ? 0.3 : 1.0);
-        // Reversed polarity: the force pulls in instead of pushing out.
+            0.03 * testing::log_uniform(random, 0.001, what.firm ? 0.3 : 1.0);
+        // Reversed polarity: the force pulls in instead of pushing out, which contradicts the motor
+        // within some 10 ms, if the energy is not above its limit before.
         rig.commit(rig::FaultKind::amplifier_gain,
                    -Vector3::Ones() * testing::uniform(random, 1.0, 1.4));
         rig.run_to_trip(1.0);
-        rig.expect_tripped_by(TripCause::energy);
+        const TripCause cause = rig.last.safety.cause;
+        rig.expect_tripped_by(cause == TripCause::motor_contradicted ? cause : TripCause::energy);
+        by_energy += cause == TripCause::energy ? 1 : 0;
         rig.expect_latched();
         rig.expect_reset_waits();
         rig.device().clear_fault();
         rig.expect_recovery();
     }
+    EXPECT_GT(by_energy, testing::kFaultsOfACause / 8);
 }
 
 /// A fault that may show in several ways, or not at all.
