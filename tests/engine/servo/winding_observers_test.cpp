@@ -198,7 +198,9 @@ TEST(WindingObservers, DRIsWhatWasAskedForAfterTwoSeconds) {
             const double error =
                 worst_error(device, touch, from_s, kBeforeTouch_s + touch.duration_s);
             worst = std::max(worst, error);
-            missed += error < goal ? 0 : 1;
+            // Of a motor with less than 0.15 A too little is known for 0.2 Ω, and it is held up.
+            const bool is_known = control::kHeldUpDeviations * deviation_Ohm < dR_Ohm;
+            missed += error < goal || !is_known ? 0 : 1;
             for (std::size_t motor = 0; motor < 3; ++motor) {
                 held_up += device.is_limited(motor) ? 1 : 0;
                 held_up_Ohm = std::max(held_up_Ohm, device.dR_Ohm(motor));
