@@ -312,6 +312,8 @@ private:
         }
         if (board_.take_block_to_store(block)) {
             require(block.index < board::kCalibrationBlocks, "stores a block that does not exist");
+            require(board_.loop().state() != BoardState::driving, "stores while it drives");
+            board_.end_store(block.index, true);
         }
     }
 

@@ -10,6 +10,8 @@
 
 #include "device/core/motor/motor.h"
 
+#include <algorithm>
+
 namespace springdrive::device {
 
 /// Temperature at which data sheets state R.
@@ -26,6 +28,11 @@ inline constexpr double kReferenceTemperature_C = 25.0;
 /// Maximum of R(T, θ) over all angles, for a winding of at most `winding_C`. RT-safe.
 [[nodiscard]] double max_resistance_Ohm(const MotorParameters &motor, double winding_C);
 
+struct MotorTemperature {
+    double winding_C = 0.0;
+    double housing_C = 0.0;
+};
+
 /// Winding and housing of one motor. RT-safe after construction.
 class WindingTemperature {
 public:
@@ -39,6 +46,13 @@ public:
     /// Advances by one period with the power `heat_W`, R i², in the winding.
     void update(double heat_W) noexcept;
 
+    /// Raises what is colder to these temperatures. RT-safe.
+    void raise_to(const MotorTemperature &least) noexcept {
+        winding_C_ = std::max(winding_C_, least.winding_C);
+        housing_C_ = std::max(housing_C_, least.housing_C);
+    }
+
+    [[nodiscard]] MotorTemperature temperature() const { return {winding_C_, housing_C_}; }
     [[nodiscard]] double winding_C() const { return winding_C_; }
     [[nodiscard]] double housing_C() const { return housing_C_; }
 

@@ -39,7 +39,9 @@ public:
     /// @return false: to be stalled
     [[nodiscard]] bool control_out(std::uint8_t request, const std::uint8_t *data,
                                    std::size_t size) {
-        const bool is_accepted = link_.control_out(request, data, size, status_.copy());
+        LoopStatus status = status_.copy();
+        status.report.state = loop_.state(); // a report may be 50 ms old
+        const bool is_accepted = link_.control_out(request, data, size, status);
         publish();
         return is_accepted;
     }
@@ -63,11 +65,17 @@ public:
         link_.load(block);
         publish();
     }
+    /// Storing a block may stop the loop: there is none while a motor is driven, and from when the
+    /// host wrote it until `end_store` no command to drive is applied.
     [[nodiscard]] bool take_block_to_store(usb::CalibrationBlock &block) {
-        return link_.take_block_to_store(block);
+        return loop_.state() != State::driving && loop_.state() != State::testing &&
+               link_.take_block_to_store(block);
     }
-    /// The chip could not keep it: reading it back is refused from now on.
-    void note_unstored(std::uint16_t index) { link_.note_unstored(index); }
+    /// @param is_stored  whether the chip kept it; else reading it back is refused from now on
+    void end_store(std::uint16_t index, bool is_stored) {
+        link_.end_store(index, is_stored);
+        publish();
+    }
 
     /// Whether the loop has run since the last call.
     [[nodiscard]] bool loop_has_run() {

@@ -63,6 +63,7 @@ struct Orders {
     std::uint32_t disconnections = 0;
     std::uint32_t report_period_us = 1000;
     usb::BoardCalibration calibration;
+    bool is_storing = false; ///< a block is to be stored, or is being: no motor may be driven
 };
 
 /// From the loop to USB. `report` lacks what only the USB side knows: last_rejection and

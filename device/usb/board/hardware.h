@@ -53,8 +53,8 @@ template <Hardware Chip> void run_background(Chip &chip, Board &board) {
         chip.kick_watchdog();
     }
     usb::CalibrationBlock block;
-    if (board.take_block_to_store(block) && !chip.store_block(block)) {
-        board.note_unstored(block.index);
+    if (board.take_block_to_store(block)) {
+        board.end_store(block.index, chip.store_block(block));
     }
 }
 

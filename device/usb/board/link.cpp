@@ -112,7 +112,7 @@ bool Link::control_out(std::uint8_t request, const std::uint8_t *data, std::size
     }
     if (request == static_cast<std::uint8_t>(usb::Kind::self_test)) {
         usb::SelfTestOrder order;
-        if (!has_number_ || loop.report.state != usb::BoardState::braking ||
+        if (!has_number_ || loop.report.state != usb::BoardState::braking || orders_.is_storing ||
             !read(data, size, order) || !SelfTest::accepts(order, settings_)) {
             return false;
         }
@@ -121,11 +121,14 @@ bool Link::control_out(std::uint8_t request, const std::uint8_t *data, std::size
         return true;
     }
     usb::CalibrationBlock block;
-    return request == static_cast<std::uint8_t>(usb::Kind::calibration) &&
-           read(data, size, block) && write_block(block);
+    return request == static_cast<std::uint8_t>(usb::Kind::calibration) && may_store() &&
+           read(data, size, block) && write_block(block, true);
 }
 
-bool Link::write_block(const usb::CalibrationBlock &block) {
+/// Storing may stop the loop: not after a command to drive, whether or not the loop has seen it.
+bool Link::may_store() const { return !has_number_ || orders_.command.mode != usb::Mode::drive; }
+
+bool Link::write_block(const usb::CalibrationBlock &block, bool must_store) {
     if (block.index >= kCalibrationBlocks) {
         return false;
     }
@@ -144,7 +147,8 @@ bool Link::write_block(const usb::CalibrationBlock &block) {
         orders_.calibration = calibration;
     }
     block_[block.index] = block;
-    must_store_[block.index] = true;
+    must_store_[block.index] = must_store;
+    orders_.is_storing = orders_.is_storing || must_store;
     is_unstored_[block.index] = false;
     return true;
 }
@@ -173,11 +177,7 @@ void Link::disconnect() {
     ++orders_.disconnections;
 }
 
-void Link::load(const usb::CalibrationBlock &block) {
-    if (write_block(block)) {
-        must_store_[block.index] = false;
-    }
-}
+void Link::load(const usb::CalibrationBlock &block) { (void)write_block(block, false); }
 
 bool Link::take_block_to_store(usb::CalibrationBlock &block) {
     for (std::size_t i = 0; i < kCalibrationBlocks; ++i) {
@@ -188,6 +188,14 @@ bool Link::take_block_to_store(usb::CalibrationBlock &block) {
         }
     }
     return false;
+}
+
+void Link::end_store(std::uint16_t index, bool is_stored) {
+    is_unstored_[index] = !is_stored;
+    orders_.is_storing = false;
+    for (const bool must_store : must_store_) {
+        orders_.is_storing = orders_.is_storing || must_store;
+    }
 }
 
 std::uint32_t Link::shortest_report_period_us() const {

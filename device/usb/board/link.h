@@ -42,10 +42,9 @@ public:
 
     /// A stored calibration block, at the start.
     void load(const usb::CalibrationBlock &block);
-    /// The next block that the host wrote, once.
+    /// The next block that the host wrote, once. Until `end_store`, no motor is driven.
     [[nodiscard]] bool take_block_to_store(usb::CalibrationBlock &block);
-    /// The chip could not keep it.
-    void note_unstored(std::uint16_t index) { is_unstored_[index] = true; }
+    void end_store(std::uint16_t index, bool is_stored);
 
     /// The orders are about to be passed on.
     void count_change() { ++orders_.changes; }
@@ -54,7 +53,8 @@ public:
 private:
     usb::FrameStatus reject(usb::FrameStatus status);
     [[nodiscard]] usb::FrameStatus check_number(const usb::Command &command) const;
-    [[nodiscard]] bool write_block(const usb::CalibrationBlock &block);
+    [[nodiscard]] bool write_block(const usb::CalibrationBlock &block, bool must_store);
+    [[nodiscard]] bool may_store() const;
     [[nodiscard]] std::uint32_t shortest_report_period_us() const;
     [[nodiscard]] usb::Capabilities capabilities(const LoopStatus &loop) const;
     [[nodiscard]] usb::Counters counters(const LoopStatus &loop) const;

@@ -14,10 +14,10 @@ bool is_due(std::uint32_t now_us, std::uint32_t due_us) {
 
 Loop::Loop(const BoardSettings &settings)
     : settings_(settings), loop_period_us_(1e6F * settings.loop_period_s()),
-      lag_s_(settings.actuation_lag_periods * settings.loop_period_s()),
-      heat_loops_(settings.loop_rate_hz / WindingHeat::kUpdates_hz), amplifier_(settings) {
+      lag_s_(settings.actuation_lag_periods * settings.loop_period_s()), amplifier_(settings) {
     for (std::size_t i = 0; i < kChannels; ++i) {
-        heat_[i] = WindingHeat(settings.winding[i], settings.gain_tolerance);
+        heat_[i] =
+            WindingHeat(settings.winding[i], settings.gain_tolerance, settings.motors_start_cold);
     }
 }
 
@@ -42,14 +42,19 @@ void Loop::take_time(const Samples &samples) {
     if (!has_time_) {
         has_time_ = true;
         report_due_us_ = samples.time_us;
+        checked_at_us_ = samples.time_us;
     } else {
-        const auto passed_us = static_cast<float>(samples.time_us - time_us_);
+        passed_us_ = samples.time_us - time_us_;
+        const auto passed_us = static_cast<float>(passed_us_);
         if (passed_us > 1.5F * loop_period_us_) {
             ++late_loops_;
             has_gap_ = true;
-            if (passed_us > static_cast<float>(kLatestLoop) * loop_period_us_ &&
-                state_ == State::driving) {
-                raise(Faults::kOverrun);
+            if (passed_us > static_cast<float>(kLatestLoop) * loop_period_us_) {
+                passed_us_ = 0;
+                forget_lower_heat();
+                if (state_ == State::driving) {
+                    raise(Faults::kOverrun);
+                }
             }
         }
     }
@@ -65,7 +70,7 @@ void Loop::measure(const Samples &samples) {
         counts_[i] = encoder_[i].counts(calibration.encoder_sign[i]);
         current_A_[i] =
             calibration.current_gain[i] * (samples.current_A[i] - offsets_.offset_A()[i]);
-        square_sum_A2_[i] += current_A_[i] * current_A_[i];
+        square_sum_A2us_[i] += current_A_[i] * current_A_[i] * static_cast<float>(passed_us_);
     }
     if (has_gap_) {
         amplifier_.forget(current_A_);
@@ -73,7 +78,7 @@ void Loop::measure(const Samples &samples) {
     } else {
         amplifier_.observe(current_A_);
     }
-    ++summed_loops_;
+    summed_us_ += passed_us_;
     if (state_ == State::starting) {
         switch (offsets_.update(samples.current_A, settings_.largest_offset_A)) {
         case CurrentOffsets::Progress::measuring:
@@ -98,7 +103,7 @@ void Loop::check_fast(const Samples &samples) {
         if (!usb::is_finite(samples.current_A[i])) {
             raise(Faults::kSensor);
             current_A_[i] = 0.0F; // nothing below may see it
-            square_sum_A2_[i] = 0.0F;
+            square_sum_A2us_[i] = 0.0F;
             amplifier_.forget(current_A_);
         } else {
             is_over = is_over || magnitude(current_A_[i]) > settings_.current_trip_A ||
@@ -150,6 +155,7 @@ void Loop::check_slow(const Samples &samples) {
             raise(Faults::kTemperature);
         }
     }
+    check_timer();
     heat_windings();
     for (const WindingHeat &heat : heat_) {
         if (heat.is_too_hot()) {
@@ -158,16 +164,33 @@ void Loop::check_slow(const Samples &samples) {
     }
 }
 
+/// Time-outs, reports and heat go by a timer of the chip: where it stands still, or is slow,
+/// nothing else would notice.
+void Loop::check_timer() {
+    constexpr float kLoops = kSlowLoops;
+    const std::uint32_t passed_us = time_us_ - checked_at_us_;
+    checked_at_us_ = time_us_;
+    if (loops_ > 0 && static_cast<float>(passed_us) < kSlowestTimer * kLoops * loop_period_us_) {
+        forget_lower_heat();
+        raise(Faults::kOverrun);
+    }
+}
+
 void Loop::heat_windings() {
-    if (summed_loops_ < heat_loops_) {
+    if (summed_us_ < WindingHeat::kPeriod_us) {
         return;
     }
-    const auto loops = static_cast<float>(summed_loops_);
     for (std::size_t i = 0; i < kChannels; ++i) {
-        heat_[i].update(square_sum_A2_[i] / loops);
+        heat_[i].update(square_sum_A2us_[i] / static_cast<float>(WindingHeat::kPeriod_us));
     }
-    square_sum_A2_ = {};
-    summed_loops_ = 0;
+    square_sum_A2us_ = {};
+    summed_us_ -= WindingHeat::kPeriod_us;
+}
+
+void Loop::forget_lower_heat() {
+    for (WindingHeat &heat : heat_) {
+        heat.forget_lower();
+    }
 }
 
 void Loop::raise(std::uint16_t fault) {
@@ -227,7 +250,7 @@ void Loop::take_command(const Orders &orders) {
         handle(Event::command_brake);
         break;
     case usb::Mode::drive:
-        handle(Event::command_drive);
+        handle(orders.is_storing ? Event::command_brake : Event::command_drive);
         break;
     case usb::Mode::open:
         handle(Event::command_open);
@@ -249,7 +272,7 @@ void Loop::take_requests(const Orders &orders) {
         zeroings_ = static_cast<std::uint8_t>((zeroings_ + 1U) & 15U);
     }
     if (orders.self_test_changes != seen_.self_test_changes && state_ == State::braking &&
-        self_test_.start(orders.self_test, settings_)) {
+        !orders.is_storing && self_test_.start(orders.self_test, settings_)) {
         handle(Event::test_started);
     }
     if (orders.disconnections != seen_.disconnections) {
@@ -284,6 +307,16 @@ BridgeOrder Loop::order(const Samples &samples) {
     // Below the least it is a fault, perhaps of its sensor only: voltages must not rise by it.
     const float supply_V =
         measured_V < settings_.smallest_supply_V ? settings_.smallest_supply_V : measured_V;
+    const BridgeOrder order = order_of_state(supply_V);
+    Triple voltage_V{};
+    for (std::size_t i = 0; i < kChannels; ++i) {
+        voltage_V[i] = order.duty_ratio[i] * supply_V; // 0 of stages that are not driven
+    }
+    amplifier_.apply(voltage_V);
+    return order;
+}
+
+BridgeOrder Loop::order_of_state(float supply_V) {
     switch (state_) {
     case State::driving:
         return order_of_drive(supply_V);

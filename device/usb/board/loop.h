@@ -37,6 +37,8 @@ private:
     /// in 0.1 ms, so a stage does not brake.
     static constexpr std::uint32_t kBrakingTime_us = 5000;
     static constexpr std::uint32_t kLatestLoop = 4; ///< loop periods; later is a fault
+    /// Least share of the loop's own time that the timer of microseconds must pass in kSlowLoops.
+    static constexpr float kSlowestTimer = 0.875F;
 
     void measure(const Samples &samples);
     void take_time(const Samples &samples);
@@ -46,13 +48,16 @@ private:
     void check_fast(const Samples &samples);
     void check_braking(const Samples &samples);
     void check_slow(const Samples &samples);
+    void check_timer();
     void check_watchdog();
     void note_silence();
     void heat_windings();
+    void forget_lower_heat();
     void handle(Event event);
     void raise(std::uint16_t fault);
     void request_reset();
     [[nodiscard]] BridgeOrder order(const Samples &samples);
+    [[nodiscard]] BridgeOrder order_of_state(float supply_V);
     [[nodiscard]] BridgeOrder order_of_test(float supply_V);
     [[nodiscard]] BridgeOrder order_of_drive(float supply_V);
     [[nodiscard]] BridgeOrder checked(BridgeOrder order);
@@ -74,9 +79,10 @@ private:
     Triple current_A_{}; ///< without offsets, with calibrated gains
     CurrentOffsets offsets_;
     std::array<WindingHeat, kChannels> heat_;
-    Triple square_sum_A2_{};
-    std::uint32_t summed_loops_ = 0;
-    std::uint32_t heat_loops_;
+    Triple square_sum_A2us_{};    ///< of currents, by the time that each stands for
+    std::uint32_t passed_us_ = 0; ///< in the last loop
+    std::uint32_t summed_us_ = 0;
+    std::uint32_t checked_at_us_ = 0; ///< by check_timer
 
     // Ordered.
     Orders seen_;

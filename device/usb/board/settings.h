@@ -7,10 +7,11 @@
 
 namespace springdrive::board {
 
-/// A motor's two-body thermal network, and the bounds on R and air temperature with which a board
-/// estimates it.
+/// A motor's winding: R and L, its two-body thermal network, and the bounds on R and air
+/// temperature with which a board estimates it.
 struct WindingSettings {
     float resistance_Ohm = 2.18F; ///< at 25 °C
+    float inductance_H = 0.238e-3F;
     float resistance_tolerance = 0.05F;
     float commutation_ripple = 0.02F;
     float rise_per_K = 0.0039F; ///< of R, relative to R at 25 °C
@@ -49,7 +50,7 @@ struct BoardSettings {
     bool has_stop_switch = true;
     bool has_enable_line = true;
 
-    float current_limit_A = 5.5F; ///< voltage that drives a current beyond it is taken away
+    float current_limit_A = 5.5F; ///< e_A drives no current beyond it, see amplifier.h
     float current_trip_A = 6.6F;
     float current_range_A = 8.0F; ///< of the sensors: a current near it is not known
     float current_resolution_A = 16.0F / 4096.0F;
@@ -68,6 +69,9 @@ struct BoardSettings {
     float actuation_lag_periods = 1.0F;
 
     std::array<WindingSettings, kChannels> winding{};
+    /// Whether the motors are no warmer than the air at power-up, as simulated ones are. Nothing
+    /// that a real board knows by itself shows it.
+    bool motors_start_cold = false;
     SelfTestLimits self_test{};
     std::uint32_t shortest_report_period_us = 125; ///< at high speed; at full speed at least 1000
 

@@ -4,8 +4,12 @@
 //
 //   C_w dT_w/dt = R i² − (T_w − T_h)/R_wh      C_h dT_h/dt = (T_w − T_h)/R_wh − (T_h − T_air)/R_ha
 //
-// A board starts with motors assumed as cold as the air. Explicit steps of kPeriod_s, 1/240 of the
-// faster time constant: shorter ones would be lost in the rounding of `float`.
+// What was before power-up, or in a pause of the loop, nobody saw: the lower bound then starts from
+// the coldest air. The upper bound starts from the hottest state that its own limit permits, a
+// winding that has been at the limit for hours, and does not fall in a pause.
+//
+// Explicit steps of kPeriod_s, 1/240 of the faster time constant: shorter ones would be lost in the
+// rounding of `float`.
 #pragma once
 
 #include "device/usb/board/settings.h"
@@ -14,12 +18,18 @@ namespace springdrive::board {
 
 class WindingHeat {
 public:
-    static constexpr std::uint32_t kUpdates_hz = 20;
-    static constexpr float kPeriod_s = 1.0F / static_cast<float>(kUpdates_hz);
+    static constexpr std::uint32_t kPeriod_us = 50'000;
+    static constexpr float kPeriod_s = 1e-6F * static_cast<float>(kPeriod_us);
 
     WindingHeat() = default;
-    WindingHeat(const WindingSettings &winding, float gain_tolerance)
-        : winding_(winding), gain_tolerance_(gain_tolerance) {}
+    WindingHeat(const WindingSettings &winding, float gain_tolerance, bool starts_cold)
+        : winding_(winding), gain_tolerance_(gain_tolerance) {
+        if (!starts_cold) {
+            const float outer = winding.housing_ambient_K_per_W;
+            upper_.winding_K = winding.largest_winding_C - winding.warmest_air_C;
+            upper_.housing_K = upper_.winding_K * outer / (outer + winding.winding_housing_K_per_W);
+        }
+    }
 
     /// Advances by kPeriod_s with the mean of the squared current in it.
     void update(float mean_square_A2) {
@@ -29,6 +39,9 @@ public:
         warm(upper_, heat_W * (1.0F + spread) * rise_at(upper_C()) * (1.0F + gain));
         warm(lower_, heat_W * (1.0F - spread) * rise_at(lower_C()) * (1.0F - gain));
     }
+
+    /// For a time that is not known, nobody saw the current.
+    void forget_lower() { lower_ = {}; }
 
     [[nodiscard]] float upper_C() const { return winding_.warmest_air_C + upper_.winding_K; }
     [[nodiscard]] bool is_too_hot() const { return !(upper_C() <= winding_.largest_winding_C); }

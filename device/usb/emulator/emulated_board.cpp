@@ -145,7 +145,9 @@ EmulatedBoard::EmulatedBoard(const device::DeviceDescription &description,
 }
 
 void EmulatedBoard::power_up() {
-    board_.emplace(options_.settings, options_.identity);
+    board::BoardSettings settings = options_.settings;
+    settings.motors_start_cold = settings.motors_start_cold || plant_.loops() == 0;
+    board_.emplace(settings, options_.identity);
     board_->set_speed(is_high_speed_);
     board::start(plant_, *board_);
     period_us_ = usb::ReportRate().period_us;

@@ -241,7 +241,7 @@ TEST(CurrentOffsets, FailBeyondTheLimitAndForNaN) {
 TEST(WindingHeat, BoundsContainTheTrueWinding) {
     const device::MotorParameters &motor = testing::phantom_motor();
     for (const double current_A : {0.3, 1.0, 1.24, 3.0}) {
-        WindingHeat heat(WindingSettings(), 0.01F);
+        WindingHeat heat(WindingSettings(), 0.01F, true);
         constexpr double kPeriod_s = WindingHeat::kPeriod_s;
         device::WindingTemperature winding(motor.thermal, 25.0, kPeriod_s);
         for (int i = 0; i < 20 * 1200; ++i) {
@@ -259,9 +259,55 @@ TEST(WindingHeat, BoundsContainTheTrueWinding) {
     }
 }
 
+/// Over heating, rest, pauses of the loop, and power-ups, in any air and with any R of the
+/// tolerance.
+TEST(WindingHeat, BoundsHoldOverAnyHistory) {
+    const device::MotorParameters file = testing::phantom_motor();
+    std::mt19937_64 random(6);
+    const auto any = [&](double from, double to) {
+        return std::uniform_real_distribution<double>(from, to)(random);
+    };
+    int risen = 0;
+    for (int history = 0; history < 200; ++history) {
+        device::MotorParameters motor = file;
+        motor.resistance_Ohm *= any(0.95, 1.05);
+        const double air_C = any(15.0, 35.0);
+        WindingHeat heat(WindingSettings(), 0.01F, false);
+        device::WindingTemperature truth(motor.thermal, air_C, WindingHeat::kPeriod_s);
+        for (int part = 0; part < 30; ++part) {
+            const double current_A = any(0.0, 5.5);
+            for (int i = 0; i < 100; ++i) {
+                const double true_A = heat.is_too_hot() ? 0.0 : current_A;
+                const double measured_A = true_A * any(0.99, 1.01);
+                heat.update(static_cast<float>(measured_A * measured_A));
+                truth.update(
+                    device::winding_resistance_Ohm(motor, truth.winding_C(), any(0.0, 6.0)) *
+                    true_A * true_A);
+                ASSERT_LE(truth.winding_C(), heat.upper_C() + 0.01F);
+                const double rise = 1.0 + file.resistance_rise_per_K * (truth.winding_C() - 25.0);
+                ASSERT_GE(std::max(1.0, rise), heat.certain_rise() - 1e-5F);
+                risen += heat.certain_rise() > 1.02F ? 1 : 0;
+            }
+            if (part % 3 == 1) {
+                const device::MotorTemperature before = truth.temperature();
+                device::WindingTemperature rest(motor.thermal, air_C, any(0.0, 1000.0));
+                rest.raise_to(before);
+                rest.update(0.0);
+                truth = device::WindingTemperature(motor.thermal, air_C, WindingHeat::kPeriod_s);
+                truth.raise_to(rest.temperature());
+                heat.forget_lower();
+                if (random() % 2 == 0) {
+                    heat = WindingHeat(WindingSettings(), 0.01F, false);
+                }
+            }
+        }
+    }
+    EXPECT_GT(risen, 10'000); // not vacuous
+}
+
 TEST(WindingHeat, TripsSoonAtPeakAndNeverBelowTheContinuousCurrent) {
     const auto trips_after_s = [](float current_A) {
-        WindingHeat heat(WindingSettings(), 0.01F);
+        WindingHeat heat(WindingSettings(), 0.01F, true);
         for (int i = 1; i < 20 * 3600; ++i) {
             heat.update(current_A * current_A);
             if (heat.is_too_hot()) {
@@ -277,7 +323,7 @@ TEST(WindingHeat, TripsSoonAtPeakAndNeverBelowTheContinuousCurrent) {
     EXPECT_EQ(trips_after_s(1.10F), 3600.0);
     EXPECT_LT(trips_after_s(1.14F), 3600.0);
     // R that only certainly rises permits more R̂, at most the copper's share.
-    WindingHeat heat(WindingSettings(), 0.01F);
+    WindingHeat heat(WindingSettings(), 0.01F, true);
     EXPECT_EQ(heat.certain_rise(), 1.0F);
 }
 

@@ -35,7 +35,8 @@ usb::Command mode(usb::Mode mode) {
 /// A rig that drives.
 class DrivingRig : public BoardRig {
 public:
-    explicit DrivingRig(std::uint32_t start_us = 0) : BoardRig({}, start_us) {
+    explicit DrivingRig(std::uint32_t start_us = 0)
+        : BoardRig({.motors_start_cold = true}, start_us) {
         start();
         command = drive();
         run_ms(5);
@@ -357,6 +358,59 @@ TEST(BoardFaults, ALoopThatIsMuchTooLate) {
     }
 }
 
+/// Nothing else notices: no time-out elapses, no report is due, and windings do not warm. Checks
+/// come every 16 loops, and the second one after it stood still finds it.
+TEST(BoardFaults, ATimerThatStandsStillOrIsSlow) {
+    constexpr int kLoops = 2 * 16;
+    for (const double pace : {0.0, 0.5, 0.87, 0.9, 1.0}) {
+        for (const int offset : {0, 5, 11, 15}) {
+            DrivingRig rig;
+            rig.run_loops(offset);
+            const std::uint32_t from_us = rig.now_us();
+            rig.tamper = [&](Samples &s) {
+                s.time_us = from_us + static_cast<std::uint32_t>(pace * (s.time_us - from_us));
+            };
+            rig.run_loops(kLoops);
+            EXPECT_EQ(rig.state(), pace < 0.875 ? State::fault_braking : State::driving) << pace;
+            EXPECT_EQ(rig.faults(), pace < 0.875 ? Faults::kOverrun : 0) << pace;
+            if (pace == 0.0) {
+                rig.begin(true);
+                rig.run_loops(kLoops);
+                EXPECT_EQ(rig.state(), State::fault_braking); // not while it stands still
+                rig.host_sends = false;
+                rig.tamper = nullptr;
+                rig.run_loops(kLoops);
+                rig.begin(true);
+                rig.run_loops(1);
+                EXPECT_EQ(rig.state(), State::braking);
+            }
+        }
+    }
+}
+
+/// A host that ignores what windings may have been before power-up, and one that waits.
+TEST(BoardFaults, AfterPowerUpWindingsMayBeHot) {
+    for (const double idle_s : {0.1, 20.0}) {
+        BoardRig rig;
+        rig.start();
+        rig.run_ms(static_cast<int>(1e3 * idle_s));
+        EXPECT_EQ(rig.faults(), 0);
+        rig.command = drive(0.55F, 1.68F); // 1.1 A: for ever
+        rig.run_ms(2000);
+        EXPECT_EQ(rig.state(), State::driving);
+        rig.command = drive(2.0F, 1.68F); // 4 A
+        int held_ms = 0;
+        for (; rig.state() == State::driving && held_ms < 5000; held_ms += 10) {
+            rig.run_ms(10);
+        }
+        EXPECT_EQ(rig.faults(), Faults::kHeat);
+        // 4² · 3.08 Ω into 3.9 J/K are 12.7 K/s less what the housing takes; after 20 s 8 K are
+        // left below the limit.
+        EXPECT_LT(held_ms, idle_s < 1.0 ? 150 : 1200);
+        EXPECT_GT(held_ms, idle_s < 1.0 ? 0 : 400);
+    }
+}
+
 TEST(BoardFaults, AHeldContactTripsBeforeTheWindingIsTooHot) {
     DrivingRig rig;
     rig.command = drive(2.5F, 1.68F); // 5 A, the resistance of a winding that stays cold
@@ -425,14 +479,48 @@ TEST(Board, DenormalCommandsAreObeyed) {
 
 TEST(Board, LimitsVoltageAndSaysSo) {
     DrivingRig rig;
+    for (testing::RigMotor &motor : rig.motor) {
+        motor.resistance_Ohm = 3.0; // hot: 12 V drive less than the peak
+    }
     rig.command = drive(12.0F, 2.0F);
     rig.run_loops(30);
     EXPECT_NEAR(std::abs(rig.order.duty_ratio[0]), 12.0 / 15.0, 1e-4);
     rig.run_ms(1);
     EXPECT_NE(rig.report.limits, 0);
     for (std::size_t i = 0; i < 3; ++i) {
-        EXPECT_LE(std::abs(rig.current_A(i)), 5.6);
+        EXPECT_LE(std::abs(rig.current_A(i)), 4.01);
     }
+}
+
+/// With the coldest R, which R̂ may exceed, and rotors that run away from a load.
+TEST(Board, KeepsThePeakWhateverTheHostCommands) {
+    std::mt19937 random(5);
+    const auto any = [&](float most) {
+        return std::uniform_real_distribution<float>(-most, most)(random);
+    };
+    double highest_A = 0.0;
+    for (int trial = 0; trial < 20; ++trial) {
+        DrivingRig rig;
+        for (testing::RigMotor &motor : rig.motor) {
+            motor.resistance_Ohm = 1.95;
+            motor.is_held = false;
+        }
+        for (int ms = 0; ms < 40; ++ms) {
+            rig.command = drive(any(12.0F), 2.28F);
+            for (testing::RigMotor &motor : rig.motor) { // at most 2 m/s of the tip
+                motor.rate_rad_per_s = std::clamp(motor.rate_rad_per_s, -190.0, 190.0);
+            }
+            for (int loop = 0; loop < 40; ++loop) {
+                rig.run_loops(1);
+                for (std::size_t i = 0; i < 3; ++i) {
+                    highest_A = std::max(highest_A, std::abs(rig.current_A(i)));
+                }
+            }
+        }
+        EXPECT_EQ(rig.faults() & Faults::kOverCurrent, 0);
+    }
+    EXPECT_LE(highest_A, 5.5);
+    EXPECT_GT(highest_A, 5.4);
 }
 
 TEST(BoardReports, OneInEachPeriodOfTheHostInItsPhase) {
@@ -560,7 +648,7 @@ TEST(BoardControl, StoresCalibrationAndUsesItsOwn) {
     command.cancelled_resistance_Ohm.diagonal[0] = 2.01F;
     EXPECT_EQ(rig.send(command), FrameStatus::beyond_limits);
 
-    rig.board().note_unstored(3); // by a chip that failed
+    rig.board().end_store(3, false); // a chip that failed
     const auto read_back = [&] {
         return rig.board().control_in(static_cast<std::uint8_t>(usb::Kind::calibration), 3,
                                       payload.data());
@@ -574,6 +662,100 @@ TEST(BoardControl, StoresCalibrationAndUsesItsOwn) {
     usb::BoardCalibration wrong = calibration;
     wrong.largest_cancelled_Ohm[1] = 4.0F; // raises the board's own limit too far
     EXPECT_FALSE(control_out(rig, usb::Kind::calibration, usb::encode(usb::block_of(wrong))));
+}
+
+/// A chip may halt while it stores: neither is a block stored while a motor can be driven, nor a
+/// motor driven until it is stored. Whether the loop has seen the last command, or a report has
+/// told of it, makes no difference.
+TEST(BoardControl, StoresNothingWhileAMotorCanBeDriven) {
+    usb::CalibrationBlock own;
+    own.index = 3;
+    usb::CalibrationBlock stored;
+    for (const int loops : {0, 1, 40, 1999}) {
+        BoardRig rig;
+        rig.start();
+        EXPECT_TRUE(control_out(rig, usb::Kind::report_rate, usb::encode(usb::ReportRate{50'000})));
+        rig.run_ms(60);
+        rig.host_sends = loops > 100;
+        rig.command = drive();
+        EXPECT_EQ(rig.send(drive()), FrameStatus::ok);
+        rig.run_loops(loops); // no report yet
+        EXPECT_FALSE(control_out(rig, usb::Kind::calibration, usb::encode(own))) << loops;
+        EXPECT_FALSE(rig.board().take_block_to_store(stored));
+        EXPECT_EQ(rig.state(), loops > 0 ? State::driving : State::braking);
+        rig.host_sends = false;
+        EXPECT_EQ(rig.send(mode(usb::Mode::brake)), FrameStatus::ok);
+        EXPECT_EQ(control_out(rig, usb::Kind::calibration, usb::encode(own)), loops == 0);
+        rig.run_loops(1);
+        EXPECT_EQ(rig.state(), State::braking);
+        EXPECT_TRUE(control_out(rig, usb::Kind::calibration, usb::encode(own)));
+        EXPECT_TRUE(rig.board().take_block_to_store(stored));
+        // As long as it is being stored, commands to drive are accepted, but not applied.
+        for (int i = 0; i < 20; ++i) {
+            EXPECT_EQ(rig.send(drive()), FrameStatus::ok);
+            EXPECT_FALSE(
+                control_out(rig, usb::Kind::self_test,
+                            usb::encode(usb::SelfTestOrder{.voltage_V = 0.5F, .pulse_us = 8000})));
+            rig.run_loops(40);
+            EXPECT_EQ(rig.state(), State::braking);
+            EXPECT_TRUE(all_stages(rig.order, Stage::brake));
+        }
+        rig.board().end_store(stored.index, true);
+        EXPECT_EQ(rig.send(drive()), FrameStatus::ok);
+        rig.run_loops(1);
+        EXPECT_EQ(rig.state(), State::driving);
+    }
+}
+
+/// The same in any order of commands, requests and loops.
+TEST(BoardControl, NeverStoresAndDrivesAtOnce) {
+    std::mt19937 random(3);
+    BoardRig rig;
+    rig.start();
+    rig.host_sends = false;
+    usb::CalibrationBlock own;
+    usb::CalibrationBlock stored;
+    bool is_storing = false;
+    int times_stored = 0;
+    int times_driven = 0;
+    for (int i = 0; i < 40'000; ++i) {
+        switch (random() % 8) {
+        case 0:
+            (void)rig.send(drive());
+            break;
+        case 1:
+            (void)rig.send(mode(usb::Mode::brake));
+            break;
+        case 2:
+            own.index = static_cast<std::uint16_t>(1 + random() % 3);
+            (void)control_out(rig, usb::Kind::calibration, usb::encode(own));
+            break;
+        case 3:
+            (void)control_out(rig, usb::Kind::self_test,
+                              usb::encode(usb::SelfTestOrder{.voltage_V = 0.5F, .pulse_us = 8000}));
+            break;
+        case 4:
+            if (is_storing) {
+                rig.board().end_store(stored.index, random() % 2 == 0);
+                is_storing = false;
+            } else {
+                is_storing = rig.board().take_block_to_store(stored);
+                times_stored += is_storing ? 1 : 0;
+            }
+            break;
+        case 5:
+            rig.begin(true);
+            break;
+        default:
+            rig.run_loops(1 + static_cast<int>(random() % 20));
+            times_driven += rig.state() == State::driving ? 1 : 0;
+            break;
+        }
+        ASSERT_FALSE(is_storing &&
+                     (rig.state() == State::driving || rig.state() == State::testing));
+    }
+    EXPECT_GT(times_stored, 500);
+    EXPECT_GT(times_driven, 300);
 }
 
 /// Random requests, half of them with a valid checksum, while the board drives.

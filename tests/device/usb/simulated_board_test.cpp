@@ -60,7 +60,8 @@ constexpr double kR_hat_Ohm = 1.68;
 class BoardAndPhantom {
 public:
     explicit BoardAndPhantom(const device::DeviceDescription &device)
-        : plant_(device, options(1.0 / kLoop_hz), testing::kOffCentre_m), board_({}, {}) {}
+        : plant_(device, options(1.0 / kLoop_hz), testing::kOffCentre_m),
+          board_({.motors_start_cold = true}, {}) {}
 
     void run_loops(int loops) {
         for (int i = 0; i < loops; ++i) {
