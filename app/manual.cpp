@@ -126,7 +126,8 @@ void write_surroundings(std::ostream &out) {
         out, "ENVIRONMENT",
         {{"SPRINGDRIVE_ASSETS", "the folder of devices, tunings, scenes, protocols and figures"},
          {"XDG_CACHE_HOME", "the folder of caches [~/.cache]"},
-         {"XDG_STATE_HOME", "the folder of what the assistant has come through [~/.local/state]"},
+         {"XDG_STATE_HOME",
+          "the folder of the assistant's progress, and of windings' temperatures [~/.local/state]"},
          {"XDG_CONFIG_HOME",
           "the folder of the window's settings, and of user-dirs.dirs, which names the documents "
           "[~/.config]"}});

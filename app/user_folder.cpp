@@ -18,4 +18,9 @@ std::filesystem::path user_folder(const char *variable, const std::filesystem::p
     return all.empty() ? all : all / "springdrive";
 }
 
+std::filesystem::path windings_folder() {
+    const std::filesystem::path state = user_folder("XDG_STATE_HOME", ".local/state");
+    return state.empty() ? state : state / "windings";
+}
+
 } // namespace springdrive::app

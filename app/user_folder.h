@@ -14,4 +14,7 @@ namespace springdrive::app {
 [[nodiscard]] std::filesystem::path user_folder(const char *variable,
                                                 const std::filesystem::path &in_home);
 
+/// For session::SessionOptions::windings_folder.
+[[nodiscard]] std::filesystem::path windings_folder();
+
 } // namespace springdrive::app

@@ -175,7 +175,7 @@ void calibrate(const TypedCalibration &typed) {
     factory::BoardRequest request = typed.board.request();
     request.ignores_calibration = true;
     request.watchdog_periods = 20.0; // this thread has no priority
-    factory::OpenBoard board = factory::open_board(request);
+    factory::OpenBoard board = open_to_drive(request);
     if (board.emulated || typed.is_at_zero) { // the simulated hand holds it there
         board.device->zero(Vector3::Zero());
     } else {

@@ -155,7 +155,7 @@ int show(const SelfTestReport &report, bool is_zeroed) {
 }
 
 void self_test(const TypedSelfTest &typed) {
-    factory::OpenBoard board = factory::open_board(typed.board.request());
+    factory::OpenBoard board = open_to_drive(typed.board.request());
     if (board.emulated || typed.is_at_zero) { // the simulated hand holds it there
         board.device->zero(Vector3::Zero());
     }

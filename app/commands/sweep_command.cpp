@@ -132,7 +132,7 @@ void sweep_device(const TypedSweep &typed) {
     factory::BoardRequest request = typed.board.request();
     request.period_s = period_s;
     request.watchdog_periods = 5.0; // as for a servo
-    factory::OpenBoard board = factory::open_board(request);
+    factory::OpenBoard board = open_to_drive(request);
     const commissioning::SweepOptions options = checked_options(typed, board.device->description());
     if (board.emulated || typed.is_at_zero) { // the simulated hand holds it there
         board.device->zero(Vector3::Zero());

@@ -1,6 +1,8 @@
 #include "app/commands/typed_board.h"
 
+#include "app/user_folder.h"
 #include "base/input_error.h"
+#include "engine/session/windings_file.h"
 
 #include <CLI/CLI.hpp>
 
@@ -36,6 +38,16 @@ factory::BoardRequest TypedBoard::request() const {
     request.emulation.start_tip_m = Vector3::Zero();
     request.emulation.faults = emulation.parsed_faults();
     return request;
+}
+
+factory::OpenBoard open_to_drive(const factory::BoardRequest &request) {
+    factory::OpenBoard board = factory::open_board(request);
+    if (!board.emulated) {
+        static_cast<void>(session::take_windings(windings_folder(), board.device->identity().serial,
+                                                 board.device->description().motor,
+                                                 session::storing_time()));
+    }
+    return board;
 }
 
 } // namespace springdrive::app

@@ -29,4 +29,9 @@ struct TypedBoard {
     [[nodiscard]] factory::BoardRequest request() const;
 };
 
+/// For a command that drives the motors: what the last session stored of the windings' temperatures
+/// is wrong from now on, and removed.
+/// @throw InputError as `open_board` does
+[[nodiscard]] factory::OpenBoard open_to_drive(const factory::BoardRequest &request);
+
 } // namespace springdrive::app

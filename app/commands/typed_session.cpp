@@ -1,6 +1,7 @@
 #include "app/commands/typed_session.h"
 
 #include "app/asset_folder.h"
+#include "app/user_folder.h"
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "engine/servo/servo.h"
@@ -131,6 +132,7 @@ session::SessionOptions TypedSession::session() const {
     static_cast<void>(servo::servo_period_s(options.servo_hz));
     session::SessionOptions session = options;
     session.program_version = SPRINGDRIVE_VERSION;
+    session.windings_folder = windings_folder();
     set_device(session);
     if (late_limit_ms) {
         const double max_ms = 1e3 * device::read_device_file(session.device.file).limits.late_s;

@@ -99,6 +99,8 @@ CalibrationRun::CalibrationRun(device::HapticDevice &device, const CalibrationOp
     }
     inputs_.tuning.dR_Ohm = options.dR_Ohm;
     inputs_.observes_resistance = true;
+    ++inputs_.unwatched_count;
+    inputs_.hottest = device::hottest_motors(file.motor);
 }
 
 double CalibrationRun::time_s() const { return ticks_ * kPeriod_s; }

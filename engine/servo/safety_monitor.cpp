@@ -131,6 +131,15 @@ void SafetyMonitor::watch_windings(const Observation &seen) noexcept {
         const double limit_Ohm =
             std::clamp(guard.max_cancelled_Ohm(), before_Ohm - step_Ohm, before_Ohm + step_Ohm);
         winding_[j] = {guard.min_C(), guard.max_C(), limit_Ohm, false, guard.is_contradicted()};
+        winding_[j].max_housing_C = guard.hottest().housing_C;
+    }
+}
+
+void SafetyMonitor::resume_watch(const std::array<device::MotorTemperature, 3> &hottest) noexcept {
+    for (std::size_t j = 0; j < guard_.size(); ++j) {
+        guard_[j].resume(hottest[j]);
+        winding_[j].R_hat_limit_Ohm =
+            std::min(winding_[j].R_hat_limit_Ohm, guard_[j].max_cancelled_Ohm());
     }
 }
 

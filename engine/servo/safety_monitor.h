@@ -101,6 +101,10 @@ public:
     device::DeviceCommand hold(const device::DeviceCommand &active, const Link &link,
                                const SafetyOrders &orders) noexcept;
 
+    /// For a time that is not known, nobody watched the windings, see WindingGuard::resume.
+    /// RT-safe.
+    void resume_watch(const std::array<device::MotorTemperature, 3> &hottest) noexcept;
+
     /// Clears a trip and starts again; if the cause persists, the next `pass` trips again. Faults
     /// of the device's board get kBoardReset_s, in which the board is told to clear them. A trip by
     /// a failed assertion stays, because the servo's state cannot be trusted, and so does one with

@@ -1,11 +1,13 @@
 // The window's inputs to the servo: one plain value, published whole through a mailbox.
 #pragma once
 
+#include "device/core/motor/winding_temperature.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/input_course.h"
 #include "engine/servo/safety_limits.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -39,6 +41,10 @@ struct ServoInputs : LawInputs {
     bool release = false; ///< release the device: gains ramp down and stay at zero while set
     /// A running window changes it regularly; zero when running without a window.
     std::uint32_t heartbeat = 0;
+    /// A change says that for a time that is not known nobody watched the windings, which are now
+    /// at most as hot as before, or as `hottest`.
+    std::uint32_t unwatched_count = 0;
+    std::array<device::MotorTemperature, 3> hottest{};
 };
 
 // The publisher must keep a surface alive until a ServoSample carries the scene_id of a later one.

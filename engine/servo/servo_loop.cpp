@@ -66,6 +66,10 @@ void ServoLoop::take_orders(const ServoInputs &inputs) noexcept {
     if (inputs.reset_count != inputs_.reset_count && safety_.reset(inputs.released_stop)) {
         observers_.restart();
     }
+    if (inputs.unwatched_count != inputs_.unwatched_count) {
+        safety_.resume_watch(inputs.hottest);
+    }
+    inputs_.unwatched_count = inputs.unwatched_count;
     inputs_.reset_count = inputs.reset_count;
     inputs_.requested_stop = inputs.requested_stop;
     inputs_.released_stop = inputs.released_stop;
@@ -237,6 +241,9 @@ ServoLoop::Passed ServoLoop::passed(const device::Measurement &measured,
     if (!waits) {
         const double since_s = measured.time_s - measured_.time_s;
         const double since_last_s = since_s > 0.0 ? since_s : period_s_;
+        if (!(since_s > 0.0)) {
+            safety_.resume_watch({}); // by another clock
+        }
         const double missed = std::round(since_last_s / period_s_) - 1.0;
         return {since_last_s,
                 static_cast<std::uint32_t>(std::clamp(missed, 0.0, kMaxMissedPeriods)),

@@ -51,6 +51,17 @@ void ServoRun::let_go_on() {
     reset_safety();
 }
 
+void ServoRun::resume_watch(const std::array<device::MotorTemperature, 3> &hottest) {
+    inputs_.hottest = hottest;
+    ++inputs_.unwatched_count;
+    publish();
+    for (std::size_t j = 0; j < hottest.size(); ++j) { // until the next sample
+        servo::WindingStatus &winding = latest_.winding[j];
+        winding.max_C = std::max(winding.max_C, hottest[j].winding_C);
+        winding.max_housing_C = std::max(winding.max_housing_C, hottest[j].housing_C);
+    }
+}
+
 void ServoRun::touch(const contact::HapticSurface &surface, std::uint32_t scene_id,
                      const control::Tuning &tuning) {
     inputs_.tuning = tuning;
@@ -233,9 +244,11 @@ void ServoRun::renew(device::HapticDevice &device) {
     servo_ = std::make_unique<servo::Servo>(device, servo_hz);
     inputs_.requested_stop = std::max(inputs_.requested_stop, latest_.safety.held_stop);
     inputs_.reset_count = 0; // as the new loop's: only a difference is a request
+    inputs_.unwatched_count = 0;
     inputs_.release = false;
     next_tick_ = 0;
     latest_.time_s = 0.0; // of the new servo, whose first sample is still to come
+    latest_.winding = {};
     speed_ = 1.0;
     statistics_ = {};
     standstills_ = {};

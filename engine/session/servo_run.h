@@ -7,6 +7,7 @@
 #include "engine/session/telemetry_history.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -50,6 +51,9 @@ public:
     void reset_safety();
     /// A person lets the device go on, after any stop that the previous frame showed.
     void let_go_on();
+    /// For a time that is not known nobody watched the windings, which are now at most as hot as
+    /// before, or as `hottest`.
+    void resume_watch(const std::array<device::MotorTemperature, 3> &hottest);
     /// @param surface  must stay valid until a sample has a later `scene_id`
     void touch(const contact::HapticSurface &surface, std::uint32_t scene_id,
                const control::Tuning &tuning);

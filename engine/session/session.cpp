@@ -83,6 +83,7 @@ void Session::start(const std::function<void()> &on_thread) {
     }
     move_emulated();
     release_until_zeroed();
+    start_watching_windings();
     start_servo();
 }
 
@@ -115,6 +116,7 @@ void Session::advance(double frame_s) {
 void Session::stop() {
     take_device_back();
     servo_->stop();
+    keep_windings();
     note_failed_assertion();
     recording_->stop();
 }

@@ -209,6 +209,8 @@ private:
     void note_failed_assertion();
     void start_servo();
     void release_until_zeroed();
+    void start_watching_windings();
+    void keep_windings() const;
     void watch_link();
     void adopt_delay();
     [[nodiscard]] ModelGround ground(const std::string &device_text,

@@ -5,6 +5,7 @@
 #include "engine/control/motion_control.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/session/session_parts.h"
+#include "engine/session/windings_file.h"
 
 #include <nlohmann/json.hpp>
 
@@ -13,6 +14,18 @@
 #include <utility>
 
 namespace springdrive::session {
+
+namespace {
+
+std::array<device::MotorTemperature, 3> hottest_motors(const servo::ServoSample &sample) {
+    std::array<device::MotorTemperature, 3> hottest;
+    for (std::size_t j = 0; j < hottest.size(); ++j) {
+        hottest[j] = {sample.winding[j].max_C, sample.winding[j].max_housing_C};
+    }
+    return hottest;
+}
+
+} // namespace
 
 std::string dump(const nlohmann::json &json) {
     return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -139,10 +152,12 @@ void Session::begin_on(Prepared next) {
     SPRINGDRIVE_ASSERT(servo_->servo().is_at_rest());
     const std::filesystem::path part_before = recording_->file();
     recording_->end_part(dump({{"device", "exchanged"}, {"for", next.request.description.name}}));
+    keep_windings();
     device_->close();
     const double speed = servo_->speed();
     servo_->renew(next.device.device());
     *device_ = std::move(next.device);
+    start_watching_windings();
     options_.device = next.choice;
     simulation_ = next.request.simulation;
     const device::DeviceDescription &description = next.request.description;
@@ -158,6 +173,23 @@ void Session::begin_on(Prepared next) {
     }
     release_until_zeroed();
     choose_again();
+}
+
+/// Only of a device in a real hand the windings can be hot from before.
+void Session::start_watching_windings() {
+    const bool is_real = device_->hand() == nullptr;
+    servo_->resume_watch(is_real
+                             ? take_windings(options_.windings_folder, device_->identity().serial,
+                                             description().motor, storing_time())
+                             : std::array<device::MotorTemperature, 3>{});
+}
+
+/// Not of a device that was lost: what it did since then nobody saw.
+void Session::keep_windings() const {
+    if (has_started_ && device_->hand() == nullptr && latest().health == device::DeviceHealth::ok) {
+        store_windings(options_.windings_folder, device_->identity().serial,
+                       hottest_motors(latest()), storing_time());
+    }
 }
 
 /// A record continues after `ServoRun::renew`.
@@ -206,7 +238,9 @@ void Session::use_calibration(const device::Calibration &calibration) {
     if (hand_.follows_path()) { // by the old servo's time
         leave_path();
     }
+    const std::array<device::MotorTemperature, 3> hottest = hottest_motors(latest());
     servo_->renew(device_->device());
+    servo_->resume_watch(hottest);
     hand_.take_hold(device_->hand(), calibrated, std::nullopt, hand_.target_m());
     observe_as_wanted();
     models_->set_ground(ground(text, calibrated, servo_->rate_hz()));

@@ -52,6 +52,7 @@ void Session::reconnect_device(const std::optional<Vector3> &theta_rad) {
         if (theta_rad || device_->has_world()) {
             device_->zero(theta);
         }
+        servo_->resume_watch({}); // its clock may be another
         note(dump({{"device", "reconnected"}, {"after_tick", latest().tick}}));
     });
     release_until_zeroed();

@@ -1,5 +1,6 @@
 // The part of `Session` that lends the device to somebody else.
 #include "base/input_error.h"
+#include "device/core/motor/winding_guard.h"
 #include "engine/servo/real_time.h"
 #include "engine/session/session_parts.h"
 
@@ -140,6 +141,7 @@ void Session::take_device_back() {
         note(dump({{"device", "back"}, {"after_tick", latest().tick}}));
         released_until_s_ = latest().time_s + kSettling_s;
         release_until_zeroed();
+        servo_->resume_watch(device::hottest_motors(description().motor)); // by unseen currents
         servo_->go_on();
     } else {
         release_until_zeroed();

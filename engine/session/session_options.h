@@ -43,6 +43,9 @@ struct SessionOptions {
     std::optional<double> late_limit_s; ///< of consecutive missed deadlines; lowers the device's
     std::filesystem::path record;       ///< empty: nothing is recorded until requested
     Existing existing_record = Existing::keep;
+    /// Where the windings' temperatures are kept for the next start, see windings_file; empty:
+    /// nowhere.
+    std::filesystem::path windings_folder;
     std::string program_version; ///< for records, and for cached model choices
 };
 

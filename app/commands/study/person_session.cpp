@@ -3,6 +3,7 @@
 #include "app/asset_folder.h"
 #include "app/open_session.h"
 #include "app/study/sitting/person_checks.h"
+#include "app/user_folder.h"
 #include "base/input_error.h"
 #include "engine/session/session_report.h"
 #include "engine/study/protocol/presented.h"
@@ -100,6 +101,7 @@ session::SessionOptions session_options_of(const study::Protocol &protocol,
     options.lockstep = typed.is_in_lockstep;
     options.cpu = typed.cpu;
     options.program_version = SPRINGDRIVE_VERSION;
+    options.windings_folder = windings_folder();
     if (named.kind == factory::DeviceKind::emulated) {
         options.emulation.truth = typed.emulation.truth();
         options.emulation.faults = typed.emulation.parsed_faults();

@@ -26,6 +26,19 @@ double min_cold_residual_Ohm(const MotorParameters &motor, const AmplifierParame
            WindingGuard(motor, amplifier.max_cancelled_Ohm, kAnyPeriod_s).max_cancelled_Ohm();
 }
 
+std::array<MotorTemperature, 3> hottest_motors(const std::array<MotorParameters, 3> &motors) {
+    std::array<MotorTemperature, 3> hottest;
+    for (std::size_t j = 0; j < motors.size(); ++j) {
+        const ThermalParameters &thermal = motors[j].thermal;
+        const double housing_share =
+            thermal.housing_ambient_K_per_W /
+            (thermal.housing_ambient_K_per_W + thermal.winding_housing_K_per_W);
+        const double rise_K = thermal.max_winding_C - kWarmestAir_C;
+        hottest[j] = {thermal.max_winding_C, kWarmestAir_C + housing_share * rise_K};
+    }
+    return hottest;
+}
+
 WindingGuard::WindingGuard(const MotorParameters &motor, double max_cancelled_Ohm, double period_s,
                            double tolerance)
     : least_(with_share_of_R(motor, 1.0 - tolerance)),
@@ -93,19 +106,19 @@ void WindingGuard::cool_through(std::uint32_t missed_periods) noexcept {
     }
 }
 
-/// With the maximum possible heat; a long gap is processed over several ticks.
+/// With the maximum possible heat; over a long gap, with that of a winding at its limit.
 void WindingGuard::heat_through(std::uint32_t missed_periods, double max_A) noexcept {
-    if (missed_periods > 0) {
-        pending_periods_ += std::min(missed_periods, kMaxPending - pending_periods_);
-        pending_max_A_ = std::max(pending_max_A_, max_A);
+    if (missed_periods > kMaxAtOnce) {
+        const double hot_C = std::max(maximum_.winding_C(), most_.thermal.max_winding_C);
+        WindingTemperature whole = maximum_;
+        whole.set_period(missed_periods * period_s_);
+        whole.update(max_A * max_A * max_resistance_Ohm(most_, hot_C));
+        maximum_.raise_to(whole.temperature());
+        return;
     }
-    const std::uint32_t now = std::min(pending_periods_, kMaxAtOnce);
-    for (std::uint32_t i = 0; i < now; ++i) {
-        maximum_.update(pending_max_A_ * pending_max_A_ *
-                        max_resistance_Ohm(most_, maximum_.winding_C()));
+    for (std::uint32_t i = 0; i < missed_periods; ++i) {
+        maximum_.update(max_A * max_A * max_resistance_Ohm(most_, maximum_.winding_C()));
     }
-    pending_periods_ -= now;
-    pending_max_A_ = pending_periods_ > 0 ? pending_max_A_ : 0.0;
 }
 
 /// R(T, θ), at least.

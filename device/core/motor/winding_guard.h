@@ -21,13 +21,15 @@
 // gain may change.
 //
 // The bounds are as accurate as the device file and the measured current. They assume that between
-// two ticks the current changes monotonically, as it does behind a held e_W, and that the servo
-// does not start with motors that an earlier run left hotter than the warmest air.
+// two ticks the current changes monotonically, as it does behind a held e_W. A time that nobody
+// watched, or that lasts longer than kMaxAtOnce periods, takes the lower bound down to the coldest
+// air, and does not lower the upper one.
 #pragma once
 
 #include "device/core/motor/motor.h"
 #include "device/core/motor/winding_temperature.h"
 
+#include <array>
 #include <cstdint>
 
 namespace springdrive::device {
@@ -42,6 +44,12 @@ inline constexpr double kWarmestAir_C = 35.0;
 /// colder than kColdestAir_C: R at 25 °C minus the R̂ allowed then [Ω].
 [[nodiscard]] double min_cold_residual_Ohm(const MotorParameters &motor,
                                            const AmplifierParameters &amplifier);
+
+/// The warmest that motors can be whose windings were never hotter than permitted: at the limit for
+/// so long that the housing is in balance with it. The constant current that keeps a winding there
+/// is permitted for ever, so a start from here is no stop.
+[[nodiscard]] std::array<MotorTemperature, 3>
+hottest_motors(const std::array<MotorParameters, 3> &motors);
 
 /// R of a winding as warm as the air, averaged over the commutator's angles, as its amplifier sees
 /// it [Ω].
@@ -73,6 +81,14 @@ public:
     /// bound and without heat, in the coldest air, for the lower.
     void update(double current_A, std::uint32_t missed_periods = 0) noexcept;
 
+    /// For a time that is not known, nobody watched. Then the winding is at most as hot as before,
+    /// or as `hottest`, and its observed R is that of other air. RT-safe.
+    void resume(const MotorTemperature &hottest) noexcept {
+        minimum_ = coldest_;
+        maximum_.raise_to(hottest);
+        forget_observations();
+    }
+
     /// Takes an observation into account, which may contradict those before.
     /// @param observed  contains R unless a sensor is wrong
     void narrow(ResistanceInterval observed) noexcept;
@@ -93,12 +109,11 @@ public:
 
     [[nodiscard]] double min_C() const { return minimum_.winding_C(); }
     [[nodiscard]] double max_C() const { return maximum_.winding_C(); }
+    [[nodiscard]] MotorTemperature hottest() const { return maximum_.temperature(); }
 
 private:
-    /// Processing kMaxAtOnce periods takes some microseconds; after kMaxPending periods the upper
-    /// bound has settled.
+    /// Missed periods that are processed one by one, which takes some microseconds.
     static constexpr std::uint32_t kMaxAtOnce = 100;
-    static constexpr std::uint32_t kMaxPending = 1'000'000;
 
     [[nodiscard]] double min_Ohm() const noexcept;
     [[nodiscard]] ResistanceInterval tolerated() const noexcept;
@@ -116,9 +131,7 @@ private:
     WindingTemperature coldest_; ///< initial state of `minimum_`
     WindingTemperature minimum_;
     WindingTemperature maximum_;
-    double current_A_ = 0.0;            ///< at the last update
-    std::uint32_t pending_periods_ = 0; ///< missed periods not yet processed for the upper bound
-    double pending_max_A_ = 0.0;
+    double current_A_ = 0.0; ///< at the last update
 };
 
 } // namespace springdrive::device

@@ -279,13 +279,13 @@ TEST(WindingGuard, MissedPeriodsWarmAndCoolToo) {
         EXPECT_LT(guard.min_C(), on_time.min_C()) << missed;
         EXPECT_GE(guard.min_C(), kColdestAir_C) << missed;
         EXPECT_EQ(guard.min_C() < kColdestAir_C + 0.1, missed > 100) << missed; // a long gap
-        for (int i = 0; i < 20; ++i) { // a long gap is processed over several ticks
-            guard.update(3.0);
-        }
-        for (std::uint32_t i = 0; i < missed + 21; ++i) {
+        for (std::uint32_t i = 0; i < missed + 1; ++i) {
             every.update(3.0);
         }
-        EXPECT_NEAR(guard.max_C(), every.max_C(), 1e-9) << missed;
+        // At once; over a long gap with the R of a winding at its limit, up to 0.7 Ω more.
+        EXPECT_GE(guard.max_C(), every.max_C() - 1e-9) << missed;
+        const double more_K = missed > 100 ? 1e-3 * missed * 9.0 * 0.7 / 3.87 : 1e-9;
+        EXPECT_LE(guard.max_C(), every.max_C() + more_K) << missed;
     }
 }
 
