@@ -272,7 +272,7 @@ TEST(WindingHeat, BoundsHoldOverAnyHistory) {
         device::MotorParameters motor = file;
         motor.resistance_Ohm *= any(0.95, 1.05);
         const double air_C = any(15.0, 35.0);
-        WindingHeat heat(WindingSettings(), 0.01F, false);
+        WindingHeat heat(WindingSettings(), 0.01F, history % 2 == 0);
         device::WindingTemperature truth(motor.thermal, air_C, WindingHeat::kPeriod_s);
         for (int part = 0; part < 30; ++part) {
             const double current_A = any(0.0, 5.5);
@@ -302,7 +302,7 @@ TEST(WindingHeat, BoundsHoldOverAnyHistory) {
             }
         }
     }
-    EXPECT_GT(risen, 10'000); // not vacuous
+    EXPECT_GT(risen, 1000); // not vacuous
 }
 
 TEST(WindingHeat, TripsSoonAtPeakAndNeverBelowTheContinuousCurrent) {
