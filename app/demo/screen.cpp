@@ -279,7 +279,8 @@ void Screen::escape() {
 void Screen::draw_frame() {
     const auto start = std::chrono::steady_clock::now();
     if (reports_) {
-        requests_.poll(); // before the events, so that the answer follows all that came before it
+        // Before the events, so that the answer follows all that came before it.
+        requests_.poll(window_.has_waiting_input());
     }
     const bool is_reported = requests_.is_due();
     ui::report().begin(is_reported);

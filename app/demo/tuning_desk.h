@@ -68,7 +68,6 @@ public:
 
     /// What stopped the last change, or why it was not made; empty if nothing did.
     [[nodiscard]] const std::string &complaint() const { return complaint_; }
-    void complain(std::string about) { complaint_ = std::move(about); }
 
     LampHand hand = LampHand::every;
     bool is_unlocked = false; ///< tunings beyond the predicted limit may be set

@@ -33,11 +33,8 @@ namespace assistant {
 class Assistant;
 }
 
-/// State of the tuning panel between frames. A typed number becomes active only when it is
-/// complete, as typing 0.5 passes through 0.
+/// State of the tuning panel between frames.
 struct TuningPanelState {
-    std::optional<std::size_t> typing; ///< which parameter
-    std::string typed;
     /// Tunings of presets, by file; read once.
     std::map<std::string, std::optional<control::Tuning>> presets;
     StabilityTabState stability;
@@ -123,8 +120,6 @@ struct PlantTabState {
     std::vector<DeviceOffer> offers; ///< when the list was opened last
     /// A board that hangs may take seconds to answer.
     Background<std::vector<factory::PresentDevice>> survey;
-    bool typing_rate = false;
-    double rate_hz = 0.0;
     bool dragging_delay = false;
     double delay_periods = 0.0;
     std::string complaint; ///< why the last change was refused

@@ -11,19 +11,14 @@ namespace springdrive::app {
 namespace {
 
 void draw_rate(session::Session &session, PlantTabState &state) {
-    const double rate_hz = session.servo().rate_hz();
-    state.rate_hz = state.typing_rate ? state.rate_hz : rate_hz;
-    ImGui::SetNextItemWidth(6.5F * ImGui::GetFontSize());
-    ui::number_field("##rate", state.rate_hz, "%.0f Hz");
-    state.typing_rate = ImGui::IsItemActive();
-    if (ImGui::IsItemDeactivated()) {
-        state.complaint.clear();
-    }
-    if (ImGui::IsItemDeactivatedAfterEdit() && state.rate_hz != rate_hz) {
-        state.complaint = complaint_of([&] { session.set_servo_rate(state.rate_hz); });
-        state.rate_hz = session.servo().rate_hz();
+    double rate_hz = session.servo().rate_hz();
+    ImGui::SetNextItemWidth(4.5F * ImGui::GetFontSize());
+    if (ui::number_field("##rate", rate_hz, "%.0f") && rate_hz != session.servo().rate_hz()) {
+        state.complaint = complaint_of([&] { session.set_servo_rate(rate_hz); });
     }
     ui::explain("rate of the servo, from the next tick on; a record goes on in its file");
+    ImGui::SameLine();
+    ui::text(kFaintInk, "Hz");
 }
 
 /// A delay that is being dragged is set once the slider is let go: each change lets the servo

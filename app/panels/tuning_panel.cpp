@@ -10,74 +10,26 @@
 #include "engine/control/tuning_difference.h"
 #include "engine/control/tuning_file.h"
 
-#include <charconv>
 #include <iostream>
-#include <system_error>
 
 namespace springdrive::app {
 
 namespace {
 
 /// With enough digits for the parameter's range.
-std::string number_text(const control::Parameter &parameter, double value) {
-    const int decimals = parameter.maximum >= 1000.0                         ? 0
-                         : parameter.logarithmic && parameter.maximum <= 1.0 ? 4
-                                                                             : 3;
-    return ui::formatted("{:.{}f}", value, decimals);
+const char *number_format(const control::Parameter &parameter) {
+    return parameter.maximum >= 1000.0                         ? "%.0f"
+           : parameter.logarithmic && parameter.maximum <= 1.0 ? "%.4f"
+                                                               : "%.3f";
 }
 
-std::string range_text(const control::Parameter &parameter) {
-    return ui::formatted("{:g} to {:g} {}", parameter.minimum, parameter.maximum, parameter.unit);
-}
-
-/// The number beside the slider. It is complete on Enter or when the field loses focus; Escape, or
-/// an empty field, leaves the value as it is.
-/// @return the text once it is complete
-std::optional<std::string> edit_typed(TuningPanelState &state, std::size_t index, double value) {
-    std::string shown =
-        state.typing == index ? state.typed : number_text(control::kParameters[index], value);
-    ImGui::SetNextItemWidth(4.6F * ImGui::GetFontSize());
-    ui::number_text_field("##typed", shown, value);
-    const bool is_cancelled = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
-    std::optional<std::string> typed;
-    if (ImGui::IsItemActive()) {
-        state.typing = index;
-        state.typed = shown;
-    } else if (state.typing == index) {
-        if (ImGui::IsItemDeactivatedAfterEdit() && !is_cancelled && !shown.empty()) {
-            typed = shown;
-        }
-        state.typing.reset();
-    }
-    return typed;
-}
-
-/// A single change by a field or button, if it is in range.
+/// A single change by a field or button.
 void set_parameter(session::Session &session, TuningDesk &desk, std::size_t index, double value,
                    const control::Tuning &with) {
-    const control::Parameter &parameter = control::kParameters[index];
     control::Tuning tuning = with;
-    tuning.*parameter.value = value;
-    if (!control::lies_in_range(parameter, tuning)) {
-        desk.complain(ui::formatted("{} {:g} is out of range, {}: not set", parameter.symbol, value,
-                                    range_text(parameter)));
-        return;
-    }
+    tuning.*control::kParameters[index].value = value;
     desk.drag(session, tuning, static_cast<std::uint32_t>(index + 1));
     desk.let_go();
-}
-
-void set_typed(session::Session &session, TuningDesk &desk, std::size_t index,
-               const std::string &typed, const control::Tuning &with) {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(typed.data(), typed.data() + typed.size(), value);
-    if (error == std::errc() && end == typed.data() + typed.size()) {
-        set_parameter(session, desk, index, value, with);
-    } else {
-        desk.complain(ui::formatted("{} {} is no number from {}: not set",
-                                    control::kParameters[index].symbol, typed,
-                                    range_text(control::kParameters[index])));
-    }
 }
 
 /// The unit, and for dR what acts instead of the requested value.
@@ -92,8 +44,7 @@ void show_unit(const session::Session &session, const control::Parameter &parame
     }
 }
 
-void edit_parameter(session::Session &session, TuningDesk &desk, TuningPanelState &state,
-                    std::size_t index) {
+void edit_parameter(session::Session &session, TuningDesk &desk, std::size_t index) {
     const control::Parameter &parameter = control::kParameters[index];
     const bool is_alpha = parameter.value == &control::Tuning::alpha_rad2_per_m2;
     control::Tuning tuning = desk.now();
@@ -109,15 +60,18 @@ void edit_parameter(session::Session &session, TuningDesk &desk, TuningPanelStat
     ImGui::SameLine(2.9F * font);
     ImGui::SetNextItemWidth(9.0F * font);
     double &value = tuning.*parameter.value;
-    const double before = value;
+    double typed = value;
     if (ui::slider("##slider", value, parameter.minimum, parameter.maximum,
                    parameter.logarithmic) &&
         control::lies_in_range(parameter, tuning)) {
         desk.drag(session, tuning, static_cast<std::uint32_t>(index + 1));
     }
     ImGui::SameLine();
-    if (const std::optional<std::string> typed = edit_typed(state, index, before)) {
-        set_typed(session, desk, index, *typed, tuning);
+    ImGui::SetNextItemWidth(4.6F * font);
+    if (ui::number_field(
+            "##typed", typed, number_format(parameter),
+            {parameter.symbol, parameter.minimum, parameter.maximum, parameter.unit})) {
+        set_parameter(session, desk, index, typed, tuning);
     }
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
@@ -255,7 +209,7 @@ void draw_gains_tab(session::Session &session, TuningDesk &desk, TuningPanelStat
     draw_map_choice(session, desk);
     draw_lamp(desk);
     for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
-        edit_parameter(session, desk, state, i);
+        edit_parameter(session, desk, i);
     }
     draw_observed_resistances(session);
     if (!desk.complaint().empty()) {

@@ -326,8 +326,9 @@ void draw_trigger_menu(PlotPanelState &state, const record::ChannelStore &live) 
         const ShownUnit unit = shown_unit(typed.channel, false);
         double level = typed.level_si * unit.per_si;
         ImGui::SetNextItemWidth(6.0F * font);
-        ui::number_field("##level", level, "%.4g");
-        typed.level_si = level / unit.per_si;
+        if (ui::number_field("##level", level, "%.4g")) {
+            typed.level_si = level / unit.per_si;
+        }
         ImGui::SameLine();
         ui::text(kFaintInk, "{}", unit.name);
     }

@@ -95,7 +95,7 @@ void VisitorWindow::report(const ParticipantPicture &picture, const SittingState
 SittingFrame VisitorWindow::show(const ParticipantPicture &picture, const SittingState &state) {
     const auto start = std::chrono::steady_clock::now();
     if (reports_) {
-        requests_.poll();
+        requests_.poll(hidden_.has_waiting_input());
     }
     const bool is_reported = requests_.is_due();
     ui::report().begin(is_reported);

@@ -14,7 +14,6 @@ struct State {
     WindowReport report;
     std::vector<std::string> scopes;
     bool is_disabled = false;
-    int number_typed_in = -1;  ///< frame
     std::size_t explained = 0; ///< tooltips of items so far
     ImVec2 hovered_row;        ///< corner of the row below the mouse
     double hovered_since_s = 0.0;
@@ -82,13 +81,6 @@ void enter_item(std::string_view label, const char *kind, std::string_view text,
     state().report.enter(std::move(item));
 }
 
-/// After the previous item, a field for a number.
-void note_number() {
-    if (ImGui::IsItemActive() && ImGui::GetIO().WantTextInput) {
-        state().number_typed_in = ImGui::GetFrameCount();
-    }
-}
-
 /// With line ends in place of spaces, so that lines are of that width at most. ImGui itself also
 /// breaks behind the point of a number.
 std::string broken_at_spaces(std::string text, float width) {
@@ -122,8 +114,6 @@ void show_tooltip(std::string_view text) {
 }
 
 } // namespace
-
-bool types_number() { return state().number_typed_in >= ImGui::GetFrameCount() - 1; }
 
 WindowReport &report() { return state().report; }
 
@@ -281,29 +271,6 @@ bool slider(const char *label, double &value, double minimum, double maximum, bo
         ImGuiSliderFlags_NoInput | (is_logarithmic ? ImGuiSliderFlags_Logarithmic : 0));
     enter(label, "slider", "", value);
     return is_changed;
-}
-
-bool slider_with_number(const char *label, double &value, double minimum, double maximum,
-                        const char *format) {
-    const bool is_changed = ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &minimum,
-                                                &maximum, format, ImGuiSliderFlags_AlwaysClamp);
-    note_number();
-    enter(label, "slider", text_of(label), value);
-    return is_changed;
-}
-
-bool number_field(const char *label, double &value, const char *format) {
-    const bool result = ImGui::InputDouble(label, &value, 0.0, 0.0, format);
-    note_number();
-    enter(label, "number", text_of(label), value);
-    return result;
-}
-
-void number_text_field(const char *label, std::string &text, double value) {
-    ImGui::InputText(label, &text,
-                     ImGuiInputTextFlags_CharsScientific | ImGuiInputTextFlags_AutoSelectAll);
-    note_number();
-    enter(label, "number", text, value);
 }
 
 bool text_field(const char *label, const char *hint, std::string &text) {

@@ -16,6 +16,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -169,17 +170,26 @@ bool checkbox(const char *label, bool &value);
 /// A slider without a number. True when changed. @param shown  in the report
 bool slider(const char *label, double &value, double minimum, double maximum, bool is_logarithmic);
 
-/// A slider with its number on it, which can be typed after a click with Ctrl.
+// A number is typed as text, in which every key shows; it is complete on Enter or when the field
+// loses focus. Escape, or an empty field, leaves the value. A comma is a decimal point. Text that
+// is no number as a whole, or out of range, is refused: the value stays, and the field says why.
+
+/// What may be typed, and its name for messages.
+struct NumberRange {
+    std::string_view name{};
+    double minimum = -std::numeric_limits<double>::infinity();
+    double maximum = std::numeric_limits<double>::infinity();
+    std::string_view unit{};
+};
+
+/// A slider with its number on it, which can be typed after a click with Ctrl. True when changed.
 /// @param format  of printf, for ImGui
 bool slider_with_number(const char *label, double &value, double minimum, double maximum,
                         const char *format);
 
-/// A number to be typed. Returns ImGui's result; see also IsItemActive, IsItemDeactivatedAfterEdit.
-/// @param format  of printf, for ImGui
-bool number_field(const char *label, double &value, const char *format);
-
-/// A number to be typed, as text: it may be incomplete. @param value  in the report
-void number_text_field(const char *label, std::string &text, double value);
+/// A number to be typed. True when `value` was set. @param format  of printf, for ImGui
+bool number_field(const char *label, double &value, const char *format,
+                  const NumberRange &range = {});
 
 /// A line of text to be typed; `hint` is shown while it is empty. True on Enter.
 bool text_field(const char *label, const char *hint, std::string &text);

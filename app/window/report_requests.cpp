@@ -10,7 +10,7 @@ namespace springdrive::app {
 
 namespace {
 
-bool has_input() {
+bool has_request() {
     pollfd input{STDIN_FILENO, POLLIN, 0};
     return ::poll(&input, 1, 0) > 0;
 }
@@ -19,8 +19,8 @@ constexpr std::size_t kLongestLine = 1000;
 
 } // namespace
 
-void ReportRequests::poll() {
-    while (!has_ended_ && has_input()) {
+void ReportRequests::poll(bool has_input) {
+    while (!has_ended_ && has_request()) {
         std::array<char, 256> bytes{};
         const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
         has_ended_ = count <= 0; // closed: nobody asks any more
@@ -39,9 +39,7 @@ void ReportRequests::poll() {
     if (read_.size() > kLongestLine) {
         read_.clear();
     }
-    if (asked_ > 0) {
-        ++frames_;
-    }
+    frames_ = asked_ > 0 && !has_input ? frames_ + 1 : 0;
 }
 
 void ReportRequests::answer(const std::string &line) {

@@ -11,8 +11,8 @@ namespace springdrive::app {
 class ReportRequests {
 public:
     /// Reads what is there, without waiting. Anything but a request is complained of on standard
-    /// error. Call once per frame.
-    void poll();
+    /// error. Call once per frame. @param has_input  events still wait for a frame
+    void poll(bool has_input);
 
     /// Whether the frame that begins now will be reported.
     [[nodiscard]] bool is_due() const { return asked_ > 0 && frames_ >= kFrames; }

@@ -109,10 +109,8 @@ Window::Window(const std::string &title, const Wish &wish)
     } else if (chooses_size && start_scale_ > 1.0F) { // a high-density screen
         return_to_default_size();
     }
-    // ImGui's callbacks call these.
-    glfwSetKeyCallback(window_, on_key);
-    glfwSetDropCallback(window_, on_drop);
-    ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    ImGui_ImplGlfw_InitForOpenGL(window_, false);
+    listen();
     ImGui_ImplOpenGL3_Init("#version 330 core");
     if (is_kiosk_) {
         keep_as_kiosk();
@@ -127,6 +125,16 @@ Window::~Window() {
     ImGui::DestroyContext();
     glfwDestroyWindow(window_);
     glfwTerminate();
+}
+
+void Window::listen() {
+    glfwSetKeyCallback(window_, on_key);
+    glfwSetCharCallback(window_, on_letter);
+    glfwSetMouseButtonCallback(window_, on_mouse_button);
+    glfwSetDropCallback(window_, on_drop);
+    glfwSetScrollCallback(window_, ImGui_ImplGlfw_ScrollCallback);
+    glfwSetWindowFocusCallback(window_, ImGui_ImplGlfw_WindowFocusCallback);
+    glfwSetCursorEnterCallback(window_, ImGui_ImplGlfw_CursorEnterCallback);
 }
 
 /// All widgets can be reached by keys. The space bar stops the device: Enter presses buttons, too.
@@ -241,31 +249,12 @@ void Window::begin_frame() {
     }
     renew_text();
     fit_scale_to_window();
-    show_short_key_presses();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
+    for (const KeyDown &key : input_.feed(ImGui::GetIO())) {
+        note_key(key);
+    }
     ImGui::NewFrame();
-}
-
-/// ImGui 1.86 detects only keys that are down at a frame: a key that is pressed and released
-/// between two slow frames would be lost.
-void Window::show_short_key_presses() {
-    ImGuiIO &io = ImGui::GetIO();
-    for (const int key : std::exchange(prolonged_keys_, {})) {
-        io.KeysDown[key] = false;
-    }
-    for (const int key : std::exchange(pressed_keys_, {})) {
-        if (!io.KeysDown[key]) {
-            io.KeysDown[key] = true;
-            prolonged_keys_.push_back(key);
-        }
-    }
-    const auto is_down = [&io](int left, int right) {
-        return io.KeysDown[left] || io.KeysDown[right];
-    };
-    io.KeyCtrl = is_down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
-    io.KeyShift = is_down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
-    io.KeyAlt = is_down(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT);
 }
 
 void Window::clear() {
@@ -313,23 +302,40 @@ std::vector<KeyPress> Window::take_keys() { return std::exchange(keys_, {}); }
 
 void Window::on_key(GLFWwindow *window, int key, int scancode, int action, int mods) {
     auto *self = static_cast<Window *>(glfwGetWindowUserPointer(window));
-    if (action == GLFW_RELEASE || key < 0 || key > GLFW_KEY_LAST) {
+    if (key < 0 || key > GLFW_KEY_LAST) {
         return;
     }
-    self->note_key(key, scancode, action, mods);
-    if (action == GLFW_REPEAT) {
+    if (action == GLFW_RELEASE) {
+        self->input_.release(key);
         return;
     }
-    self->pressed_keys_.push_back(key);
+    self->input_.press({key, scancode, mods, action == GLFW_REPEAT});
     const bool is_space =
         key == GLFW_KEY_SPACE && (!ImGui::GetIO().WantTextInput || ui::types_number());
-    self->emergency_stop_ = self->emergency_stop_ || key == GLFW_KEY_F12 || is_space;
+    self->emergency_stop_ =
+        self->emergency_stop_ || (action == GLFW_PRESS && (key == GLFW_KEY_F12 || is_space));
 }
 
-void Window::note_key(int key, int scancode, int action, int mods) {
-    const auto note = [&](const char *name) {
+void Window::on_letter(GLFWwindow *window, unsigned letter) {
+    static_cast<Window *>(glfwGetWindowUserPointer(window))->input_.letter(letter);
+}
+
+void Window::on_mouse_button(GLFWwindow *window, int button, int action, int /*mods*/) {
+    if (button >= 0 && button < ImGuiMouseButton_COUNT) {
+        double x = 0.0;
+        double y = 0.0;
+        glfwGetCursorPos(window, &x, &y);
+        static_cast<Window *>(glfwGetWindowUserPointer(window))
+            ->input_.button(button, action == GLFW_PRESS,
+                            {static_cast<float>(x), static_cast<float>(y)});
+    }
+}
+
+void Window::note_key(const KeyDown &pressed) {
+    const auto &[key, scancode, mods, is_repeated] = pressed;
+    const auto note = [&, mods = mods, is_repeated = is_repeated](const char *name) {
         keys_.push_back({name, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0,
-                         (mods & GLFW_MOD_ALT) != 0, action == GLFW_REPEAT});
+                         (mods & GLFW_MOD_ALT) != 0, is_repeated});
     };
     switch (key) {
     case GLFW_KEY_ESCAPE:

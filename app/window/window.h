@@ -1,6 +1,7 @@
 // A window with OpenGL 3.3 and Dear ImGui in it.
 #pragma once
 
+#include "app/window/input_queue.h"
 #include "app/window/layout.h"
 
 #include <array>
@@ -101,6 +102,9 @@ public:
     /// typed as text; and keys that are no letters.
     [[nodiscard]] std::vector<KeyPress> take_keys();
 
+    /// Whether keys or clicks wait for a later frame.
+    [[nodiscard]] bool has_waiting_input() const { return input_.is_waiting(); }
+
     /// Files dropped on the window since the last call.
     [[nodiscard]] std::vector<std::filesystem::path> take_dropped_files();
 
@@ -116,15 +120,17 @@ public:
 
 private:
     static void on_key(GLFWwindow *window, int key, int scancode, int action, int mods);
+    static void on_letter(GLFWwindow *window, unsigned letter);
+    static void on_mouse_button(GLFWwindow *window, int button, int action, int mods);
     static void on_drop(GLFWwindow *window, int count, const char **paths);
     void choose_font();
     static void use_keyboard();
-    void note_key(int key, int scancode, int action, int mods);
+    void listen();
+    void note_key(const KeyDown &key);
     void renew_text();
     void keep_as_kiosk();
     void resize_within_screen(int width, int height);
     void fit_scale_to_window();
-    void show_short_key_presses();
 
     GLFWwindow *window_ = nullptr;
     bool is_kiosk_ = false;
@@ -137,9 +143,8 @@ private:
     std::array<int, 4> before_full_screen_{0, 0, 1280, 720}; ///< x, y, width, height
     float usable_scale_ = 1.0F;
     bool emergency_stop_ = false;
-    std::vector<KeyPress> keys_;      ///< for take_keys
-    std::vector<int> pressed_keys_;   ///< since the last frame
-    std::vector<int> prolonged_keys_; ///< released within a frame, reported to ImGui for one more
+    InputQueue input_;
+    std::vector<KeyPress> keys_; ///< for take_keys
     std::vector<std::filesystem::path> dropped_;
     std::vector<unsigned char> last_frame_; ///< RGB, bottom row first
     Size last_frame_size_;

@@ -23,6 +23,15 @@ TEST(CommandLine, HelpListsTheSubcommands) {
               std::string::npos);
 }
 
+TEST(CommandLine, ANumberIsReadAsAWholeOrRefused) {
+    for (const char *number : {"6,5", "6x5", "6.5.1", "1e", "6 5"}) {
+        const testing::Ending ending = testing::run_program({"stability", "--kp", number});
+        EXPECT_EQ(ending.exit_status, 2) << number;
+        EXPECT_NE(ending.error.find(std::string("--kp = ") + number), std::string::npos)
+            << ending.error;
+    }
+}
+
 TEST(CommandLine, NamesAnUnknownSubcommand) {
     const testing::Ending ending = testing::run_program({"stifness"});
     EXPECT_EQ(ending.exit_status, 2);

@@ -155,7 +155,7 @@ void StudyWindow::report_participant(const SittingState &state, const Participan
 SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingState &state) {
     const auto start = std::chrono::steady_clock::now();
     if (reports_) {
-        requests_.poll();
+        requests_.poll(window_.has_waiting_input());
     }
     const bool is_reported = requests_.is_due();
     ui::report().begin(is_reported);

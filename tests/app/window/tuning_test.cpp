@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <numbers>
 #include <sstream>
@@ -107,6 +108,28 @@ TEST(TuningInTheWindow, AValueOutOfRangeIsSaidAndNotSet) {
         [](const Report &report) { return std::abs(report.column(kK_P) - 7.5) < 1e-3; },
         "a value in range is set");
     EXPECT_FALSE(window.look().shows("out of range"));
+}
+
+TEST(TuningInTheWindow, NumbersAreAsTypedHoweverSlowTheFrames) {
+    ShownWindow window;
+    window.wait_until_running();
+    const std::string field = std::string(kK_P) + "/typed";
+    window.enter(field, "6,5");
+    EXPECT_EQ(window.look().item(field).at("value"), 6.5);
+    window.enter("K_D_Vs_per_rad/typed", "0,01");
+    EXPECT_EQ(window.look().item("K_D_Vs_per_rad/typed").at("value"), 0.01);
+    window.enter(field, "6x5");
+    EXPECT_TRUE(window.look().shows("K_P '6x5' is no number from 0 to 500 V/rad: not set"));
+    EXPECT_EQ(window.look().item(field).at("value"), 6.5);
+
+    window.click(field);
+    window.person().settle_by([] {}); // all of it within one frame
+    kill(window.program().process(), SIGSTOP);
+    window.person().key("ctrl+a");
+    window.person().type("12,3456789012345");
+    window.person().key("Return");
+    kill(window.program().process(), SIGCONT);
+    EXPECT_EQ(window.look().item(field).at("value"), 12.3456789012345);
 }
 
 TEST(TuningInTheWindow, EscapeAndEmptyFieldsLeaveTheValue) {
