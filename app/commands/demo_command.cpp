@@ -122,6 +122,7 @@ void check_kiosk(const TypedDemo &typed, const CLI::App &demo) {
     for (const char *option : {"--scene", "file", "--open"}) {
         refuse(option, "which shows its own tour");
     }
+    refuse("--at-zero", "which may start while nobody holds the device: zero it by Ctrl+Alt+Z");
     refuse("--assistant", "whose visitors commission no device");
     refuse("--path", "whose hand is scripted by its tour");
     refuse("--settings", "whose window is as it is");

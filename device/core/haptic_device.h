@@ -35,6 +35,7 @@ struct DeviceCommand {
     CommandMode mode = CommandMode::drive;
     std::uint64_t number = 0;   ///< of the measurement from which it was computed
     bool resets_faults = false; ///< the board shall clear faults whose causes have gone; brakes
+    bool voids_zero = false;    ///< the last measurement contradicts the zero of the counts
 
     [[nodiscard]] static DeviceCommand braking() {
         DeviceCommand command;
@@ -76,6 +77,8 @@ struct Measurement {
     DeviceHealth health = DeviceHealth::ok;
     BoardFaults faults;
     double supply_V = std::numeric_limits<double>::quiet_NaN(); ///< if the board measures it
+    /// 0 while counts do not give the rotors' angles; another number after each zeroing.
+    std::uint8_t zeroing = 1;
 };
 
 /// The clock that times a device's measurements.
@@ -125,7 +128,9 @@ public:
     /// Of a device whose board has one; otherwise null.
     [[nodiscard]] virtual Bench *bench() { return nullptr; }
 
-    /// Whether counts give the rotors' angles; otherwise they must be declared by `zero`.
+    /// Whether counts give the rotors' angles; otherwise they must be declared by `zero`. A fault
+    /// of an encoder, a restart of its board, or a command that says so voids the zero of a device
+    /// that counts; a simulated one knows its angles. Any thread.
     [[nodiscard]] virtual bool is_zeroed() const = 0;
 
     /// Sets the servo's period T from the next `read` on [s].

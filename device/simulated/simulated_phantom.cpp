@@ -153,6 +153,7 @@ device::Measurement SimulatedPhantom::measurement() noexcept {
     }
     measured.number = periods_;
     measured.time_s = clock_s();
+    measured.zeroing = is_zeroed_ ? static_cast<std::uint8_t>(1 + zeroings_) : std::uint8_t{0};
     if (!connected_) {
         measured.arrival = device::Arrival::absent;
         measured.health = device::DeviceHealth::lost;
@@ -174,6 +175,7 @@ void SimulatedPhantom::set_period(double period_s) {
 
 void SimulatedPhantom::zero(const Vector3 &theta_rad) {
     count_zero_rad_ = truth_.theta_rad - theta_rad;
+    zeroings_ = static_cast<std::uint8_t>((zeroings_ + 1) % 16);
     is_zeroed_ = true;
 }
 

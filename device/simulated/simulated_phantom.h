@@ -178,6 +178,7 @@ private:
     Vector3 count_zero_rad_{Vector3::Zero()}; ///< θ at which the counts are zero
     bool connected_ = true;
     bool is_zeroed_ = true;
+    std::uint8_t zeroings_ = 0; ///< modulo 16
 };
 
 } // namespace springdrive::simulated

@@ -102,6 +102,12 @@ void SafetyMonitor::trip_above(TripCause cause, double measured, double limit) n
     }
 }
 
+/// Beyond such a limit the counts are not those of the mechanism: their zero is void.
+void SafetyMonitor::trip_counts_above(TripCause cause, double measured, double limit) noexcept {
+    voids_zero_ = voids_zero_ || measured > limit;
+    trip_above(cause, measured, limit);
+}
+
 void SafetyMonitor::approach_limits(const SafetyLimits &requested) noexcept {
     const SafetyLimits before = limits_;
     limits_ = lowered(device_limits_, requested);
@@ -158,6 +164,14 @@ void SafetyMonitor::watch_link(const Link &link, double elapsed_s) noexcept {
     board_has_faults_ = link.faults.any() || (board_has_faults_ && !device::has_news(link.arrival));
     const double left_s = board_reset_left_s_ - elapsed_s;
     board_reset_left_s_ = board_has_faults_ && left_s > kRoundOff ? left_s : 0.0;
+    if (link.zeroing != zeroing_) { // of which the counts before know nothing
+        zeroing_ = link.zeroing;
+        has_tip_ = has_tip_ && lets_pass();
+    }
+    if (zeroing_ == 0 && lets_pass()) {
+        status_.state = SafetyState::waiting;
+        status_.ramp = 0.0;
+    }
 }
 
 /// A switch that stays on after its stop was released and the board was reset is a stop anew.
@@ -192,26 +206,29 @@ void SafetyMonitor::watch_energy(const Observation &seen) noexcept {
                    limits_.generated_energy_J);
 }
 
-void SafetyMonitor::check_motion(const Observation &seen) noexcept {
+/// @param is_released  no motor is driven, and a zeroing may just have made all rates jump
+void SafetyMonitor::check_motion(const Observation &seen, bool is_released) noexcept {
     const Vector3 &tip_m = seen.now.tip_m;
     if (has_tip_) {
-        trip_above(TripCause::encoder_jump, (tip_m - tip_m_).norm(),
-                   max_step_m(device_, device_limits_.tip_speed_m_per_s,
-                              (1.0 + seen.missed_periods) * period_s_, seen.now.J));
+        trip_counts_above(TripCause::encoder_jump, (tip_m - tip_m_).norm(),
+                          max_step_m(device_, device_limits_.tip_speed_m_per_s,
+                                     (1.0 + seen.missed_periods) * period_s_, seen.now.J));
     }
     check_consistency(seen);
     check_windings(seen.current_A);
-    trip_above(TripCause::tip_force, seen.tip_force_N.norm(), limits_.tip_force_N);
-    trip_above(TripCause::tip_speed, seen.now.tip_velocity_m_per_s().norm(),
-               limits_.tip_speed_m_per_s);
-    for (std::size_t j = 0; j < winding_.size(); ++j) {
-        trip_above(TripCause::winding_temperature, winding_[j].max_C,
-                   std::min(device_.motor[j].thermal.max_winding_C, limits_.winding_C));
+    if (!is_released) {
+        trip_above(TripCause::tip_force, seen.tip_force_N.norm(), limits_.tip_force_N);
+        trip_above(TripCause::tip_speed, seen.now.tip_velocity_m_per_s().norm(),
+                   limits_.tip_speed_m_per_s);
+        for (std::size_t j = 0; j < winding_.size(); ++j) {
+            trip_above(TripCause::winding_temperature, winding_[j].max_C,
+                       std::min(device_.motor[j].thermal.max_winding_C, limits_.winding_C));
+        }
     }
     const Vector3 q_rad = device::joint_from_motor(device_.geometry, seen.now.theta_rad);
-    trip_above(TripCause::beyond_stops,
-               beyond_limits(device_.joint_limits, q_rad, 0.0).max_excess_rad(),
-               limits_.beyond_stops_rad);
+    trip_counts_above(TripCause::beyond_stops,
+                      beyond_limits(device_.joint_limits, q_rad, 0.0).max_excess_rad(),
+                      limits_.beyond_stops_rad);
     trip_above(TripCause::energy, energy_.generated_J(), limits_.generated_energy_J);
 }
 
@@ -223,7 +240,8 @@ void SafetyMonitor::check_consistency(const Observation &seen) noexcept {
             motor.reset();
         } else if (seen.interval[j]) {
             motor.update(*seen.interval[j], winding_[j].min_C, winding_[j].max_C);
-            trip_above(TripCause::motor_contradicted, motor.unexplained_rad(), motor.limit_rad());
+            trip_counts_above(TripCause::motor_contradicted, motor.unexplained_rad(),
+                              motor.limit_rad());
         }
     }
 }
@@ -293,11 +311,10 @@ void SafetyMonitor::check(const device::DeviceCommand &wanted, const Observation
         trip(TripCause::not_finite);
     }
     check_clocks(seen.link);
-    // Of a device that is released angles need not be known: it may be zeroed now.
-    if (orders.release && status_.state == SafetyState::waiting) {
+    if (zeroing_ == 0) { // its angles are not known
         check_windings(seen.current_A);
     } else {
-        check_motion(seen);
+        check_motion(seen, orders.release && status_.state == SafetyState::waiting);
     }
 }
 
@@ -343,6 +360,7 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
                                           const SafetyOrders &orders) noexcept {
     approach_limits(orders.limits);
     held_back_ = {};
+    voids_zero_ = false;
     watch_windings(seen); // also while tripped
     const std::uint32_t unwatched =
         seen.missed_periods - std::min(seen.missed_periods, std::exchange(held_ticks_, 0U));
@@ -355,7 +373,7 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
     check(wanted, seen, orders);
     tip_m_ = seen.now.tip_m;
     has_tip_ = true;
-    proceed(orders.release);
+    proceed(orders.release || zeroing_ == 0);
     if (!lets_pass()) {
         return safe_state();
     }
@@ -372,6 +390,7 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
 device::DeviceCommand SafetyMonitor::hold(const device::DeviceCommand &active, const Link &link,
                                           const SafetyOrders &orders) noexcept {
     ++held_ticks_;
+    voids_zero_ = false;
     watch_link(link, period_s_);
     watch_stops(link, orders);
     watch_window(orders, period_s_);
@@ -383,6 +402,7 @@ device::DeviceCommand SafetyMonitor::hold(const device::DeviceCommand &active, c
 device::DeviceCommand SafetyMonitor::safe_state() const noexcept {
     device::DeviceCommand command = device::DeviceCommand::braking();
     command.resets_faults = is_resetting_board();
+    command.voids_zero = voids_zero_;
     command.mode = amplifier_is_at_fault_ && !command.resets_faults ? device::CommandMode::open
                                                                     : device::CommandMode::brake;
     return command;

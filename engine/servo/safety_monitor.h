@@ -7,7 +7,8 @@
 //      └──────────── a deliberate reset ──── tripped ◄──┘
 //
 // A request to release the device reverses the start: from starting or running via releasing, where
-// the gains ramp down, to waiting, for as long as the request is set.
+// the gains ramp down, to waiting, for as long as the request is set. Without a zero of its counts
+// the device waits, too, and brakes at once: nobody knows where its motors would push.
 //
 // A trip latches: the device is in the safe state until a deliberate reset. A requested stop has a
 // number, in whatever state it finds the monitor: no reset succeeds until that number is released,
@@ -53,6 +54,7 @@ struct Link {
     device::Arrival arrival = device::Arrival::fresh;
     device::BoardFaults faults;
     std::uint32_t missed_in_a_row = 0; ///< deadlines, before this and the preceding late ticks
+    std::uint8_t zeroing = 1;          ///< see device::Measurement
 };
 
 /// The monitor's inputs of one tick.
@@ -132,13 +134,14 @@ private:
     void watch_energy(const Observation &seen) noexcept;
     void trip(TripCause cause, double measured = 0.0, double limit = 0.0) noexcept;
     void trip_above(TripCause cause, double measured, double limit) noexcept;
+    void trip_counts_above(TripCause cause, double measured, double limit) noexcept;
     void check_link(const Link &link) noexcept;
     void check_clocks(const Link &link) noexcept;
     [[nodiscard]] bool is_resetting_board() const noexcept { return board_reset_left_s_ > 0.0; }
     void check(const device::DeviceCommand &wanted, const Observation &seen,
                const SafetyOrders &orders) noexcept;
     [[nodiscard]] device::DeviceCommand safe_state() const noexcept;
-    void check_motion(const Observation &seen) noexcept;
+    void check_motion(const Observation &seen, bool is_released) noexcept;
     void check_consistency(const Observation &seen) noexcept;
     void check_windings(const Vector3 &current_A) noexcept;
     void check_voltage(const LimitedCommand &passed) noexcept;
@@ -165,6 +168,8 @@ private:
     std::uint32_t held_ticks_ = 0;       ///< since the last new measurement
     bool amplifier_is_at_fault_ = false; ///< as last reported by the board
     bool board_has_faults_ = false;      ///< the same
+    std::uint8_t zeroing_ = 1;           ///< of the counts, see device::Measurement
+    bool voids_zero_ = false;            ///< this tick contradicts it
     double board_reset_left_s_ = 0.0;    ///< of kBoardReset_s
     bool switch_is_on_ = false;          ///< stop switch or enable line, as last reported
     std::uint32_t last_stop_ = 0;        ///< number of the last requested stop

@@ -203,7 +203,8 @@ Observation ServoLoop::observation(const control::Configuration &now,
                                    const ServoSample &sample) const noexcept {
     Observation seen;
     seen.now = now;
-    seen.link = {measured.health, measured.arrival, measured.faults, since.missed_in_a_row};
+    seen.link = {measured.health, measured.arrival, measured.faults, since.missed_in_a_row,
+                 measured.zeroing};
     seen.tip_force_N = sample.tip_force_N;
     seen.current_A = measured.current_A;
     seen.touching = sample.contact.touching;
@@ -312,7 +313,7 @@ ServoSample ServoLoop::hold(const device::Measurement &measured, const ServoInpu
     }
     const bool waits = device_.clock() == device::DeviceClock::servo;
     const Link link{measured.health, measured.arrival, measured.faults,
-                    waits ? skipped_in_a_row_ : timing.missed_in_a_row};
+                    waits ? skipped_in_a_row_ : timing.missed_in_a_row, measured.zeroing};
     command_ = safety_.hold(command_, link, orders());
     finish(measured, sample);
     return sample;
@@ -355,6 +356,9 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
 
     const control::VelocityFilter filter_before = velocity_filter_;
     const control::Configuration now = sense(measured, since.since_last_s);
+    if (measured.zeroing != measured_.zeroing) {
+        observers_.restart(); // what they know of other angles
+    }
     observe_motors(measured, now.theta_rad, since);
     note_motion(now, sample);
     sample.contact = touch(now.tip_m);

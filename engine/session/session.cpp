@@ -105,6 +105,7 @@ void Session::advance(double frame_s) {
     scenes_->note_in_use(latest().scene_id);
     note_standstill();
     note_failed_assertion();
+    watch_zero();
     watch_link();
     if (const LoadedScene *const before = scenes_->take_loaded()) {
         show(*before);

@@ -141,7 +141,8 @@ public:
     void keep_released(bool asked);
     [[nodiscard]] bool is_kept_released() const { return is_kept_released_; }
 
-    /// Until the device is zeroed, no motor is driven.
+    /// Until the device is zeroed, no motor is driven; and again from the tick on in which an
+    /// encoder failed or jumped, joints were beyond their stops, or the board had restarted.
     [[nodiscard]] bool is_zeroed() const;
     /// Declares the rotors' angles now. @throw InputError if the device does not accept them
     void zero_device(const Vector3 &theta_rad);
@@ -211,6 +212,7 @@ private:
     void release_until_zeroed();
     void start_watching_windings();
     void keep_windings() const;
+    void watch_zero();
     void watch_link();
     void adopt_delay();
     [[nodiscard]] ModelGround ground(const std::string &device_text,
@@ -236,6 +238,7 @@ private:
     bool reported_standstill_ = false;
     bool reported_failure_ = false; ///< of a failed assertion
     bool is_kept_released_ = false;
+    bool knows_zero_ = false; ///< of the device, when it was released or not last
     double released_until_s_ = 0.0; ///< after a zeroing, by the servo's time; 0: no more
     double next_look_s_ = 0.0;      ///< at the link, by the servo's time
     int reconnections_ = 0;         ///< by `advance`

@@ -23,8 +23,9 @@ constexpr double kDelayTolerance_periods = 0.05;
 bool Session::is_zeroed() const { return device_->state() == factory::DeviceState::zeroed; }
 
 void Session::release_until_zeroed() {
+    knows_zero_ = is_zeroed();
     const bool is_settling = latest().time_s < released_until_s_;
-    servo_->release(is_exchanging() || is_kept_released_ || loan_ || !is_zeroed() || is_settling);
+    servo_->release(is_exchanging() || is_kept_released_ || loan_ || !knows_zero_ || is_settling);
 }
 
 void Session::keep_released(bool asked) {
@@ -49,12 +50,25 @@ void Session::reconnect_device(const std::optional<Vector3> &theta_rad) {
     servo_->paused([&] {
         const Vector3 theta = theta_rad.value_or(latest().theta_rad);
         device_->reconnect();
-        if (theta_rad || device_->has_world()) {
+        if (theta_rad || (device_->has_world() && knows_zero_)) {
             device_->zero(theta);
         }
         servo_->resume_watch({}); // its clock may be another
         note(dump({{"device", "reconnected"}, {"after_tick", latest().tick}}));
     });
+    release_until_zeroed();
+}
+
+/// The tick that contradicts a zero voids it. Of a lost device `watch_link` says so.
+void Session::watch_zero() {
+    if (!knows_zero_ || is_zeroed() || latest().health == device::DeviceHealth::lost ||
+        latest().safety.state != servo::SafetyState::tripped) {
+        return;
+    }
+    note(dump({{"device", "zero void"}, {"after_tick", latest().tick}}));
+    remarks_.add(servo::description(latest().safety) +
+                 ": its zero is void, and no motor is driven until it is zeroed again; reset the "
+                 "stop, hold the device in its zero pose, and zero it, in the window in tab Plant");
     release_until_zeroed();
 }
 

@@ -41,11 +41,11 @@ public:
     /// Expects that a reset trips again while the fault persists. TripCause::none stands for any
     /// cause.
     void expect_reset_trips_again(servo::TripCause cause, double within_s);
-    /// For faults that show only with voltage on: expects no start after a reset, since the tip
-    /// touches.
+    /// For faults that show only with voltage on, or voided the zero: expects no start after a
+    /// reset, since the tip touches, or nobody zeroed the device.
     void expect_reset_waits();
     /// Expects a start after a reset once the fault is gone: when the tip rests in free space, not
-    /// before.
+    /// before; and none if the fault voided the zero.
     void expect_recovery();
     void reset();
 

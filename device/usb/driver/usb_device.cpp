@@ -60,7 +60,9 @@ UsbDevice::UsbDevice(std::unique_ptr<BoardPort> port, const device::DeviceDescri
                                     stream_.newest()};
              }),
       file_description_(description), description_(description), serial_(std::move(serial)),
-      period_s_(period_s), pacing_(pacing), watchdog_periods_(watchdog_periods) {
+      period_s_(period_s), pacing_(pacing), watchdog_periods_(watchdog_periods),
+      number_(static_cast<std::uint32_t>(
+          static_cast<std::uint64_t>(port_->now_s() / kMicrosecond_s))) { // no other program's
     connect();
 }
 
@@ -251,7 +253,8 @@ Measurement UsbDevice::read() noexcept {
         }
         has_new = true;
         const Report &report = stream_.newest();
-        if (report.zeroings != zeroings_) { // by a calibration, or somebody else
+        if (report.zeroings != zeroings_ || // by a calibration, or somebody else
+            has_encoder_fault()) {
             is_zeroed_ = false;
         }
         measured_at_[stream_.number() % kRememberedReports] = {stream_.number(),
@@ -263,6 +266,9 @@ Measurement UsbDevice::read() noexcept {
         if (pacing_ == Pacing::reports) {
             break; // one a tick
         }
+    }
+    if (stream_.has_restarted()) {
+        is_zeroed_ = false;
     }
     delay_s_.store(meter_.delay().mean_s(), std::memory_order_relaxed);
     if (++ticks_ % kTicksBetweenSnapshots == 0) {
@@ -286,6 +292,7 @@ Measurement UsbDevice::measurement(Arrival arrival) const noexcept {
                           : device::DeviceHealth::lost;
     measured.faults.bits = report.faults;
     measured.supply_V = static_cast<double>(report.supply_V);
+    measured.zeroing = is_zeroed_ ? static_cast<std::uint8_t>(1 + zeroings_) : std::uint8_t{0};
     return measured;
 }
 
@@ -308,6 +315,9 @@ bool UsbDevice::send(Command command, std::uint32_t measured_at_us, bool is_firs
 }
 
 void UsbDevice::write(const DeviceCommand &wanted) noexcept {
+    if (wanted.voids_zero) {
+        is_zeroed_ = false;
+    }
     if (!is_open_) {
         return;
     }
@@ -369,7 +379,28 @@ void UsbDevice::set_period(double period_s) {
     request_report_rate(period_s);
 }
 
+bool UsbDevice::has_encoder_fault() const noexcept {
+    return device::BoardFaults{stream_.newest().faults}.has(device::BoardFaults::kEncoder);
+}
+
+/// Sends one command for each report, as in a tick. @return whether `is_done` in time
+template <typename IsDone> bool UsbDevice::exchange_until(const Command &command, IsDone is_done) {
+    const double deadline_s = port_->now_s() + kAnswer_s;
+    bool has_come = false;
+    do {
+        has_come = wait_for_report(port_->now_s() + 3.0 * period_s_) && is_done();
+        send(command, stream_.newest().measured_at_us, false);
+    } while (!has_come && port_->is_connected() && port_->now_s() < deadline_s);
+    return has_come;
+}
+
 void UsbDevice::zero(const Vector3 &theta_rad) {
+    Command reset; // of a latched fault, which would hide the next one
+    reset.resets_faults = true;
+    if (has_encoder_fault() && !exchange_until(reset, [this] { return !has_encoder_fault(); })) {
+        throw InputError(name() + ": its encoders are still at fault; look at their plugs and "
+                                  "cables, then zero it again");
+    }
     Zeroing zeroing;
     for (std::size_t i = 0; i < kChannels; ++i) {
         zeroing.counts[i] = static_cast<std::int32_t>(
@@ -379,14 +410,7 @@ void UsbDevice::zero(const Vector3 &theta_rad) {
     if (!port_->control_out(Kind::zero, 0, encode(zeroing))) {
         throw InputError(name() + ": refuses to be zeroed; stop its motors first");
     }
-    const double deadline_s = port_->now_s() + kAnswer_s;
-    bool is_confirmed = false;
-    do { // one command for each report, as in a tick
-        is_confirmed = wait_for_report(port_->now_s() + 3.0 * period_s_) &&
-                       stream_.newest().zeroings != before;
-        send({}, stream_.newest().measured_at_us, false);
-    } while (!is_confirmed && port_->is_connected() && port_->now_s() < deadline_s);
-    if (is_confirmed) {
+    if (exchange_until({}, [&] { return stream_.newest().zeroings != before; })) {
         is_zeroed_ = true;
         zeroings_ = stream_.newest().zeroings;
         return;

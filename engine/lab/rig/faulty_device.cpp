@@ -31,8 +31,23 @@ device::Measurement FaultyDevice::read() noexcept {
     past_counts_[periods_ % past_counts_.size()] = truth.counts;
     first_counts_ = periods_ <= from_ ? truth.counts : first_counts_;
     answer_ = as_reported(truth);
+    is_void_ = is_void_ || answer_.faults.has(device::BoardFaults::kEncoder);
+    answer_.zeroing = is_void_ ? std::uint8_t{0} : truth.zeroing;
     ++periods_;
     return answer_;
+}
+
+void FaultyDevice::write(const device::DeviceCommand &command) noexcept {
+    last_command_ = command;
+    is_void_ = is_void_ || command.voids_zero;
+}
+
+void FaultyDevice::zero(const Vector3 &theta_rad) {
+    ForwardingDevice::zero(theta_rad);
+    if (fault_.kind == FaultKind::count_step) {
+        clear_fault();
+    }
+    is_void_ = false;
 }
 
 void FaultyDevice::pass_by(int periods) noexcept {

@@ -12,6 +12,7 @@
 #include "device/core/forwarding_device.h"
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <limits>
 
@@ -54,7 +55,14 @@ public:
 
     [[nodiscard]] device::DeviceClock clock() const override { return device::DeviceClock::servo; }
     [[nodiscard]] device::Measurement read() noexcept override;
-    void write(const device::DeviceCommand &command) noexcept override { last_command_ = command; }
+    void write(const device::DeviceCommand &command) noexcept override;
+
+    /// Unlike a sound simulation it does not know its angles: their zero can be voided.
+    [[nodiscard]] bool is_zeroed() const override {
+        return !is_void_ && ForwardingDevice::is_zeroed();
+    }
+    /// From then on the counts are right, whatever steps they had made.
+    void zero(const Vector3 &theta_rad) override;
 
     /// From the next period on, in place of the fault before.
     void commit(const Fault &fault) { commit(fault, periods_); }
@@ -92,6 +100,7 @@ private:
     std::uint64_t last_number_ = 0;
     std::uint64_t number_offset_ = 0;
     device::DeviceCommand last_command_;
+    std::atomic<bool> is_void_{false};
     device::Measurement answer_;
     std::array<std::array<std::int32_t, 3>, 512> past_counts_{};
     std::array<std::int32_t, 3> first_counts_{}; ///< when the fault began

@@ -289,6 +289,7 @@ TEST(KioskOptions, RefusesWhatIsNotForVisitorsInOneLine) {
         {{"--kiosk", "--scene", "a.gltf"}, "--scene: not with --kiosk"},
         {{"--kiosk", "a.gltf"}, "file: not with --kiosk"},
         {{"--kiosk", "--open", "a.rec"}, "--open: not with --kiosk"},
+        {{"--kiosk", "--at-zero"}, "--at-zero: not with --kiosk"},
         {{"--kiosk", "--assistant"}, "--assistant: not with --kiosk"},
         {{"--kiosk", "--path", "a.csv"}, "--path: not with --kiosk"},
         {{"--kiosk", "--settings", "a"}, "--settings: not with --kiosk"},

@@ -198,6 +198,98 @@ TEST(UsbDevice, ABoardThatLostPowerMustBeZeroedAgain) {
     EXPECT_EQ(rig.tick().health, DeviceHealth::ok);
 }
 
+TEST(UsbDevice, ACommandThatContradictsTheZeroVoidsIt) {
+    Connected rig;
+    rig.device.zero(Vector3::Zero());
+    EXPECT_NE(rig.tick().zeroing, 0);
+    device::DeviceCommand command = device::DeviceCommand::braking();
+    command.voids_zero = true;
+    rig.tick(command);
+    EXPECT_FALSE(rig.device.is_zeroed());
+    EXPECT_EQ(rig.tick().zeroing, 0);
+    rig.device.reconnect();
+    EXPECT_FALSE(rig.device.is_zeroed());
+    rig.device.zero(Vector3::Zero());
+    EXPECT_NE(rig.tick().zeroing, 0);
+}
+
+TEST(UsbDevice, AFaultOfAnEncoderVoidsTheZeroUntilItIsZeroedWithoutOne) {
+    Connected rig;
+    const auto fail_encoder = [&](bool fails) {
+        rig.board.clear_faults();
+        if (fails) {
+            rig.board.set_fault(emulator::parse_fault("reversed-encoder:2")); // at another angle
+        }
+    };
+    rig.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.0, 0.03, 0.03));
+    for (int i = 0; i < 500; ++i) {
+        rig.tick();
+    }
+    rig.device.zero(Vector3::Zero());
+    ASSERT_NE(rig.tick().zeroing, 0);
+    fail_encoder(true);
+    Measurement failed = rig.tick();
+    for (int i = 0; i < 3 && !failed.faults.any(); ++i) {
+        EXPECT_NE(failed.zeroing, 0);
+        failed = rig.tick();
+    }
+    EXPECT_TRUE(failed.faults.has(device::BoardFaults::kEncoder));
+    EXPECT_EQ(failed.zeroing, 0); // in the same tick
+    device::DeviceCommand reset = device::DeviceCommand::braking();
+    reset.resets_faults = true;
+    rig.tick(reset);
+    rig.tick();
+    EXPECT_FALSE(rig.tick().faults.any());
+    EXPECT_FALSE(rig.device.is_zeroed()); // a reset does not find it again
+    fail_encoder(false);
+    rig.tick();
+    EXPECT_TRUE(rig.tick().faults.has(device::BoardFaults::kEncoder));
+    const Vector3 truth_rad = rig.board.phantom().truth().theta_rad;
+    rig.device.zero(truth_rad); // which clears what would hide the next fault
+    const Measurement found = rig.tick();
+    EXPECT_FALSE(found.faults.any());
+    EXPECT_NE(found.zeroing, 0);
+    EXPECT_LE((theta_rad(found, rig.device.description()) - rig.board.phantom().truth().theta_rad)
+                  .cwiseAbs()
+                  .maxCoeff(),
+              3.0 * rig.device.description().rad_per_count());
+}
+
+/// With as many commands and zeroings as the first, so that only its numbers tell the two apart.
+TEST(UsbDevice, ABoardThatAnotherProgramUsedAfterARestartMustBeZeroedAgain) {
+    Connected rig;
+    const auto use = [](auto &&tick, UsbDevice &device) {
+        device.zero(Vector3::Zero());
+        for (int i = 0; i < 100; ++i) {
+            tick();
+        }
+    };
+    use([&] { rig.tick(); }, rig.device);
+    ASSERT_TRUE(rig.device.is_zeroed());
+    rig.port->unplug();
+    rig.tick();
+    emulator::Fault restart = emulator::parse_fault("restart");
+    restart.begin_s = rig.board.time_s();
+    rig.board.set_fault(restart);
+    rig.port->pass(0.1);
+    ASSERT_EQ(rig.board.restarts(), 1U);
+    rig.board.clear_faults();
+    {
+        UsbDevice other(std::make_unique<EmulatedPort>(rig.board), testing::phantom_1_0(), "",
+                        kTick_s, Pacing::reports);
+        use(
+            [&] {
+                device::DeviceCommand command = device::DeviceCommand::braking();
+                command.number = other.read().number;
+                other.write(command);
+            },
+            other);
+    }
+    rig.port->is_plugged = true;
+    rig.device.reconnect();
+    EXPECT_FALSE(rig.device.is_zeroed());
+}
+
 TEST(UsbDevice, FullSpeedHasItsOwnRateAndSaysSo) {
     Connected rig;
     rig.device.close();

@@ -72,5 +72,57 @@ TEST_F(SafetyMonitorTest, StillTripsDuringReleaseAndATripStays) {
     EXPECT_EQ(monitor.status().state, SafetyState::tripped);
 }
 
+TEST_F(SafetyMonitorTest, WithoutAZeroItBrakesAtOnceAndWaits) {
+    start_up();
+    Observation seen = calm();
+    seen.link.zeroing = 0;
+    expect_braking(pass(seen));
+    EXPECT_EQ(monitor.status().ramp, 0.0);
+    for (int tick = 0; tick < 2000; ++tick) {
+        seen.now.tip_m.x() += tick % 7 == 0 ? 0.05 : -0.01; // its angles mean nothing
+        expect_braking(pass(seen));
+        ASSERT_EQ(monitor.status().state, SafetyState::waiting);
+    }
+    start_up(); // zeroed: a jump by that is none
+}
+
+TEST_F(SafetyMonitorTest, AZeroingWhileMotorsAreDrivenIsAJump) {
+    start_up();
+    Observation seen = calm();
+    seen.link.zeroing = 2;
+    seen.now.tip_m.x() += 0.05;
+    expect_braking(pass(seen));
+    EXPECT_EQ(monitor.status().cause, TripCause::encoder_jump);
+}
+
+TEST_F(SafetyMonitorTest, CountsThatNoMechanismHasVoidTheirZeroInAnyState) {
+    const double give_rad = device.limits.beyond_stops_rad;
+    const auto beyond_stop = [&](bool is_upper, double share) {
+        const device::JointLimits &stops = device.joint_limits;
+        const double q_rad =
+            is_upper ? stops.max_rad[0] + share * give_rad : stops.min_rad[0] - share * give_rad;
+        Observation seen = calm();
+        seen.now.theta_rad = device::motor_from_joint(device.geometry, Vector3(q_rad, 0.2, 0.1));
+        return seen;
+    };
+    SafetyOrders stopped;
+    stopped.emergency_stop = true;
+    for (const SafetyOrders &orders : {SafetyOrders{}, to_release(), stopped}) {
+        for (const bool is_upper : {false, true}) {
+            monitor = SafetyMonitor(device, kPeriod_s);
+            pass(calm(), orders);
+            EXPECT_FALSE(pass(beyond_stop(is_upper, 0.999), orders).voids_zero);
+            EXPECT_TRUE(pass(beyond_stop(is_upper, 1.001), orders).voids_zero);
+            EXPECT_FALSE(pass(calm(), orders).voids_zero);
+        }
+        monitor = SafetyMonitor(device, kPeriod_s);
+        Observation seen = calm();
+        pass(seen, orders);
+        seen.now.tip_m.x() += 0.05;
+        EXPECT_TRUE(pass(seen, orders).voids_zero);
+        EXPECT_FALSE(pass(seen, orders).voids_zero);
+    }
+}
+
 } // namespace
 } // namespace springdrive::servo
