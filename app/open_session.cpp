@@ -1,6 +1,7 @@
 #include "app/open_session.h"
 
 #include "app/load_lines.h"
+#include "base/real_time_thread.h"
 
 #include <iostream>
 #include <string>
@@ -8,6 +9,10 @@
 namespace springdrive::app {
 
 session::Session open_session(const session::SessionOptions &options) {
+    if (!reserve_heaps()) {
+        std::cerr << "springdrive: the heap cannot be set up; a board's packets may wait while a "
+                     "scene is loaded, and memory may grow in use\n";
+    }
     scene::LoadProgress progress;
     const LoadLines lines(options.scene.filename().string(), progress, std::cerr);
     return session::Session(options, &progress); // in place: a session cannot be moved

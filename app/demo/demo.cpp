@@ -12,24 +12,9 @@
 
 #include <iostream>
 
-#include <malloc.h>
-
 namespace springdrive::app {
 
 namespace {
-
-/// Keeps hours of scene after scene from adding up. Memory is locked for the servo, so what is
-/// freed within an arena of the heap is never given back, and each thread that loads a scene may
-/// have an arena of its own. Hence one arena, and what is large is mapped by itself: that is given
-/// back whole.
-void limit_heap() {
-#ifdef __GLIBC__
-    constexpr int kMapped_bytes = 256 * 1024;
-    if (mallopt(M_ARENA_MAX, 1) != 1 || mallopt(M_MMAP_THRESHOLD, kMapped_bytes) != 1) {
-        std::cerr << "springdrive: the heap cannot be limited; memory may grow in use\n";
-    }
-#endif
-}
 
 /// Until the window is closed, the frames are over, or termination is requested.
 void play(const DemoOptions &options, session::Session &session, Screen &screen) {
@@ -85,7 +70,6 @@ bool finish_kiosk(Screen &screen) {
 } // namespace
 
 int run_demo(const DemoOptions &options) {
-    limit_heap();
     if (options.kiosk) {
         draw_without_threads(); // days count more than frames
     }

@@ -5,6 +5,7 @@
 #include "app/doctor/disk_trial.h"
 #include "app/doctor/picture_trial.h"
 #include "base/input_error.h"
+#include "base/real_time_thread.h"
 #include "device/usb/driver/board_survey.h"
 #include "device/usb/driver/libusb_port.h"
 #include "engine/record/record_header.h"
@@ -43,7 +44,7 @@ RightsTrial try_rights(int priority) {
     trial.idle_is_short = short_idle.remark().empty();
     trial.priority = priority;
     trial.memory_locked = servo::request_locked_memory();
-    std::thread([&] { trial.priority_refused = servo::request_priority(priority); }).join();
+    std::thread([&] { trial.priority_refused = request_priority(priority); }).join();
     return trial;
 }
 

@@ -1,6 +1,9 @@
 #include "engine/servo/real_time.h"
 
 #include "base/input_error.h"
+#include "base/real_time_thread.h"
+
+#include <fmt/format.h>
 
 #include <fcntl.h>
 #include <pthread.h>
@@ -23,33 +26,25 @@ namespace {
 /// An order of magnitude more stack than a tick uses.
 constexpr std::size_t kStackTouched = std::size_t{128} * 1024;
 
-/// As in setup/limits.conf: also for the thread that serves a board, just above the servo's.
-constexpr int kPriorityLimit = 90;
-
 constexpr const char *kIdleFile = "/dev/cpu_dma_latency";
 
-/// The shell command that lifts one limit for the current user.
-std::string allow(const std::string &limit) {
-    return "echo \"$USER - " + limit +
-           "\" | sudo tee -a /etc/security/limits.d/springdrive.conf, and log in again";
-}
+/// It knows what the system has already, and who is in which group.
+constexpr const char *kRemedy = "springdrive doctor has the line that permits it";
 
 std::string ask_for_priority() {
     const int refused = request_priority(kServoPriority);
     // 1 ns, for threads without real-time priority: the default timer slack wakes them up to 50 µs
     // late.
     static_cast<void>(prctl(PR_SET_TIMERSLACK, 1UL));
-    return refused == 0
-               ? ""
-               : "no real-time priority, ticks may come late (" +
-                     std::string(std::strerror(refused)) +
-                     "); to allow it: " + allow("rtprio " + std::to_string(kPriorityLimit));
+    return refused == 0 ? ""
+                        : fmt::format("no real-time priority, ticks may come late ({}); {}",
+                                      std::strerror(refused), kRemedy);
 }
 
 std::string ask_for_memory() {
-    return request_locked_memory() ? ""
-                                   : "memory may be paged out, ticks may come late; to keep it: " +
-                                         allow("memlock unlimited");
+    return request_locked_memory()
+               ? ""
+               : fmt::format("memory may be paged out, ticks may come late; {}", kRemedy);
 }
 
 std::string ask_for_processor(int cpu) {
@@ -71,12 +66,6 @@ void touch_stack() {
 }
 
 } // namespace
-
-int request_priority(int priority) {
-    sched_param parameters{};
-    parameters.sched_priority = priority;
-    return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-}
 
 bool request_locked_memory() {
     rlimit limit{};

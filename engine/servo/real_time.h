@@ -10,10 +10,6 @@ namespace springdrive::servo {
 /// Below the kernel's threads (99), above everything that a desktop runs.
 inline constexpr int kServoPriority = 80;
 
-/// Requests SCHED_FIFO for the calling thread.
-/// @return 0, or the errno of the refusal
-[[nodiscard]] int request_priority(int priority);
-
 /// Requests that all memory of this process, present and future, stays in RAM: only where no limit
 /// is set, as later allocations would fail at the limit. It does not apply to the superuser.
 /// @return whether it is granted

@@ -1,5 +1,6 @@
 // The part of `Session` that lends the device to somebody else.
 #include "base/input_error.h"
+#include "base/real_time_thread.h"
 #include "device/core/motor/winding_guard.h"
 #include "engine/servo/real_time.h"
 #include "engine/session/session_parts.h"
@@ -10,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
+#include <future>
 #include <thread>
 #include <utility>
 
@@ -32,7 +34,7 @@ public:
     void begin(bool on_a_thread, std::optional<int> cpu) {
         has_begun_ = true;
         if (on_a_thread) {
-            thread_ = std::thread([this, cpu] {
+            running_ = run_on_own_heap([this, cpu] {
                 static_cast<void>(servo::make_this_thread_real_time(cpu)); // said by the servo
                 run();
             });
@@ -49,8 +51,8 @@ public:
 
     void end() {
         is_ended_.store(true, std::memory_order_release);
-        if (thread_.joinable()) {
-            thread_.join();
+        if (running_.valid()) {
+            running_.wait();
         }
     }
 
@@ -85,7 +87,7 @@ private:
     std::string complaint_;
     std::atomic<bool> is_over_{false};
     std::atomic<bool> is_ended_{false};
-    std::thread thread_;
+    std::future<void> running_;
 };
 
 void Session::require_not_lent() const {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cerrno>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <ctime>
 
@@ -13,6 +14,7 @@
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <pthread.h>
+#include <sched.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -30,6 +32,76 @@ void count(std::atomic<int> &counter) {
 
 void count_allocation() { count(springdrive::testing::watched().allocations); }
 
+// Arenas in the order of their first use. As malloc may not allocate, there is room for a fixed
+// number.
+
+struct Arena {
+    std::atomic<const void *> address{nullptr};
+    std::atomic<int> first_thread{0};
+    std::atomic<bool> is_real_time{false}; ///< one of its threads is
+    std::atomic<bool> is_shared{false};
+};
+
+constinit std::array<Arena, 256> arenas; // NOLINT
+std::atomic<bool> is_watching{false};    // NOLINT
+std::atomic<int> numbered_threads{0};    // NOLINT
+thread_local int thread_number = 0;      ///< 0: none yet
+thread_local bool is_real_time = false;
+thread_local bool has_allocated = false;
+
+/// The arena of glibc that this memory is from; null if it was mapped by itself.
+const void *arena_of(const void *memory) {
+    static constexpr char kMain = 0;
+    constexpr std::size_t kIsMapped = 2;
+    constexpr std::size_t kIsNotOfMain = 4;
+    constexpr std::uintptr_t kHeap_bytes = std::uintptr_t{64} << 20U;
+    const std::size_t size_and_flags = static_cast<const std::size_t *>(memory)[-1];
+    if ((size_and_flags & kIsMapped) != 0) {
+        return nullptr;
+    }
+    if ((size_and_flags & kIsNotOfMain) == 0) {
+        return &kMain;
+    }
+    const auto heap = reinterpret_cast<std::uintptr_t>(memory) & ~(kHeap_bytes - 1);
+    return *reinterpret_cast<const void *const *>(heap);
+}
+
+void record_use(Arena &arena) {
+    springdrive::testing::Watched &watched = springdrive::testing::watched();
+    int nobody = 0;
+    if (!arena.first_thread.compare_exchange_strong(nobody, thread_number) &&
+        nobody != thread_number) {
+        arena.is_shared = true;
+    }
+    if (is_real_time) {
+        arena.is_real_time = true;
+        watched.allocating_threads += has_allocated ? 0 : 1;
+        has_allocated = true;
+    }
+    if (arena.is_shared && arena.is_real_time) {
+        ++watched.shared_allocations;
+    }
+}
+
+void *from_arena(void *memory) {
+    const void *const from = is_watching && memory != nullptr ? arena_of(memory) : nullptr;
+    if (from == nullptr) {
+        return memory;
+    }
+    if (thread_number == 0) {
+        thread_number = ++numbered_threads;
+    }
+    for (Arena &arena : arenas) {
+        const void *none = nullptr;
+        if (arena.address.compare_exchange_strong(none, from) || none == from) {
+            record_use(arena);
+            return memory;
+        }
+    }
+    ++springdrive::testing::watched().shared_allocations; // unknown: too many
+    return memory;
+}
+
 /// The C library's function behind a name that is overridden here.
 template <typename Function> Function behind(const char *name) {
     return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
@@ -37,6 +109,7 @@ template <typename Function> Function behind(const char *name) {
 
 using MutexCall = int (*)(pthread_mutex_t *);
 using ReadWriteCall = int (*)(pthread_rwlock_t *);
+using ScheduleCall = int (*)(pthread_t, int, const sched_param *);
 
 } // namespace
 
@@ -50,23 +123,23 @@ void __libc_free(void *memory);                             // NOLINT
 
 void *malloc(std::size_t size) {
     count_allocation();
-    return __libc_malloc(size);
+    return from_arena(__libc_malloc(size));
 }
 void *calloc(std::size_t number, std::size_t size) {
     count_allocation();
-    return __libc_calloc(number, size);
+    return from_arena(__libc_calloc(number, size));
 }
 void *realloc(void *memory, std::size_t size) {
     count_allocation();
-    return __libc_realloc(memory, size);
+    return from_arena(__libc_realloc(memory, size));
 }
 void *aligned_alloc(std::size_t align, std::size_t size) {
     count_allocation();
-    return __libc_memalign(align, size);
+    return from_arena(__libc_memalign(align, size));
 }
 int posix_memalign(void **memory, std::size_t align, std::size_t size) {
     count_allocation();
-    *memory = __libc_memalign(align, size);
+    *memory = from_arena(__libc_memalign(align, size));
     return *memory == nullptr ? ENOMEM : 0;
 }
 void free(void *memory) {
@@ -74,6 +147,13 @@ void free(void *memory) {
     __libc_free(memory);
 }
 
+int pthread_setschedparam(pthread_t thread, int policy, const sched_param *parameters) {
+    static const auto real = behind<ScheduleCall>("pthread_setschedparam");
+    if (policy == SCHED_FIFO && pthread_equal(thread, pthread_self()) != 0) {
+        is_real_time = true; // whether or not it is granted here
+    }
+    return real(thread, policy, parameters);
+}
 int pthread_mutex_lock(pthread_mutex_t *mutex) {
     static const auto real = behind<MutexCall>("pthread_mutex_lock");
     count(springdrive::testing::watched().locks);
@@ -141,6 +221,8 @@ Watched &watched() {
     static constinit Watched done;
     return done;
 }
+
+void watch_heaps() { is_watching = true; }
 
 CountingWatch::CountingWatch() { is_watched = true; }
 CountingWatch::~CountingWatch() { is_watched = false; }

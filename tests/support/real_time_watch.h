@@ -5,6 +5,12 @@
 //                    ├─ pthread_mutex_lock ... ──────────► watched().locks
 //                    └─ system call ─► seccomp ─► SIGSYS ► watched().system_call, sleeps forever
 //
+// Of threads that may allocate, as libusb does with each transfer, those that request a real-time
+// priority must do so where they wait for nobody: in an arena of the heap that is theirs alone.
+//
+//   any thread ──┬─ pthread_setschedparam(SCHED_FIFO) ───► it is a real-time thread
+//                └─ malloc ... ─► whose arena is it? ────► watched().shared_allocations
+//
 // Replaces malloc in the program that it is linked into, as the sanitizers do themselves.
 #pragma once
 
@@ -17,7 +23,9 @@ namespace springdrive::testing {
 struct Watched {
     std::atomic<int> allocations{0}; ///< frees are counted too: they may lock
     std::atomic<int> locks{0};
-    std::atomic<int> system_call{-1}; ///< number of a caught system call
+    std::atomic<int> allocating_threads{0}; ///< real-time threads that allocated
+    std::atomic<int> shared_allocations{0}; ///< where a real-time and another thread allocate
+    std::atomic<int> system_call{-1};       ///< number of a caught system call
     std::atomic<bool> has_filter{false};
 };
 [[nodiscard]] Watched &watched();
@@ -30,6 +38,10 @@ public:
     CountingWatch(const CountingWatch &) = delete;
     CountingWatch &operator=(const CountingWatch &) = delete;
 };
+
+/// From now on, whose arena each allocation is from counts, on all threads of this process. An
+/// arena stays a thread's after its end: others may still free in it.
+void watch_heaps();
 
 /// Watches the calling thread until its process ends, including system calls: all but reading the
 /// clock and sleeping are caught. A filter cannot be removed, so use it in a child process.

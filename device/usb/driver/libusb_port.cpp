@@ -2,6 +2,7 @@
 
 #include "base/input_error.h"
 #include "base/latest_value.h"
+#include "base/real_time_thread.h"
 #include "base/sample_ring.h"
 #include "device/usb/driver/libusb_boards.h"
 
@@ -13,13 +14,11 @@
 #include <cerrno>
 #include <chrono>
 #include <fmt/format.h>
+#include <future>
 #include <memory>
 #include <optional>
 #include <poll.h>
-#include <pthread.h>
-#include <sched.h>
 #include <sys/eventfd.h>
-#include <thread>
 #include <unistd.h>
 #include <utility>
 #include <vector>
@@ -168,7 +167,7 @@ private:
     std::atomic<bool> is_connected_{false};
     std::atomic<bool> ends_{false};
     std::atomic<bool> is_running_{false}; ///< the thread, which handles libusb's events
-    std::thread thread_;
+    std::future<void> thread_;            ///< until it ends
 };
 
 void LibusbPort::open(const std::string &serial) {
@@ -201,10 +200,12 @@ void LibusbPort::open(const std::string &serial) {
     ends_ = false;
     is_running_ = true;
     is_connected_ = true;
-    thread_ = std::thread([this] { run(); });
-    sched_param parameters{};
-    parameters.sched_priority = kPortThreadPriority;
-    remark_ = pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &parameters) == 0
+    const auto refused = std::make_shared<std::promise<int>>();
+    thread_ = run_on_own_heap([this, refused] {
+        refused->set_value(request_priority(kPortThreadPriority));
+        run();
+    });
+    remark_ = refused->get_future().get() == 0
                   ? std::string()
                   : fmt::format("the thread that serves USB has no real-time priority ({} was "
                                 "refused), so reports may be late; see springdrive doctor",
@@ -238,10 +239,10 @@ void LibusbPort::prepare(Transfer &transfer, std::uint8_t endpoint,
 
 /// The thread has cancelled all transfers when it ends.
 void LibusbPort::end() noexcept {
-    if (thread_.joinable()) {
+    if (thread_.valid()) {
         ends_ = true;
         wake_.signal();
-        thread_.join();
+        thread_.get();
     }
     is_connected_ = false;
     if (handle_) {

@@ -4,9 +4,10 @@
 //   servo ◄──ring──── │ thread │ ◄─4 transfers IN──── board
 //                     └────────┘
 //
-// libusb locks and allocates, so a thread of its own calls it. The servo's thread passes packets to
-// and from that thread without waiting, and wakes it, or is woken, by an eventfd: one system call
-// each. Of commands that could not leave yet, only the newest is kept.
+// libusb locks and allocates with each transfer, so a thread calls it whose heap is its own
+// (base/real_time_thread.h). The servo's thread passes packets to and from that thread without
+// waiting, and wakes it, or is woken, by an eventfd: one system call each. Of commands that could
+// not leave yet, only the newest is kept.
 #pragma once
 
 #include "device/usb/driver/board_port.h"

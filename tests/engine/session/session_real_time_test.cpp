@@ -1,6 +1,8 @@
 // Covers engine/session with the servo on its own thread: whatever the hand, the panels, the loader
 // and the recorder do, that thread neither allocates nor locks, and makes no system calls except to
 // read the clock and to sleep.
+#include "base/real_time_thread.h"
+#include "device/usb/driver/libusb_port.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/session/session.h"
@@ -11,10 +13,13 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <string>
 #include <thread>
 
@@ -272,6 +277,75 @@ TEST_F(RealTimeSession, NeitherDoesAnEmulatedBoard) {
         touch.press();
         touch.ticks(1000);
         expect_nothing_caught();
+        testing::end_this_child();
+    });
+    EXPECT_TRUE(holds);
+}
+
+/// Each real-time thread of a session allocates, if it does, where no other thread does, nor did:
+/// no lock of the heap that it takes is ever held by the loading of a scene.
+TEST(RealTimeHeaps, NoRealTimeThreadAllocatesWhereAnotherThreadDoes) {
+    const bool holds = testing::holds_in_a_child([] {
+        testing::watch_heaps();
+        EXPECT_TRUE(reserve_heaps());
+        SessionOptions chosen = options("plate");
+        chosen.device.kind = factory::DeviceKind::emulated;
+        chosen.starts_at_zero = true;
+        Session session(chosen); // threads that load a scene have ended already
+        session.start();
+        const auto until = [&](const std::function<bool()> &is_so) {
+            return step_until(is_so, [&] { session.advance(2e-3); });
+        };
+        const auto allocate = [] {
+            void *volatile memory = std::calloc(1, 64); // NOLINT: as libusb for a transfer
+            std::free(memory);                          // NOLINT
+        };
+        watched().shared_allocations = 0; // before its first tick, the servo's thread may
+        // As a board's port, which needs a board.
+        std::atomic<bool> ends{false};
+        std::future<void> port = run_on_own_heap([&] {
+            static_cast<void>(request_priority(usb::kPortThreadPriority));
+            while (!ends) {
+                allocate();
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            }
+        });
+        for (const char *scene : {"organic", "sphere"}) {
+            const std::uint32_t next = session.scenes().id() + 1;
+            session.request_scene(testing::assets() / "scenes" / (std::string(scene) + ".gltf"));
+            EXPECT_TRUE(until([&] { return session.scenes().id() == next; })) << scene;
+        }
+        std::atomic<int> ticks{0};
+        session.lend_device([&] {
+            allocate();
+            return ++ticks < 50;
+        });
+        EXPECT_TRUE(until([&] { return ticks >= 50; }));
+        ends = true;
+        port.wait();
+        EXPECT_GE(watched().allocating_threads, 2);
+        EXPECT_EQ(watched().shared_allocations, 0);
+        session.stop();
+        testing::end_this_child();
+    });
+    EXPECT_TRUE(holds);
+}
+
+/// Others have already allocated in the arena that a new thread gets.
+TEST(RealTimeHeaps, TheWatchSeesAThreadThatInheritsAHeap) {
+    const bool holds = testing::holds_in_a_child([] {
+        testing::watch_heaps();
+        const auto allocate = [] {
+            void *volatile memory = std::malloc(64); // NOLINT
+            std::free(memory);                       // NOLINT
+        };
+        std::thread(allocate).join();
+        std::thread([&] {
+            static_cast<void>(request_priority(usb::kPortThreadPriority));
+            allocate();
+        }).join();
+        EXPECT_EQ(watched().allocating_threads, 1);
+        EXPECT_GT(watched().shared_allocations, 0);
         testing::end_this_child();
     });
     EXPECT_TRUE(holds);
