@@ -1,9 +1,12 @@
 #include "app/doctor/usb_boards.h"
 
+#include "device/usb/protocol.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
+#include <iterator>
 
 namespace springdrive::app::doctor {
 
@@ -31,7 +34,31 @@ Board board_of_kernel(const Machine &machine, const std::string &name, bool has_
     return board;
 }
 
+bool has_its_numbers(const Machine &machine, const std::string &name) {
+    return machine.text(kDevices + name + "/idVendor") == fmt::format("{:04x}", usb::kVendorId) &&
+           machine.text(kDevices + name + "/idProduct") == fmt::format("{:04x}", usb::kProductId);
+}
+
+/// Whether an interface of this device, "1-2:1.0" of "1-2", is the protocol's, of any version.
+bool has_its_interface(const Machine &machine, const std::string &name) {
+    return std::ranges::any_of(machine.names_in(kDevices), [&](const std::string &other) {
+        return other.starts_with(name + ":") &&
+               machine.text(kDevices + other + "/bInterfaceClass") ==
+                   fmt::format("{:02x}", usb::kInterfaceClass) &&
+               machine.text(kDevices + other + "/bInterfaceSubClass") ==
+                   fmt::format("{:02x}", usb::kInterfaceSubclass);
+    });
+}
+
 } // namespace
+
+std::string udev_rule() {
+    return fmt::format("SUBSYSTEM==\"usb\", ENV{{DEVTYPE}}==\"usb_device\", "
+                       "ATTR{{idVendor}}==\"{:04x}\", ATTR{{idProduct}}==\"{:04x}\", "
+                       "ENV{{ID_USB_INTERFACES}}==\"*:{:02x}{:02x}??:*\", TAG+=\"uaccess\"",
+                       usb::kVendorId, usb::kProductId, usb::kInterfaceClass,
+                       usb::kInterfaceSubclass);
+}
 
 std::string Board::name() const {
     return serial.empty() ? fmt::format("the board at {}", sysfs_name) : "board " + serial;
@@ -57,13 +84,20 @@ std::vector<Board> boards_of(const Machine &machine, const UsbTrial &trial) {
         return boards;
     }
     for (const std::string &name : machine.names_in(kDevices)) {
-        const std::string folder = kDevices + name;
-        if (machine.text(folder + "/idVendor") == "1209" &&
-            machine.text(folder + "/idProduct") == "0001") {
+        if (has_its_numbers(machine, name) && has_its_interface(machine, name)) {
             boards.push_back(board_of_kernel(machine, name, trial.has_answered));
         }
     }
     return boards;
+}
+
+std::vector<std::string> others_with_its_numbers(const Machine &machine) {
+    std::vector<std::string> others;
+    std::ranges::copy_if(
+        machine.names_in(kDevices), std::back_inserter(others), [&](const std::string &name) {
+            return has_its_numbers(machine, name) && !has_its_interface(machine, name);
+        });
+    return others;
 }
 
 std::optional<UsingProcess> user_of(const Machine &machine, const Board &board) {

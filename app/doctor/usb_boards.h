@@ -18,9 +18,16 @@ struct Board : usb::SurveyedBoard {
     [[nodiscard]] std::vector<std::string> hubs() const;
 };
 
+/// The line of setup/70-springdrive-usb.rules: of a device with a board's numbers and its
+/// interface, for the person at the screen.
+[[nodiscard]] std::string udev_rule();
+
 /// Those that libusb found. If none, those that the kernel has: libusb sees no board without its
 /// device node.
 [[nodiscard]] std::vector<Board> boards_of(const Machine &machine, const UsbTrial &trial);
+
+/// The devices that have a board's numbers, which are for tests, but not its interface.
+[[nodiscard]] std::vector<std::string> others_with_its_numbers(const Machine &machine);
 
 struct UsingProcess {
     std::int64_t id = 0;

@@ -2,6 +2,7 @@
 #include "app/doctor/checks.h"
 
 #include "app/doctor/usb_boards.h"
+#include "device/usb/protocol.h"
 
 #include <fmt/format.h>
 
@@ -17,7 +18,6 @@ using usb::BoardObstacle;
 constexpr double kFullSpeedMost_hz = 1000.0;
 
 constexpr const char *kMattersUsb = "springdrive --device usb drives it";
-constexpr const char *kBoardIds = "vendor 1209, product 0001";
 
 constexpr const char *kContainerLine = "start the container with -v /dev/bus/usb:/dev/bus/usb "
                                        "--device-cgroup-rule 'c 189:* rmw'";
@@ -27,7 +27,15 @@ Check absent(const Evidence &evidence) {
     Check check{"usb_board", "board on USB", Verdict::not_applicable, "", kMattersUsb, ""};
     const std::string &problem = evidence.trials.usb.problem;
     check.found =
-        fmt::format("none is connected ({}){}", kBoardIds, problem.empty() ? "" : "; " + problem);
+        fmt::format("none is connected (vendor {:04x}, product {:04x}, interface {:02x}/{:02x}){}",
+                    usb::kVendorId, usb::kProductId, usb::kInterfaceClass, usb::kInterfaceSubclass,
+                    problem.empty() ? "" : "; " + problem);
+    for (const std::string &name : others_with_its_numbers(machine)) {
+        check.found +=
+            fmt::format("; {} has these numbers, but not the interface: another product, "
+                        "or a board without its firmware",
+                        name);
+    }
     if (!evidence.purpose.uses_usb) {
         check.found += "; not needed by --device sim";
         return check;
@@ -71,7 +79,8 @@ bool has_rule(const Machine &machine) {
                                      "/usr/lib/udev/rules.d/", "/lib/udev/rules.d/"}) {
         for (const std::string &name : machine.names_in(folder)) {
             const auto is_ours = [](const std::string &line) {
-                return !line.starts_with("#") && line.find("1209") != std::string::npos;
+                return !line.starts_with("#") &&
+                       line.find(fmt::format("\"{:04x}\"", usb::kVendorId)) != std::string::npos;
             };
             if (name.find("springdrive") != std::string::npos &&
                 std::ranges::any_of(machine.lines(folder + name), is_ours)) {
@@ -88,10 +97,8 @@ std::string install_rule(const Process &process) {
     return std::filesystem::is_regular_file(file, unreadable)
                ? fmt::format("{}cp {} /etc/udev/rules.d/", process.sudo(),
                              shell_word(file.string()))
-               : fmt::format("echo 'SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"1209\", "
-                             "ATTR{{idProduct}}==\"0001\", TAG+=\"uaccess\"' | {}tee "
-                             "/etc/udev/rules.d/70-springdrive-usb.rules",
-                             process.sudo());
+               : fmt::format("echo '{}' | {}tee /etc/udev/rules.d/70-springdrive-usb.rules",
+                             udev_rule(), process.sudo());
 }
 
 std::string permit(const Evidence &evidence, const Board &board) {
@@ -102,8 +109,8 @@ std::string permit(const Evidence &evidence, const Board &board) {
     if (!has_rule(evidence.machine)) {
         return install_rule(process) +
                fmt::format(" && {0}udevadm control --reload && {0}udevadm trigger "
-                           "--attr-match=idVendor=1209",
-                           process.sudo());
+                           "--attr-match=idVendor={1:04x}",
+                           process.sudo(), usb::kVendorId);
     }
     // The rule is for the person at the screen.
     return process.variable("SSH_CONNECTION").empty()

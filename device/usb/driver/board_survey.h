@@ -15,7 +15,7 @@ enum class BoardObstacle : std::uint8_t {
     no_permission, ///< for its device node
     in_use,        ///< by another program
     no_answer,
-    no_interface,  ///< for springdrive: firmware of another kind, or none
+    no_interface,  ///< that answers as a board: firmware of another kind
     wrong_version, ///< of the protocol
 };
 

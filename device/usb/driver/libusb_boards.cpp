@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <fmt/format.h>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -60,6 +61,53 @@ std::optional<Endpoints> endpoints_in(const libusb_interface_descriptor &descrip
     return found.in != 0 && found.out != 0 ? std::optional(found) : std::nullopt;
 }
 
+std::optional<Endpoints> endpoints_of(libusb_device *device) {
+    libusb_config_descriptor *raw = nullptr;
+    if (libusb_get_active_config_descriptor(device, &raw) != 0) {
+        return std::nullopt;
+    }
+    const std::unique_ptr<libusb_config_descriptor, decltype(&libusb_free_config_descriptor)>
+        configuration(raw, &libusb_free_config_descriptor);
+    for (const libusb_interface &one :
+         std::span(configuration->interface, configuration->bNumInterfaces)) {
+        if (one.num_altsetting > 0) {
+            if (const auto found = endpoints_in(one.altsetting[0])) {
+                return found;
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+/// A board that is connected; the numbers alone, which are for tests, are other products', too.
+struct Connected {
+    libusb_device *device = nullptr;
+    Endpoints endpoints;
+    std::uint8_t serial_index = 0; ///< of its string
+};
+
+struct ConnectedBoards {
+    std::vector<Connected> boards;
+    std::string others; ///< places of devices that have a board's numbers only
+};
+
+ConnectedBoards connected_in(const DeviceList &devices) {
+    ConnectedBoards found;
+    for (libusb_device *device : devices.all()) {
+        libusb_device_descriptor description{};
+        if (libusb_get_device_descriptor(device, &description) != 0 ||
+            description.idVendor != kVendorId || description.idProduct != kProductId) {
+            continue;
+        }
+        if (const auto endpoints = endpoints_of(device)) {
+            found.boards.push_back({device, *endpoints, description.iSerialNumber});
+        } else {
+            found.others += (found.others.empty() ? "" : ", ") + place_of(device);
+        }
+    }
+    return found;
+}
+
 std::string serial_of(libusb_device_handle *handle, std::uint8_t index) {
     std::array<unsigned char, 64> text{};
     const int size = libusb_get_string_descriptor_ascii(handle, index, text.data(),
@@ -69,24 +117,19 @@ std::string serial_of(libusb_device_handle *handle, std::uint8_t index) {
                     : std::string();
 }
 
-std::vector<OpenedBoard> open_all(libusb_context *context) {
+std::vector<OpenedBoard> open_all(const ConnectedBoards &connected) {
     std::vector<OpenedBoard> boards;
-    const DeviceList devices(context);
-    for (libusb_device *device : devices.all()) {
-        libusb_device_descriptor description{};
-        if (libusb_get_device_descriptor(device, &description) != 0 ||
-            description.idVendor != kVendorId || description.idProduct != kProductId) {
-            continue;
-        }
+    for (const Connected &one : connected.boards) {
         libusb_device_handle *raw = nullptr;
-        const int error = libusb_open(device, &raw);
+        const int error = libusb_open(one.device, &raw);
         OpenedBoard &board = boards.emplace_back();
-        board.place = place_of(device);
+        board.place = place_of(one.device);
+        board.endpoints = one.endpoints;
         board.handle.reset(raw);
         if (error != 0) {
             board.problem = advice_on(error);
         } else {
-            board.serial = serial_of(raw, description.iSerialNumber);
+            board.serial = serial_of(raw, one.serial_index);
         }
     }
     return boards;
@@ -144,29 +187,18 @@ std::string_view name_of_speed(int speed) {
     }
 }
 
-std::optional<Endpoints> endpoints_of(libusb_device *device) {
-    libusb_config_descriptor *raw = nullptr;
-    if (libusb_get_active_config_descriptor(device, &raw) != 0) {
-        return std::nullopt;
-    }
-    const std::unique_ptr<libusb_config_descriptor, decltype(&libusb_free_config_descriptor)>
-        configuration(raw, &libusb_free_config_descriptor);
-    for (const libusb_interface &one :
-         std::span(configuration->interface, configuration->bNumInterfaces)) {
-        if (one.num_altsetting > 0) {
-            if (const auto found = endpoints_in(one.altsetting[0])) {
-                return found;
-            }
-        }
-    }
-    return std::nullopt;
-}
-
 OpenedBoard open_board_named(libusb_context *context, const std::string &serial) {
-    std::vector<OpenedBoard> boards = open_all(context);
+    const DeviceList devices(context);
+    const ConnectedBoards connected = connected_in(devices);
+    std::vector<OpenedBoard> boards = open_all(connected);
     if (boards.empty()) {
         throw InputError("no USB board is connected; plug one in and switch its power on, or use "
-                         "--device sim");
+                         "--device sim" +
+                         (connected.others.empty()
+                              ? ""
+                              : "; " + connected.others +
+                                    " has a board's numbers, but not its interface: another "
+                                    "product, or a board without its firmware"));
     }
     const auto found = serial.empty() && boards.size() == 1
                            ? boards.begin()
@@ -188,8 +220,9 @@ OpenedBoard open_board_named(libusb_context *context, const std::string &serial)
 
 std::vector<FoundBoard> boards_present() {
     const Context context = make_context();
+    const DeviceList devices(context.get());
     std::vector<FoundBoard> found;
-    for (OpenedBoard &board : open_all(context.get())) {
+    for (OpenedBoard &board : open_all(connected_in(devices))) {
         found.push_back({std::move(board.serial), std::move(board.problem)});
     }
     return found;
@@ -230,8 +263,8 @@ int ask_for_identity(libusb_device_handle *handle, const Endpoints &endpoints,
 }
 
 /// @return an error of libusb
-int survey(libusb_device *device, const libusb_device_descriptor &description,
-           SurveyedBoard &board) {
+int survey(const Connected &connected, SurveyedBoard &board) {
+    libusb_device *const device = connected.device;
     std::array<std::uint8_t, 7> ports{}; // the deepest that USB allows
     const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
     board.bus = libusb_get_bus_number(device);
@@ -244,14 +277,8 @@ int survey(libusb_device *device, const libusb_device_descriptor &description,
         return error;
     }
     const Handle handle(raw);
-    board.serial = serial_of(raw, description.iSerialNumber);
-    const std::optional<Endpoints> endpoints = endpoints_of(device);
-    if (!endpoints) {
-        board.obstacle = BoardObstacle::no_interface;
-        board.problem = "has no interface for springdrive; is its firmware installed?";
-        return 0;
-    }
-    return ask_for_identity(raw, *endpoints, board);
+    board.serial = serial_of(raw, connected.serial_index);
+    return ask_for_identity(raw, connected.endpoints, board);
 }
 
 } // namespace
@@ -260,14 +287,9 @@ std::vector<SurveyedBoard> survey_boards() {
     const Context context = make_context();
     const DeviceList devices(context.get());
     std::vector<SurveyedBoard> boards;
-    for (libusb_device *device : devices.all()) {
-        libusb_device_descriptor description{};
-        if (libusb_get_device_descriptor(device, &description) != 0 ||
-            description.idVendor != kVendorId || description.idProduct != kProductId) {
-            continue;
-        }
+    for (const Connected &connected : connected_in(devices).boards) {
         SurveyedBoard &board = boards.emplace_back();
-        if (const int error = survey(device, description, board); error != 0) {
+        if (const int error = survey(connected, board); error != 0) {
             board.obstacle = obstacle_of(error);
             board.problem = advice_on(error);
         }

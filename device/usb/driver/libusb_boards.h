@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -40,11 +39,10 @@ struct Endpoints {
     std::uint8_t out = 0;
 };
 
-[[nodiscard]] std::optional<Endpoints> endpoints_of(libusb_device *device);
-
 /// A board that was opened; or why it was not.
 struct OpenedBoard {
     std::string place;
+    Endpoints endpoints;
     std::string serial;
     Handle handle;
     std::string problem;

@@ -16,7 +16,6 @@
 #include <fmt/format.h>
 #include <future>
 #include <memory>
-#include <optional>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -176,16 +175,13 @@ void LibusbPort::open(const std::string &serial) {
     OpenedBoard board = open_board_named(context_.get(), serial);
     const std::string name = "the USB board " + (board.serial.empty() ? board.place : board.serial);
     libusb_device *const device = libusb_get_device(board.handle.get());
-    const std::optional<Endpoints> endpoints = endpoints_of(device);
-    if (!endpoints) {
-        throw InputError(name + ": has no interface for springdrive; is its firmware installed?");
-    }
-    if (const int error = libusb_claim_interface(board.handle.get(), endpoints->interface_number);
+    if (const int error =
+            libusb_claim_interface(board.handle.get(), board.endpoints.interface_number);
         error != 0) {
         throw InputError(name + ": " + advice_on(error));
     }
     handle_ = std::move(board.handle);
-    endpoints_ = *endpoints;
+    endpoints_ = board.endpoints;
     speed_ = name_of_speed(libusb_get_device_speed(device));
     for (Transfer &transfer : in_) {
         prepare(transfer, endpoints_.in, &LibusbPort::on_received);

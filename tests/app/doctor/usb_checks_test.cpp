@@ -10,6 +10,7 @@ namespace {
 using usb::BoardObstacle;
 
 const std::string kBoard = "/sys/bus/usb/devices/1-2/";
+const std::string kInterface = "/sys/bus/usb/devices/1-2:1.0/";
 
 usb::SurveyedBoard good_board() {
     return {1, 5, "1-2", "A7", "high speed (480 Mbit/s)", "springdrive board 1.2.3", {}, ""};
@@ -30,6 +31,8 @@ LaidOutComputer with_board() {
                                                           {"power/control", "on\n"}}) {
         computer.has(kBoard + name, text);
     }
+    computer.has(kInterface + "bInterfaceClass", "ff\n");
+    computer.has(kInterface + "bInterfaceSubClass", "53\n");
     return computer;
 }
 
@@ -68,7 +71,8 @@ TEST(DoctorUsb, NoBoardFailsOnlyWhereOneIsAskedFor) {
     LaidOutComputer computer;
     const Evidence sim = computer.evidence();
     ASSERT_EQ(usb_checks(sim).size(), 1U);
-    expect_no_verdict(usb_check(sim, "usb_board"), "none is connected (vendor 1209, product 0001)");
+    expect_no_verdict(usb_check(sim, "usb_board"),
+                      "none is connected (vendor 1209, product 0001, interface ff/53)");
     expect_wrong(usb_check(for_usb(computer, {}), "usb_board"), Verdict::failure,
                  "none is connected", "use a computer that has USB: this one has no /dev/bus/usb");
     computer.has("/.dockerenv");
@@ -110,9 +114,8 @@ TEST(DoctorUsb, PermissionComesFromTheRuleThenFromPluggingIn) {
                                "--attr-match=idVendor=1209";
     expect_wrong(usb_check(refused, "usb_permission"), Verdict::failure,
                  "/dev/bus/usb/001/005 may not be written to",
-                 "echo 'SUBSYSTEM==\"usb\", ATTR{idVendor}==\"1209\", ATTR{idProduct}==\"0001\", "
-                 "TAG+=\"uaccess\"' | sudo tee /etc/udev/rules.d/70-springdrive-usb.rules" +
-                     reload);
+                 "echo '" + udev_rule() +
+                     "' | sudo tee /etc/udev/rules.d/70-springdrive-usb.rules" + reload);
     expect_no_verdict(usb_check(refused, "usb_firmware"), "cannot be asked");
     computer.has("/source/setup/70-springdrive-usb.rules");
     EXPECT_EQ(usb_check(refused, "usb_permission").mend,
@@ -128,6 +131,37 @@ TEST(DoctorUsb, PermissionComesFromTheRuleThenFromPluggingIn) {
               "sudo chown \"$USER\" /dev/bus/usb/001/005");
     refused.purpose.uses_usb = false;
     EXPECT_EQ(usb_check(refused, "usb_permission").verdict, Verdict::warning);
+}
+
+/// As other products for tests may have, too.
+TEST(DoctorUsb, ItsNumbersAloneMakeNoBoard) {
+    LaidOutComputer computer = with_board();
+    computer.has_no("/dev/bus/usb");
+    computer.has("/sys/bus/usb/devices/1-3/idVendor", "1209\n");
+    computer.has("/sys/bus/usb/devices/1-3/idProduct", "0001\n");
+    computer.has("/sys/bus/usb/devices/1-3:1.0/bInterfaceClass", "ff\n");
+    computer.has("/sys/bus/usb/devices/1-3:1.0/bInterfaceSubClass", "00\n");
+    expect_ok(usb_check(for_usb(computer, {}), "usb_board"), "board A7");
+    computer.has_no("/sys/bus/usb/devices/1-2");
+    expect_wrong(usb_check(for_usb(computer, {}), "usb_board"), Verdict::failure,
+                 "; 1-3 has these numbers, but not the interface",
+                 "use a computer that has USB: this one has no /dev/bus/usb");
+}
+
+/// What is installed and what is printed are the same, and of the protocol's numbers.
+TEST(DoctorUsb, TheRuleIsForAnInterfaceOfTheProtocol) {
+    std::ifstream file(std::filesystem::path(SPRINGDRIVE_ASSET_DIR).parent_path() /
+                       "setup/70-springdrive-usb.rules");
+    std::vector<std::string> rules;
+    for (std::string line; std::getline(file, line);) {
+        if (!line.starts_with("#")) {
+            rules.push_back(line);
+        }
+    }
+    EXPECT_EQ(rules, std::vector<std::string>{udev_rule()});
+    EXPECT_NE(udev_rule().find("ATTR{idVendor}==\"1209\", ATTR{idProduct}==\"0001\", "
+                               "ENV{ID_USB_INTERFACES}==\"*:ff53??:*\""),
+              std::string::npos);
 }
 
 TEST(DoctorUsb, ABoardWithoutANodeIsFoundByTheKernelsList) {
