@@ -142,7 +142,7 @@ void write_surroundings(std::ostream &out) {
           "what the window remembers; springdrive demo --reset-settings removes it"},
          {"~/.cache/springdrive", "measured models of scenes, which can be deleted at any time"},
          {"/etc/security/limits.d/springdrive.conf",
-          "real-time priority and locked memory for the group plugdev"},
+          "real-time priority and locked memory for the group springdrive"},
          {"70-springdrive.rules",
           "lets the person at the computer use a board on USB, once it is plugged in"},
          {documents, "how it works, and how to use it"}});

@@ -15,7 +15,7 @@ namespace springdrive::app::doctor {
 
 namespace {
 
-constexpr const char *kGroup = "plugdev"; ///< of setup/limits.conf
+constexpr const char *kGroup = "springdrive"; ///< of setup/limits.conf
 constexpr const char *kLimitsFile = "/etc/security/limits.d/springdrive.conf";
 
 constexpr const char *kOnTime = "without it ticks come late while the computer is busy";
@@ -41,6 +41,7 @@ std::string user_name(const Evidence &evidence) {
 }
 
 struct Membership {
+    bool group_exists = false;
     bool in_session = false; ///< of this process
     bool in_file = false;    ///< from the next login on
 };
@@ -55,7 +56,7 @@ Membership membership(const Evidence &evidence, const std::string &group) {
         const auto is_this = [&](unsigned id) { return std::to_string(id) == parts[2]; };
         const std::vector<std::string> names =
             parts_of(parts.size() > 3 ? parts[3] : std::string(), ',');
-        return {std::ranges::any_of(evidence.process.group_ids, is_this),
+        return {true, std::ranges::any_of(evidence.process.group_ids, is_this),
                 !user.empty() && std::ranges::find(names, user) != names.end()};
     }
     return {};
@@ -149,6 +150,10 @@ std::string allow(const Evidence &evidence, const std::string &item) {
     std::string line;
     if (!granted.to_group) {
         line = install_limits(evidence.process);
+    }
+    if (!member.group_exists) {
+        line += (line.empty() ? "" : " && ") + evidence.process.sudo() +
+                fmt::format("groupadd --system {}", kGroup);
     }
     if (!member.in_session && !member.in_file) {
         line += (line.empty() ? "" : " && ") + evidence.process.sudo() +

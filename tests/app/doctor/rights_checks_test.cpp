@@ -9,12 +9,14 @@ namespace {
 
 const std::string kLimitsFile = "/etc/security/limits.d/springdrive.conf";
 
-/// An ordinary installation without any rights for anna, who is in no further group.
+/// An ordinary installation without any rights for anna, who is in another group than this
+/// program's.
 LaidOutComputer fresh_installation() {
     LaidOutComputer computer;
     computer.has("/etc/passwd", "root:x:0:0::/root:/bin/bash\nanna:x:1000:1000::/home/anna:\n");
-    computer.has("/etc/group", "root:x:0:\nplugdev:x:46:bert\nanna:x:1000:\n");
-    computer.has("/etc/security/limits.conf", "#@plugdev - rtprio 90\n* soft core 0\n");
+    computer.has("/etc/group", "root:x:0:\nplugdev:x:46:anna\nanna:x:1000:\n");
+    computer.has("/etc/security/limits.conf",
+                 "#@springdrive - rtprio 90\n@plugdev - rtprio 90\n* soft core 0\n");
     return computer;
 }
 
@@ -35,8 +37,9 @@ TEST(DoctorRights, WhatIsGrantedIsNamed) {
 TEST(DoctorRights, ALineBringsBothLimitsAndTheGroup) {
     const Evidence evidence = refused(fresh_installation());
     const std::string line =
-        "printf '@plugdev - %s\\n' 'rtprio 90' 'memlock unlimited' | sudo tee " + kLimitsFile +
-        " && sudo usermod -aG plugdev \"$USER\"  # then log in again";
+        "printf '@springdrive - %s\\n' 'rtprio 90' 'memlock unlimited' | sudo tee " + kLimitsFile +
+        " && sudo groupadd --system springdrive && sudo usermod -aG springdrive \"$USER\"  # then "
+        "log in again";
     expect_wrong(priority_check(evidence), Verdict::warning,
                  "SCHED_FIFO 80 refused: Operation not permitted; the limit is 0", line);
     expect_wrong(memory_lock_check(evidence), Verdict::warning, "the limit is 8192 kB", line);
@@ -45,27 +48,29 @@ TEST(DoctorRights, ALineBringsBothLimitsAndTheGroup) {
 TEST(DoctorRights, TheSourceTreesOwnFileIsCopied) {
     LaidOutComputer computer = fresh_installation();
     computer.has("/source/setup/limits.conf");
+    computer.has("/etc/group", "springdrive:x:46:bert\n");
     EXPECT_EQ(priority_check(refused(computer)).mend,
               "sudo cp " + (computer.root() / "source/setup/limits.conf").string() + " " +
-                  kLimitsFile + " && sudo usermod -aG plugdev \"$USER\"  # then log in again");
+                  kLimitsFile + " && sudo usermod -aG springdrive \"$USER\"  # then log in again");
 }
 
 TEST(DoctorRights, OnlyWhatIsMissingIsInTheLine) {
     LaidOutComputer computer = fresh_installation();
+    computer.has("/etc/group", "springdrive:x:46:bert\n");
     computer.has(kLimitsFile,
-                 "# the servo\n@plugdev - rtprio 90\n@plugdev  -  memlock unlimited\n");
+                 "# the servo\n@springdrive - rtprio 90\n@springdrive  -  memlock unlimited\n");
     EXPECT_EQ(priority_check(refused(computer)).mend,
-              "sudo usermod -aG plugdev \"$USER\"  # then log in again");
+              "sudo usermod -aG springdrive \"$USER\"  # then log in again");
     EXPECT_EQ(memory_lock_check(refused(computer)).mend,
-              "sudo usermod -aG plugdev \"$USER\"  # then log in again");
-    computer.has("/etc/group", "plugdev:x:46:bert,anna\n");
+              "sudo usermod -aG springdrive \"$USER\"  # then log in again");
+    computer.has("/etc/group", "springdrive:x:46:bert,anna\n");
     EXPECT_EQ(priority_check(refused(computer)).mend,
               "log in again: limits and groups apply from a login on");
-    computer.has("/etc/group", "plugdev:x:46:bert,annabel\n");
+    computer.has("/etc/group", "springdrive:x:46:bert,annabel\n");
     Evidence member = refused(computer);
     member.process.group_ids = {1000, 46};
     EXPECT_EQ(priority_check(member).mend, "log in again: limits and groups apply from a login on");
-    computer.has(kLimitsFile, "#@plugdev - rtprio 90\n@plugdev - nofile 90\n");
+    computer.has(kLimitsFile, "#@springdrive - rtprio 90\n@springdrive - nofile 90\n");
     EXPECT_EQ(priority_check(member).mend.substr(0, 6), "printf");
     EXPECT_EQ(priority_check(member).mend.find("usermod"), std::string::npos);
 }
@@ -151,9 +156,10 @@ TEST(DoctorRights, AreNeededByABoardAndMerelyGoodForASimulation) {
 
 TEST(DoctorRights, OddFilesOfUsersAndGroupsAreBorne) {
     LaidOutComputer computer;
-    for (const std::string &odd : {std::string(), std::string(":::::\n::\n\n:"),
-                                   std::string("plugdev"), std::string("plugdev:x:46:,,,,\n"),
-                                   std::string(100'000, ':'), std::string("\xff\xfe\0:", 4)}) {
+    for (const std::string &odd :
+         {std::string(), std::string(":::::\n::\n\n:"), std::string("springdrive"),
+          std::string("springdrive:x:46:,,,,\n"), std::string(100'000, ':'),
+          std::string("\xff\xfe\0:", 4)}) {
         computer.has("/etc/passwd", odd);
         computer.has("/etc/group", odd);
         computer.has("/etc/security/limits.conf", odd);
