@@ -2,12 +2,13 @@
 
 #include "base/input_error.h"
 
-#include <atomic>
+#include <fmt/core.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <fcntl.h>
 #include <fstream>
-#include <string_view>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
@@ -20,17 +21,22 @@ constexpr int kMaxLinks = 40; ///< as Linux
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
-/// Beside `name`, and of no other process or thread. Not derived from `name`, which may have the
-/// greatest length allowed.
+/// A name that nobody can guess. Not derived from that of the file, which may have the greatest
+/// length allowed.
+std::string random_name() {
+    std::uint64_t bits = 0;
+    if (getrandom(&bits, sizeof(bits), 0) != sizeof(bits)) {
+        throw InputError("no random numbers from the system: " + reason(errno));
+    }
+    return fmt::format(".springdrive_{:016x}", bits);
+}
+
 std::filesystem::path create_beside(const std::filesystem::path &name,
-                                    const std::filesystem::path &shown) {
-    static std::atomic<unsigned> count{0};
+                                    const std::filesystem::path &shown, mode_t mode) {
     for (;;) {
-        std::filesystem::path temporary =
-            name.parent_path() /
-            (".springdrive_" + std::to_string(getpid()) + "_" + std::to_string(count++));
+        std::filesystem::path temporary = name.parent_path() / random_name();
         const int descriptor =
-            open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+            open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
         if (descriptor >= 0) {
             close(descriptor);
             return temporary;
@@ -76,13 +82,40 @@ std::filesystem::path resolved_name(const std::filesystem::path &name) {
     return resolved;
 }
 
-NewFile::NewFile(const std::filesystem::path &name) : shown_(name), name_(resolved_name(name)) {
+unsigned creation_mode(Readers readers) { return readers == Readers::owner ? 0600 : 0666; }
+
+std::error_code make_folders_for_owner(const std::filesystem::path &folder) {
     std::error_code ignored;
-    if (std::filesystem::exists(name_, ignored) &&
-        !std::filesystem::is_regular_file(name_, ignored)) {
+    if (folder.empty() || std::filesystem::is_directory(folder, ignored)) {
+        return {};
+    }
+    if (const std::error_code error = make_folders_for_owner(folder.parent_path())) {
+        return error;
+    }
+    return mkdir(folder.c_str(), 0700) == 0 || errno == EEXIST
+               ? std::error_code()
+               : std::error_code(errno, std::generic_category());
+}
+
+std::string others_access_text(const std::filesystem::path &file) {
+    struct stat found {};
+    if (stat(file.c_str(), &found) != 0 || (found.st_mode & 0077U) == 0) {
+        return {};
+    }
+    return fmt::format("{}: others have rights to it (mode {:o}); unless that is meant: chmod go= "
+                       "{}",
+                       file.string(), found.st_mode & 0777U, file.string());
+}
+
+NewFile::NewFile(const std::filesystem::path &name, Readers readers)
+    : shown_(name), name_(resolved_name(name)) {
+    struct stat before {};
+    const bool exists = stat(name_.c_str(), &before) == 0;
+    if (exists && !S_ISREG(before.st_mode)) {
         throw InputError(name.string() + ": is not a regular file; give another name");
     }
-    temporary_ = create_beside(name_, name);
+    const mode_t mode = creation_mode(readers);
+    temporary_ = create_beside(name_, name, exists ? mode & (before.st_mode | 0600U) : mode);
 }
 
 NewFile::~NewFile() {
@@ -118,8 +151,8 @@ std::string exists_text(const std::filesystem::path &file) {
 }
 
 void write_file(const std::filesystem::path &file, const std::function<void(std::ostream &)> &write,
-                Existing existing) {
-    NewFile created(file);
+                FilePolicy policy) {
+    NewFile created(file, policy.readers);
     std::ofstream stream(created.temporary(), std::ios::binary);
     write(stream);
     stream.close();
@@ -129,7 +162,7 @@ void write_file(const std::filesystem::path &file, const std::function<void(std:
                          (std::filesystem::exists(file, ignored) ? " and is as it was" : "") +
                          "; is the disk full?");
     }
-    created.publish(existing);
+    created.publish(policy.existing);
 }
 
 } // namespace springdrive

@@ -6,24 +6,52 @@
 #include <functional>
 #include <iosfwd>
 #include <string>
+#include <system_error>
 
 namespace springdrive {
 
 /// What happens to a file that exists under the name of an output.
 enum class Existing : std::uint8_t { keep, replace };
 
+/// Who may read a new file. The umask takes from either.
+enum class Readers : std::uint8_t {
+    all,
+    owner, ///< of personal data
+};
+
+struct FilePolicy {
+    Existing existing = Existing::keep;
+    Readers readers = Readers::all;
+
+    /// Implicit: most outputs are for all.
+    FilePolicy(Existing of_existing, Readers of_readers = Readers::all)
+        : existing(of_existing), readers(of_readers) {}
+};
+
 /// Where a file of this name is or would be: absolute, with every symbolic link followed, also one
 /// to a file that does not exist. Links of /proc to open files are not followed.
 [[nodiscard]] std::filesystem::path resolved_name(const std::filesystem::path &name);
 
-/// Written under another name in the same folder, and renamed once complete: a file that was there
+/// The mode for creating a file, from which the system takes the umask.
+[[nodiscard]] unsigned creation_mode(Readers readers);
+
+/// Makes a folder, with those above it that are missing, which nobody but its owner can enter.
+/// One that is there stays as it is. @return why it cannot be made, if so
+[[nodiscard]] std::error_code make_folders_for_owner(const std::filesystem::path &folder);
+
+/// "FILE: others have rights to it (mode 644); ..." if group or others have any to a file or folder
+/// that is there; else empty.
+[[nodiscard]] std::string others_access_text(const std::filesystem::path &file);
+
+/// Written under a random name in the same folder, and renamed once complete: a file that was there
 /// before is lost neither to a failure nor to another program that creates it meanwhile.
 class NewFile {
 public:
-    /// Creates the empty file under its temporary name.
+    /// Creates the empty file under its temporary name. One that may be replaced is never readable
+    /// by more than that was.
     /// @throw InputError if it cannot be created, or if something other than a regular file has the
     ///        name.
-    explicit NewFile(const std::filesystem::path &name);
+    explicit NewFile(const std::filesystem::path &name, Readers readers = Readers::all);
     /// Removes the temporary file, unless it was published.
     ~NewFile();
     NewFile(const NewFile &) = delete;
@@ -49,6 +77,6 @@ private:
 /// @throw InputError if it exists and is to be kept, or cannot be created or written completely; an
 ///        existing one is then as it was.
 void write_file(const std::filesystem::path &file, const std::function<void(std::ostream &)> &write,
-                Existing existing);
+                FilePolicy policy);
 
 } // namespace springdrive

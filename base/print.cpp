@@ -1,5 +1,7 @@
 #include "base/print.h"
 
+#include "base/formula_guard.h"
+
 #include <cmath>
 #include <ostream>
 
@@ -10,11 +12,12 @@ void print_checked(std::ostream &out, fmt::string_view format, fmt::format_args 
 }
 
 std::string csv_cell(std::string_view text) {
-    if (text.find_first_of(",\"\n\r") == std::string_view::npos) {
-        return std::string(text);
+    const std::string guarded = guard_formula(text);
+    if (guarded.find_first_of(",\"\n\r") == std::string::npos) {
+        return guarded;
     }
     std::string quoted = "\"";
-    for (const char c : text) {
+    for (const char c : guarded) {
         quoted += c == '"' ? "\"\"" : std::string(1, c);
     }
     return quoted + '"';

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,8 @@ double seconds_since(Clock::time_point start) {
 
 /// Its name is removed at once, so that nothing stays behind however this process ends.
 int create_nameless(const std::filesystem::path &folder) {
-    const std::filesystem::path name = folder / (".springdrive-doctor-" + std::to_string(getpid()));
-    const int file = open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+    std::string name = folder / ".springdrive_XXXXXX";
+    const int file = mkostemp(name.data(), O_CLOEXEC);
     if (file >= 0) {
         unlink(name.c_str());
     }

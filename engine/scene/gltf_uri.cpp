@@ -1,5 +1,6 @@
 #include "engine/scene/gltf_uri.h"
 
+#include "base/contained_path.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
 #include "base/wanted.h"
@@ -84,26 +85,6 @@ Bytes decode_base64(std::string_view text) {
     return bytes;
 }
 
-/// Whether `path` lies in `folder`, both with links resolved as far as they lead anywhere: where a
-/// link leads to nothing, that would otherwise be told of what lies outside.
-bool lies_in(const std::filesystem::path &path, const std::filesystem::path &folder) {
-    auto part = path.begin();
-    for (const std::filesystem::path &name : folder) {
-        if (part == path.end() || *part++ != name) {
-            return false;
-        }
-    }
-    std::filesystem::path below = folder;
-    for (; part != path.end(); ++part) {
-        below /= *part;
-        std::error_code error;
-        if (std::filesystem::is_symlink(std::filesystem::symlink_status(below, error))) {
-            return false;
-        }
-    }
-    return true;
-}
-
 } // namespace
 
 bool is_data_uri(std::string_view uri) {
@@ -142,29 +123,11 @@ Bytes decode_data_uri(std::string_view uri) {
 
 std::filesystem::path file_of(std::string_view uri, const std::filesystem::path &folder) {
     const std::string path = percent_decoded(uri);
-    if (!scheme_of(uri).empty() || path.starts_with('/')) {
+    if (!scheme_of(uri).empty()) {
         throw InputError("is not relative to the scene's file and is not read; put the file into "
                          "the scene's folder");
     }
-    const std::filesystem::path relative = std::filesystem::path(path).lexically_normal();
-    const bool is_outside = !relative.empty() && *relative.begin() == "..";
-    if (is_outside || path.find('\0') != std::string::npos) {
-        throw InputError("lies outside the scene's folder and is not read; put the file there");
-    }
-    const std::filesystem::path file = folder / relative;
-    std::error_code error;
-    const std::filesystem::path real_folder = std::filesystem::canonical(folder, error);
-    const std::filesystem::path real_file =
-        error ? file : std::filesystem::weakly_canonical(file, error);
-    if (error) {
-        throw InputError("cannot be read: " + error.message());
-    }
-    if (!lies_in(real_file, real_folder)) {
-        throw InputError(
-            "lies outside the scene's folder, by way of a link, and is not read; put the "
-            "file there");
-    }
-    return real_file;
+    return contained_file(path, folder, "scene");
 }
 
 Bytes read_uri(std::string_view uri, const std::filesystem::path &folder, std::size_t max_bytes) {

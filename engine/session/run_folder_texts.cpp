@@ -1,6 +1,7 @@
 #include "engine/session/run_folder_texts.h"
 
 #include "base/assertions.h"
+#include "base/formula_guard.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/one_line.h"
@@ -238,7 +239,7 @@ public:
         }
         line = {number_, {}};
         do {
-            line.cells.push_back(cell());
+            line.cells.push_back(unguard_formula(cell()));
         } while (take(','));
         take('\r');
         if (!take('\n') && at_ < text_.size()) {

@@ -1,7 +1,10 @@
 #include "engine/study/protocol/study_setting.h"
 
 #include "base/complaint.h"
+#include "base/contained_path.h"
 #include "base/degrees.h"
+#include "base/input_error.h"
+#include "base/one_line.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/control/motion_control.h"
 #include "engine/lab/rig/scenario/touch_scene.h"
@@ -24,7 +27,15 @@ bool is_file(const std::string &name) { return name.find_first_of("./\\") != std
 
 std::filesystem::path included_or_own(const std::string &name, const ProtocolFolders &folders,
                                       const std::string &kind, const std::string &ending) {
-    return is_file(name) ? folders.own / name : folders.assets / kind / (name + ending);
+    if (!is_file(name)) {
+        return folders.assets / kind / (name + ending);
+    }
+    try {
+        static_cast<void>(contained_file(name, folders.own, "protocol"));
+    } catch (const InputError &error) {
+        throw InputError(in_quotes(name) + " " + error.what());
+    }
+    return folders.own / name;
 }
 
 struct LoadedStudyScene {
@@ -133,7 +144,12 @@ StudySetting study_setting(const Protocol &protocol, const ProtocolFolders &fold
             }
             continue;
         }
-        const std::filesystem::path file = scene_file_of(condition, folders);
+        std::filesystem::path file;
+        if (std::string problem = complaint_of([&] { file = scene_file_of(condition, folders); });
+            !problem.empty()) {
+            setting.conditions.emplace_back().problem = std::move(problem);
+            continue;
+        }
         if (!scenes.contains(file)) {
             scenes.emplace(file, load(file, setting.device.workspace));
         }

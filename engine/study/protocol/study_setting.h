@@ -18,6 +18,8 @@ struct ProtocolFolders {
     std::filesystem::path assets; ///< of what is included
 };
 
+// A file must lie in the protocol's folder: these @throw InputError for one that does not.
+
 /// assets/devices/NAME.toml of an included device, or the file.
 [[nodiscard]] std::filesystem::path device_file_of(const Protocol &protocol,
                                                    const ProtocolFolders &folders);
