@@ -157,7 +157,7 @@ void make_output_folder(const std::filesystem::path &folder) {
     }
 }
 
-void write_output(const std::string &where, const Writer &write, Existing existing) {
+void write_output(const std::string &where, const Writer &write, FilePolicy policy) {
     if (where == "-") {
         write(std::cout);
         if (!std::cout.flush()) {
@@ -167,7 +167,11 @@ void write_output(const std::string &where, const Writer &write, Existing existi
         return;
     }
     if (appears_complete(resolved_name(where))) {
-        write_file(where, write, existing);
+        write_file(where, write, policy);
+        if (const std::string warning = others_access_text(where);
+            policy.readers == Readers::owner && !warning.empty()) { // it replaced one like that
+            std::cerr << "springdrive: " << warning << '\n';
+        }
         return;
     }
     std::ofstream file(where, std::ios::binary);

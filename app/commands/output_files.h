@@ -52,7 +52,7 @@ void make_output_folder(const std::filesystem::path &folder);
 /// it is complete.
 /// @throw InputError if the file exists and is to be kept, or cannot be created or written
 ///        completely; an existing one is then as it was.
-void write_output(const std::string &where, const Writer &write, Existing existing);
+void write_output(const std::string &where, const Writer &write, FilePolicy policy);
 
 /// A new file. Returns what came of it, for display: "saved as mine.toml", or why not.
 [[nodiscard]] std::string save_as(const std::filesystem::path &file, const Writer &write);

@@ -54,9 +54,9 @@ void ChartMarks::add(std::string_view name, std::string_view text) {
     assignments_ += fmt::format("{} = {}; ", name, in_single_quotes(text));
 }
 
-void draw(const Chart &chart, Existing existing) {
+void draw(const Chart &chart, FilePolicy policy) {
     const std::filesystem::path svg = chart.folder / chart.svg;
-    NewFile drawn(svg);
+    NewFile drawn(svg, policy.readers);
     const std::string files = "csv = " + in_single_quotes(chart.csv) +
                               "; svg = " + in_single_quotes(drawn.temporary().string()) + "; ";
     // -d: ignore the user's gnuplot settings.
@@ -81,7 +81,7 @@ void draw(const Chart &chart, Existing existing) {
         throw InputError(svg.string() + ": gnuplot did not write it completely; is the disk full, "
                                         "or gnuplot built without SVG?");
     }
-    drawn.publish(existing);
+    drawn.publish(policy.existing);
 }
 
 } // namespace springdrive::app

@@ -34,6 +34,6 @@ struct Chart {
 /// works.
 /// @throw InputError if gnuplot is missing, or if it fails or leaves an incomplete file, with its
 ///        last message, or if there is a chart of that name that is to be kept.
-void draw(const Chart &chart, Existing existing);
+void draw(const Chart &chart, FilePolicy policy);
 
 } // namespace springdrive::app

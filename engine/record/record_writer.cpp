@@ -37,8 +37,9 @@ int write_all(int descriptor, std::span<const std::byte> bytes) {
     return 0;
 }
 
-int create(const std::filesystem::path &path) {
-    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+int create(const std::filesystem::path &path, Readers readers) {
+    const int descriptor =
+        ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, creation_mode(readers));
     if (descriptor >= 0) {
         return descriptor;
     }
@@ -75,22 +76,22 @@ std::vector<std::byte> header_bytes(const RecordHeader &header, const std::files
 } // namespace
 
 RecordWriter::RecordWriter(const std::filesystem::path &path, const RecordHeader &header,
-                           Existing existing)
+                           FilePolicy policy)
     : path_(path), row_bytes_(header.row_bytes), chunk_rows_(header.chunk_rows) {
     check_columns(header);
     chunk_.resize(kChunkHeadBytes + std::size_t{row_bytes_} * chunk_rows_);
     const std::vector<std::byte> bytes = header_bytes(header, path);
-    if (existing == Existing::keep) {
-        descriptor_ = create(path);
+    if (policy.existing == Existing::keep) {
+        descriptor_ = create(path, policy.readers);
         write_header(bytes, path);
         return;
     }
     // The old record is there until the new one can be read; the rows follow under its name.
-    NewFile file(path);
+    NewFile file(path, policy.readers);
     descriptor_ = ::open(file.temporary().c_str(), O_WRONLY | O_CLOEXEC);
     write_header(bytes, file.temporary());
     try {
-        file.publish(existing);
+        file.publish(policy.existing);
     } catch (const InputError &) {
         ::close(descriptor_);
         descriptor_ = -1;

@@ -28,11 +28,11 @@ public:
 
     /// Creates the file, with its header.
     /// @param header    made by `record_header`
-    /// @param existing  whether a file of that name is replaced, once the header is written
+    /// @param policy    whether a file of that name is replaced, once the header is written
     /// @throw InputError if the file exists and is kept, or cannot be written; no file is left
     ///        behind, and an existing one is as it was.
     RecordWriter(const std::filesystem::path &path, const RecordHeader &header,
-                 Existing existing = Existing::keep);
+                 FilePolicy policy = Existing::keep);
     /// Closes and ignores errors; call `close` to get them.
     ~RecordWriter();
     RecordWriter(const RecordWriter &) = delete;

@@ -17,9 +17,9 @@ constexpr std::chrono::milliseconds kOldestRow{30};
 Recorder::~Recorder() { stop(); }
 
 void Recorder::start(const std::filesystem::path &path, const RecordHeader &header, Mode mode,
-                     Existing existing) {
+                     FilePolicy policy) {
     stop();
-    writer_ = std::make_unique<RecordWriter>(path, header, existing);
+    writer_ = std::make_unique<RecordWriter>(path, header, policy);
     mode_ = mode;
     ring_.drain([](const servo::ServoSample &) {});
     lost_before_ = ring_.lost();

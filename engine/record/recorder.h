@@ -56,7 +56,7 @@ public:
     /// Samples already in the ring are dropped. A running recording is stopped first.
     /// @throw InputError as RecordWriter's constructor does.
     void start(const std::filesystem::path &path, const RecordHeader &header, Mode mode,
-               Existing existing = Existing::keep);
+               FilePolicy policy = Existing::keep);
 
     /// Records what is in the ring, then `last_note` (JSON text) if given, and closes the file. May
     /// be called twice. Does not throw: see `status`.

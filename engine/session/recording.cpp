@@ -29,18 +29,19 @@ Recording::Recording(ServoRun &servo)
     : servo_(servo), recorder_(std::make_unique<record::Recorder>(servo.servo().record_ring())) {}
 
 void Recording::begin(const std::filesystem::path &file, const record::RecordHeader &header,
-                      Existing existing) {
+                      FilePolicy policy) {
     recorder_->start(file, header,
                      servo_.is_in_lockstep() ? record::Recorder::Mode::pumped
                                              : record::Recorder::Mode::own_thread,
-                     existing);
+                     policy);
     servo_.servo().feed_recorder(true);
 }
 
 void Recording::start(const std::filesystem::path &file, const record::RecordHeader &header,
-                      Existing existing) {
-    begin(file, header, existing);
+                      FilePolicy policy) {
+    begin(file, header, policy);
     parts_ = {file};
+    readers_ = policy.readers;
     ended_ = {};
 }
 
@@ -68,7 +69,7 @@ std::filesystem::path Recording::begin_part(const record::RecordHeader &header) 
     }
     std::filesystem::path file = name_of_part(parts_.front(), number);
     try {
-        begin(file, header, Existing::keep);
+        begin(file, header, {Existing::keep, readers_});
     } catch (const InputError &error) {
         ended_.error = error.what();
         throw;

@@ -20,10 +20,10 @@ public:
     explicit Recording(ServoRun &servo);
 
     /// Records every tick from now on. A running recording is stopped first.
-    /// @param existing  whether a file of that name is replaced; further parts replace none
+    /// @param policy  whether a file of that name is replaced; further parts replace none
     /// @throw InputError if the file cannot be created
     void start(const std::filesystem::path &file, const record::RecordHeader &header,
-               Existing existing = Existing::keep);
+               FilePolicy policy = Existing::keep);
     void stop();
 
     /// In lockstep: writes the new samples.
@@ -53,13 +53,14 @@ public:
 
 private:
     void begin(const std::filesystem::path &file, const record::RecordHeader &header,
-               Existing existing);
+               FilePolicy policy);
 
     ServoRun &servo_;
     std::unique_ptr<record::Recorder> recorder_; ///< on the servo's ring
     std::vector<std::filesystem::path> parts_;
-    record::RecorderStatus ended_; ///< sum of the previous parts
-    bool goes_on_ = false;         ///< between the end of a part and the start of the next
+    Readers readers_ = Readers::all; ///< of the parts
+    record::RecorderStatus ended_;   ///< sum of the previous parts
+    bool goes_on_ = false;           ///< between the end of a part and the start of the next
 };
 
 /// "touch-2.rec" after "touch.rec".

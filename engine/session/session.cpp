@@ -147,8 +147,8 @@ record::RecordHeader Session::header_of_record() const {
     return header;
 }
 
-void Session::start_recording(const std::filesystem::path &file, Existing existing) {
-    recording_->start(file, header_of_record(), existing);
+void Session::start_recording(const std::filesystem::path &file, FilePolicy policy) {
+    recording_->start(file, header_of_record(), policy);
     reported_failure_ = false; // noted in each record
 }
 

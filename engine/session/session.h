@@ -63,7 +63,7 @@ public:
     void measure_model(bool fresh = false);
 
     /// Records every tick from now on. @throw InputError if the file cannot be created.
-    void start_recording(const std::filesystem::path &file, Existing existing = Existing::keep);
+    void start_recording(const std::filesystem::path &file, FilePolicy policy = Existing::keep);
 
     /// What recordings would hold of the ticks that are still in memory: one for each device on
     /// which they ran, the present one last. See write_past.

@@ -2,6 +2,7 @@
 
 #include "app/asset_folder.h"
 #include "base/input_error.h"
+#include "base/new_file.h"
 #include "engine/study/protocol/protocol_check.h"
 #include "engine/study/protocol/protocol_file.h"
 #include "engine/study/store/study_store.h"
@@ -90,10 +91,30 @@ std::string trials_text(std::size_t trials) {
 
 } // namespace
 
+std::string unfinished_removal_text(const study::StudyContents &contents,
+                                    const std::filesystem::path &file) {
+    return contents.unfinished_removals.empty()
+               ? std::string()
+               : fmt::format("{0}: the deletion of {1} was interrupted; springdrive study remove "
+                             "{0} {1} --yes completes it",
+                             file.string(), contents.unfinished_removals.front());
+}
+
+void warn_of_study(const study::StudyContents &contents, const std::filesystem::path &file) {
+    const fs::path records = resolved_name(file).parent_path() / contents.facts.records_folder;
+    for (const std::string &warning : {unfinished_removal_text(contents, file),
+                                       others_access_text(file), others_access_text(records)}) {
+        if (!warning.empty()) {
+            std::cerr << "springdrive: " << warning << '\n';
+        }
+    }
+}
+
 OpenedStudy read_opened_study(const std::filesystem::path &file) {
     OpenedStudy opened;
     opened.contents = study::read_study(file);
     opened.protocol = protocol_in(opened.contents, file);
+    warn_of_study(opened.contents, file);
     return opened;
 }
 

@@ -22,7 +22,17 @@ struct OpenedStudy {
     study::Protocol protocol;
 };
 
-/// Read and closed again. @throw InputError as `read_study` and `read_protocol_text` do
+/// "FILE: the deletion of P02 was interrupted; ... completes it", for the first such participant;
+/// else empty.
+[[nodiscard]] std::string unfinished_removal_text(const study::StudyContents &contents,
+                                                  const std::filesystem::path &file);
+
+/// Says on standard error that a deletion was interrupted, and that others have rights to the study
+/// or its records.
+void warn_of_study(const study::StudyContents &contents, const std::filesystem::path &file);
+
+/// Read and closed again; with the warnings above. @throw InputError as `read_study` and
+/// `read_protocol_text` do
 [[nodiscard]] OpenedStudy read_opened_study(const std::filesystem::path &file);
 
 /// The protocol that a study was begun with.

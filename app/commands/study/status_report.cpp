@@ -83,8 +83,9 @@ void write_study_status(std::ostream &out, const std::filesystem::path &file,
                         const OpenedStudy &study, const std::vector<study::Progress> &participants,
                         const std::vector<std::string> &wrong_records) {
     const study::StudyFacts &facts = study.contents.facts;
-    print(out, "{}: {}\n", file.string(), facts.title);
-    print(out, "begun {} with springdrive {}\n\n", study::utc_text(facts.created), facts.software);
+    print(out, "{}: {}\n", file.string(), one_line(facts.title));
+    print(out, "begun {} with springdrive {}\n\n", study::utc_text(facts.created),
+          one_line(facts.software));
     print(out, "{:<12} {:<10} {:>8} {:>7} {:>9} {:>7}  {}\n", "participant", "device", "sessions",
           "trials", "practice", "marked", "at");
     int trials = 0;
@@ -109,7 +110,7 @@ void write_study_status(std::ostream &out, const std::filesystem::path &file,
     write_answers(out, study);
     write_records(out, study.contents, wrong_records);
     for (const study::Note &note : study.contents.notes) {
-        print(out, "{}: {}{}: {}\n", note.kind, study::utc_text(note.at),
+        print(out, "{}: {}{}: {}\n", one_line(note.kind), study::utc_text(note.at),
               note.participant ? " " + *note.participant : std::string(), one_line(note.text));
     }
 }

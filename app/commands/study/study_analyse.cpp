@@ -51,12 +51,12 @@ void write_files(const TypedAnalysis &typed, const study::Protocol &protocol,
     for (const study::ResultsTable &table : study::kResultsTables) {
         write_output((typed.out / table.file).string(),
                      [&](std::ostream &out) { table.write(out, protocol, results); },
-                     typed.existing);
+                     {typed.existing, Readers::owner});
     }
     ProgressLine line;
     for (std::size_t i = 0; i < pictures.size(); ++i) {
         line.show("pictures", static_cast<double>(i) / static_cast<double>(pictures.size()));
-        draw(pictures[i], typed.existing);
+        draw(pictures[i], {typed.existing, Readers::owner});
     }
 }
 

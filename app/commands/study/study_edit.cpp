@@ -26,6 +26,7 @@ struct TypedNote {
 
 void append_note(const TypedNote &typed) {
     study::StudyStore store(typed.study);
+    warn_of_study(store.contents(), typed.study);
     const auto about = typed.participant.empty() ? std::nullopt : std::optional(typed.participant);
     store.append({study::utc_now(), "note", typed.text, about, std::nullopt});
 }
@@ -52,13 +53,17 @@ void remove_typed(const TypedRemove &typed) {
     if (!typed.is_sure) {
         const study::StudyContents contents = study::read_study(typed.study);
         const std::string &code = typed.participant;
+        if (std::ranges::count(contents.unfinished_removals, code) > 0) {
+            throw InputError(unfinished_removal_text(contents, typed.study));
+        }
         if (std::ranges::count(contents.participants, code, &study::Participant::code) == 0) {
             throw InputError(typed.study.string() + ": " + study::no_participant_text(code));
         }
         throw InputError(fmt::format("{}: participant {} has {} trials, which would be gone for "
-                                     "good, with their records; add --yes to remove them",
+                                     "good, with all that is in {}/{}; add --yes to remove them",
                                      typed.study.string(), code,
-                                     study::trials_of(contents, code).size()));
+                                     study::trials_of(contents, code).size(),
+                                     contents.facts.records_folder, code));
     }
     study::StudyStore store(typed.study);
     const study::Removed removed = store.remove_participant(typed.participant);

@@ -59,18 +59,17 @@ void export_study(const TypedStudyExport &typed) {
                           {{typed.device}, SPRINGDRIVE_VERSION, questionnaire});
     }
     if (!typed.answers.empty()) {
-        write_output(
-            typed.answers,
-            [&](std::ostream &out) {
-                study::write_answers_csv(contents, questionnaire, {typed.device}, out);
-            },
-            typed.existing);
+        write_output(typed.answers,
+                     [&](std::ostream &out) {
+                         study::write_answers_csv(contents, questionnaire, {typed.device}, out);
+                     },
+                     {typed.existing, Readers::owner});
     }
     if (!typed.csv.empty()) {
         write_output(
             typed.csv,
             [&](std::ostream &out) { study::write_trials_csv(contents, {typed.device}, out); },
-            typed.existing);
+            {typed.existing, Readers::owner});
     }
     if (const std::string text = left_out_text(contents, typed.device, typed.study);
         !text.empty()) {

@@ -30,6 +30,11 @@ const study::Progress *progress_named(const std::vector<study::Progress> &all,
 StudyTurns::StudyTurns(const std::filesystem::path &file, const TypedRun &typed)
     : typed_(typed), store_(file), protocol_(protocol_in(store_.contents(), file)),
       setting_(study::study_setting(protocol_, folders_beside(file))) {
+    const study::StudyContents contents = store_.contents();
+    if (!contents.unfinished_removals.empty()) { // whose code a new participant could be given
+        throw InputError(unfinished_removal_text(contents, file));
+    }
+    warn_of_study(contents, file);
     for (std::size_t i = 0; i < protocol_.conditions.size(); ++i) {
         if (const std::string &problem = setting_.conditions[i].problem; !problem.empty()) {
             throw InputError(fmt::format("{}: condition \"{}\": {}", file.string(),

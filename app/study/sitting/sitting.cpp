@@ -212,7 +212,7 @@ std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &pl
             keep_noise();
             if (plan_.keeps_records) {
                 session_.start_recording(store_.new_record_file(plan_.participant, planned.place),
-                                         Existing::replace);
+                                         {Existing::replace, Readers::owner});
             }
             orders_.repeats = false;
             std::optional<study::TrialResult> result = present_watched(planned);

@@ -23,7 +23,8 @@ void write_answers_csv(const StudyContents &contents, const std::vector<Question
         print(out, "{},{},{},{},{},{},{},{},{},{}\n", answer.participant,
               participant_of(contents, answer.participant).number, session.id,
               name_of(session.device),
-              is_known ? kQuestionnaireTimeNames[static_cast<Place>(item->when)] : "", answer.item,
+              is_known ? kQuestionnaireTimeNames[static_cast<Place>(item->when)] : "",
+              csv_cell(answer.item),
               is_known ? kQuestionnaireKindNames[static_cast<Place>(item->kind)] : "",
               csv_cell(answer.question), csv_cell(answer.answer), utc_text(answer.at));
     }

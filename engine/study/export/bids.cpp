@@ -3,6 +3,7 @@
 #include "engine/study/export/answer_table.h"
 #include "engine/study/export/trial_table.h"
 
+#include "base/formula_guard.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/one_line.h"
@@ -11,10 +12,11 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
 #include <map>
 #include <ostream>
 #include <system_error>
-#include <unistd.h>
 
 namespace springdrive::study {
 
@@ -24,10 +26,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char *kBidsVersion = "1.9.0";
 
-/// Of a TSV file: on one line, in quotes if it has some itself.
+/// Of a TSV file: on one line, guarded as in CSV files, in quotes if it has some itself.
 std::string tsv_cell(const std::string &text) {
-    constexpr std::size_t kLongest = 100'000;
-    std::string line = one_line(text, kLongest);
+    constexpr std::size_t kMaxBytes = 100'000;
+    std::string line = guard_formula(one_line(text, kMaxBytes));
     if (line.empty()) {
         return "n/a";
     }
@@ -117,7 +119,7 @@ Json description_of(const TrialColumn &column) {
 Json levels_of(const QuestionnaireItem &item) {
     Json levels;
     for (const std::string &answer : possible_answers(item)) {
-        levels[answer] = answer;
+        levels[guard_formula(answer)] = answer; // as in the table
     }
     if (item.kind == QuestionnaireKind::scale) {
         levels[std::to_string(item.lowest)] = item.lowest_label;
@@ -149,14 +151,16 @@ Json description_of(const std::vector<QuestionnaireItem> &items) {
 class NewFolder {
 public:
     explicit NewFolder(const std::filesystem::path &name)
-        : name_(name), temporary_(resolved_name(name).parent_path() /
-                                  fmt::format(".springdrive_bids_{}", getpid())) {
+        : name_(name), temporary_(resolved_name(name).parent_path() / ".springdrive_bids_XXXXXX") {
         std::error_code error;
         if (std::filesystem::exists(std::filesystem::symlink_status(name_, error))) {
             throw InputError(name_.string() + ": exists; give another name");
         }
-        std::filesystem::create_directory(temporary_, error);
-        check(error);
+        std::string made = temporary_.string();
+        if (mkdtemp(made.data()) == nullptr) { // for its owner only, as what is in it
+            check(std::error_code(errno, std::generic_category()));
+        }
+        temporary_ = made;
     }
     ~NewFolder() {
         std::error_code ignored;
@@ -166,11 +170,9 @@ public:
     NewFolder &operator=(const NewFolder &) = delete;
 
     void write(const std::filesystem::path &file, const std::string &text) const {
-        std::error_code error;
-        std::filesystem::create_directories((temporary_ / file).parent_path(), error);
-        check(error);
-        write_file(
-            temporary_ / file, [&](std::ostream &out) { out << text; }, Existing::keep);
+        check(make_folders_for_owner((temporary_ / file).parent_path()));
+        write_file(temporary_ / file, [&](std::ostream &out) { out << text; },
+                   {Existing::keep, Readers::owner});
     }
     void write(const std::filesystem::path &file, const Json &json) const {
         constexpr int kIndent = 2;
@@ -225,7 +227,7 @@ std::string events_text(const std::vector<TrialColumn> &columns,
                         const std::vector<TrialInStudy> &trials) {
     std::string text = kOnset;
     for (const TrialColumn &column : columns) {
-        text += '\t' + column.name;
+        text += '\t' + tsv_cell(column.name);
     }
     text += '\n';
     const std::vector<double> onsets = onsets_s(trials);

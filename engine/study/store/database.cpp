@@ -1,11 +1,14 @@
 #include "engine/study/store/database.h"
 
+#include "engine/study/store/durable_files.h"
+
 #include "base/input_error.h"
 #include "base/one_line.h"
 
 #include <fmt/core.h>
 #include <sqlite3.h>
 
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -71,6 +74,30 @@ std::string meaning_of(int code, const std::string &system, const std::string &s
     }
 }
 
+/// Whether a rollback journal ends in the name of another file, as those of transactions in several
+/// databases do. When SQLite has played such a journal back, it deletes that file, whatever it is.
+/// https://www.sqlite.org/fileformat.html, "The Rollback Journal"
+bool names_another_file(const std::filesystem::path &journal) {
+    constexpr std::string_view kMagic("\xd9\xd5\x05\xf9\x20\xa1\x63\xd7", 8);
+    constexpr std::streamoff kTail = 16; // length and checksum of the name, magic
+    std::ifstream file(journal, std::ios::binary);
+    std::array<char, kTail> tail{};
+    return file.seekg(-kTail, std::ios::end) && file.read(tail.data(), kTail) &&
+           std::string_view(tail.data(), kTail).ends_with(kMagic);
+}
+
+/// Journals that came with a study from elsewhere.
+void check_journals(const std::filesystem::path &file) {
+    for (const char *const ending : kJournalEndings) {
+        const std::filesystem::path journal = file.string() + ending;
+        check_own_file(journal);
+        if (names_another_file(journal)) {
+            throw InputError(journal.string() + ": names another file, which would be deleted, as "
+                                                "no study's journal does; move it away");
+        }
+    }
+}
+
 } // namespace
 
 void Database::Close::operator()(sqlite3 *database) const noexcept { sqlite3_close_v2(database); }
@@ -89,6 +116,7 @@ Database::Database(std::filesystem::path shown) : shown_(std::move(shown)) {
 Database::Database(const std::filesystem::path &file, std::filesystem::path shown, Access access,
                    const DatabaseSettings &settings)
     : shown_(std::move(shown)) {
+    check_journals(file);
     // Reading opens it for writing where it can: a journal that a killed program left has to be
     // played back first.
     const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_EXRESCODE |

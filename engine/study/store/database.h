@@ -1,6 +1,7 @@
 // SQLite: a connection, a statement, a transaction. All errors are InputErrors.
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +14,9 @@ struct sqlite3;
 struct sqlite3_stmt;
 
 namespace springdrive::study {
+
+/// Of the files that SQLite may keep beside a database.
+inline constexpr std::array<const char *, 3> kJournalEndings{"-journal", "-wal", "-shm"};
 
 /// How SQLite writes. Only the default keeps what was committed through a loss of power; tests show
 /// that others do not.
@@ -37,7 +41,7 @@ class Statement;
 class Database {
 public:
     /// @param shown  name of the file in messages
-    /// @throw InputError if it cannot be opened so
+    /// @throw InputError if it cannot be opened so, and for a journal that is not its own
     Database(const std::filesystem::path &file, std::filesystem::path shown, Access access,
              const DatabaseSettings &settings);
     /// An empty one, of no file.

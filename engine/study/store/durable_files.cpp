@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
 
@@ -29,6 +30,14 @@ void sync_folders(const std::filesystem::path &file, const std::filesystem::path
         folder = folder.parent_path();
         sync(folder);
     } while (folder != top && folder.has_relative_path());
+}
+
+void check_own_file(const std::filesystem::path &file) {
+    struct stat found {};
+    if (lstat(file.c_str(), &found) == 0 && (!S_ISREG(found.st_mode) || found.st_nlink > 1)) {
+        throw InputError(file.string() + ": is a link or no ordinary file, which springdrive never "
+                                         "makes of that name; move it away");
+    }
 }
 
 void remove_folder(const std::filesystem::path &folder) {

@@ -3,6 +3,8 @@
 #include "engine/study/store/durable_files.h"
 #include "engine/study/store/rows.h"
 
+#include "base/contained_path.h"
+
 #include <algorithm>
 
 namespace springdrive::study {
@@ -30,48 +32,59 @@ template <typename Row> int redact_all(const Database &database, std::string_vie
     return changed;
 }
 
-} // namespace
-
-void mark_as_being_removed(const Database &database, const std::string &code) {
+/// @return its row
+std::int64_t mark_as_being_removed(const Database &database, const std::string &code) {
     Transaction transaction(database, Transaction::Kind::write);
-    auto participant = participant_row(database, code);
-    if (!participant) {
-        database.refuse(no_participant_text(code));
+    for (auto &participant : rows<ParticipantRow>(database)) {
+        if (participant.row.participant.code == code) {
+            participant.row.is_being_removed = true;
+            update(database, participant);
+            transaction.commit();
+            return participant.id;
+        }
     }
-    participant->row.is_being_removed = true;
-    update(database, *participant);
-    transaction.commit();
+    database.refuse(no_participant_text(code));
 }
 
-int complete_removals(const Database &database, const std::filesystem::path &top) {
+} // namespace
+
+int remove_participant(const Database &database, const std::filesystem::path &top,
+                       const std::string &code) {
+    const auto folder = [&] {
+        const std::filesystem::path records = study_row(database).row.facts.records_folder;
+        return path_without_links(top, records / code);
+    };
+    if (what_is_wrong_with_code(code).empty()) {
+        static_cast<void>(folder()); // which cannot be removed: nothing is begun
+    }
+    const std::int64_t id = mark_as_being_removed(database, code);
+    remove_folder(folder());
     int redacted = 0;
-    const std::string records = study_row(database).row.facts.records_folder;
-    for (const auto &[id, row] : rows<ParticipantRow>(database)) {
-        if (!row.is_being_removed) {
-            continue;
-        }
-        remove_folder(top / records / row.participant.code);
-        Transaction transaction(database, Transaction::Kind::write);
-        database.prepare("DELETE FROM participant WHERE id = ?").bind(id).run();
-        for (const auto redact_rows :
-             {redact_all<Note>, redact_all<QuestionnaireAnswer>, redact_all<TrialRow>}) {
-            redacted += redact_rows(database, row.participant.code);
-        }
-        auto study = study_row(database);
-        ++study.row.facts.removed_participants;
-        study.row.is_to_compact = true;
-        update(database, study);
-        transaction.commit();
+    Transaction transaction(database, Transaction::Kind::write);
+    database.prepare("DELETE FROM participant WHERE id = ?").bind(id).run();
+    for (const auto redact_rows :
+         {redact_all<Note>, redact_all<QuestionnaireAnswer>, redact_all<TrialRow>}) {
+        redacted += redact_rows(database, code);
     }
     auto study = study_row(database);
-    if (study.row.is_to_compact) {
-        database.run("VACUUM");
-        study.row.is_to_compact = false;
-        Transaction transaction(database, Transaction::Kind::write);
-        update(database, study);
-        transaction.commit();
-    }
+    ++study.row.facts.removed_participants;
+    study.row.is_to_compact = true;
+    update(database, study);
+    transaction.commit();
+    compact(database);
     return redacted;
+}
+
+void compact(const Database &database) {
+    auto study = study_row(database);
+    if (!study.row.is_to_compact) {
+        return;
+    }
+    database.run("VACUUM");
+    study.row.is_to_compact = false;
+    Transaction transaction(database, Transaction::Kind::write);
+    update(database, study);
+    transaction.commit();
 }
 
 } // namespace springdrive::study

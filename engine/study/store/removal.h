@@ -6,7 +6,9 @@
 //      others and of the study, and the file is marked as to be rebuilt (a transaction);
 //   4. the file is rebuilt without unused pages, and the mark taken back.
 //
-// Records go before rows, because without the mark nothing would tell whose they are.
+// Records go before rows, because without the mark nothing would tell whose they are. Files are
+// removed at nobody's mark but only when somebody requests it: a study may come from anybody. The
+// last step touches nothing but the study, and is also taken when it is opened.
 #pragma once
 
 #include "engine/study/store/database.h"
@@ -16,13 +18,15 @@
 
 namespace springdrive::study {
 
-/// Step 1. @throw InputError if there is no such participant
-void mark_as_being_removed(const Database &database, const std::string &code);
-
-/// Steps 2 to 4 for all who are being removed.
+/// All steps, or those that an interrupted deletion left.
 /// @param top  folder of the study file
-/// @return in how many notes, answers and trials of others a code was replaced
-/// @throw InputError if a record cannot be removed, or the file cannot be written
-int complete_removals(const Database &database, const std::filesystem::path &top);
+/// @return in how many notes, answers and trials of others the code was replaced
+/// @throw InputError if there is no such participant, if the folder of records is reached by a link
+///        only, if a record cannot be removed, or if the file cannot be written
+int remove_participant(const Database &database, const std::filesystem::path &top,
+                       const std::string &code);
+
+/// Step 4, if it is due.
+void compact(const Database &database);
 
 } // namespace springdrive::study

@@ -2,6 +2,7 @@
 
 #include "engine/study/store/columns.h"
 #include "engine/study/store/row_digest.h"
+#include "engine/study/store/trial_checks.h"
 
 #include <fmt/core.h>
 
@@ -166,6 +167,10 @@ Numbered<StudyRow> study_row(const Database &database) {
     if (found.empty()) {
         database.refuse_damage("the study's own row is missing");
     }
+    if (const std::string problem = validate_records_folder(found.front().row.facts.records_folder);
+        !problem.empty()) {
+        database.refuse_damage(problem);
+    }
     return found.front();
 }
 
@@ -212,8 +217,16 @@ StudyContents read_contents(const Database &database) {
     StudyContents contents;
     contents.facts = study_row(database).row.facts;
     std::set<std::string, std::less<>> shown;
+    const auto check = [&database](const std::string &problem) {
+        if (!problem.empty()) {
+            database.refuse_damage(problem);
+        }
+    };
     for (auto &[id, row] : rows<ParticipantRow>(database)) {
-        if (!row.is_being_removed) {
+        check(what_is_wrong_with(row.participant));
+        if (row.is_being_removed) {
+            contents.unfinished_removals.push_back(row.participant.code);
+        } else {
             shown.insert(row.participant.code);
             contents.participants.push_back(row.participant);
         }
@@ -230,6 +243,7 @@ StudyContents read_contents(const Database &database) {
         if (!row.sort_in_stimulus_values()) {
             database.refuse_damage(fmt::format("row {} of table trial has changed", id));
         }
+        check(validate_record(trial, contents.facts.records_folder));
         if (shown.contains(trial.participant)) {
             places.emplace(std::pair(trial.participant, trial.place), contents.trials.size());
             contents.trials.push_back(std::move(trial));

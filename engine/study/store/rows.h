@@ -34,7 +34,7 @@ template <typename Row>
 /// The SHA-256 that is stored with it.
 template <typename Row> [[nodiscard]] std::string digest_of(std::int64_t id, const Row &row);
 
-/// @throw InputError as damage if there is none
+/// @throw InputError as damage if there is none, or its folder of records cannot be one
 [[nodiscard]] Numbered<StudyRow> study_row(const Database &database);
 
 /// Nothing if there is none of that code, or it is being removed.
@@ -51,6 +51,8 @@ answer_row(const Database &database, SessionId session, const std::string &item)
                                   const TrialPlace &place);
 
 /// Everything but what belongs to a participant who is being removed.
+/// @throw InputError as damage for a row that has changed, and for what would lead to files outside
+///        of the study's own
 [[nodiscard]] StudyContents read_contents(const Database &database);
 
 } // namespace springdrive::study

@@ -230,6 +230,8 @@ struct StudyContents {
     std::vector<Trial> trials;
     std::vector<QuestionnaireAnswer> answers;
     std::vector<Note> notes;
+    /// Whose deletion was interrupted: nothing else of them is here.
+    std::vector<std::string> unfinished_removals;
 
     friend bool operator==(const StudyContents &, const StudyContents &) = default;
 };

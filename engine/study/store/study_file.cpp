@@ -4,19 +4,16 @@
 #include "engine/study/store/rows.h"
 #include "engine/study/store/study_lock.h"
 #include "engine/study/store/study_store.h"
+#include "engine/study/store/trial_checks.h"
 
 #include "base/input_error.h"
 #include "base/input_file.h"
 #include "base/new_file.h"
 #include "base/sha256.h"
 
-#include <array>
-
 namespace springdrive::study {
 
 namespace {
-
-constexpr std::array<const char *, 2> kJournalEndings{"-journal", "-wal"}; ///< SQLite's
 
 constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 36U; ///< 64 GiB
 
@@ -114,10 +111,14 @@ void fill_new(const Database &database, const NewStudy &study, UtcTime now,
 
 void create_study(const std::filesystem::path &file, const NewStudy &study, UtcTime now) {
     check_name_of_new(file);
-    NewFile created(file);
+    const std::string records_folder = file.stem().string() + ".records";
+    if (const std::string problem = validate_records_folder(records_folder); !problem.empty()) {
+        throw InputError(file.string() + ": cannot be the name of a study: " + problem);
+    }
+    NewFile created(file, Readers::owner);
     {
         const Database database(created.temporary(), file, Access::create, {});
-        fill_new(database, study, now, file.stem().string() + ".records");
+        fill_new(database, study, now, records_folder);
     }
     try {
         created.publish(Existing::keep);

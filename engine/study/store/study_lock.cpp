@@ -1,8 +1,10 @@
 #include "engine/study/store/study_lock.h"
 
+#include "engine/study/store/durable_files.h"
 #include "engine/study/store/utc_time.h"
 
 #include "base/input_error.h"
+#include "base/new_file.h"
 #include "base/one_line.h"
 
 #include <fmt/core.h>
@@ -37,7 +39,7 @@ std::string first_line(int descriptor) {
 bool has_the_name(int descriptor, const std::filesystem::path &file) {
     struct stat opened {};
     struct stat named {};
-    return fstat(descriptor, &opened) == 0 && stat(file.c_str(), &named) == 0 &&
+    return fstat(descriptor, &opened) == 0 && lstat(file.c_str(), &named) == 0 &&
            opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
@@ -49,7 +51,9 @@ StudyLock::StudyLock(const std::filesystem::path &study, const std::filesystem::
         if (descriptor_ >= 0) {
             close(descriptor_);
         }
-        descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        check_own_file(file_); // it is overwritten
+        descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC,
+                           creation_mode(Readers::owner));
         if (descriptor_ < 0) {
             throw InputError(fmt::format("{}: cannot be locked for writing: {}; its folder must be "
                                          "writable",

@@ -7,6 +7,7 @@
 #include "engine/study/store/study_lock.h"
 #include "engine/study/store/trial_checks.h"
 
+#include "base/contained_path.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/one_line.h"
@@ -28,7 +29,7 @@ struct StudyStore::Parts {
     /// In memory.
     Parts(const NewStudy &study, UtcTime now)
         : shown("a study in memory"), database(Database::in_memory(shown)) {
-        fill_new(database, study, now, "none");
+        fill_new(database, study, now, "none.records");
     }
 
     [[nodiscard]] std::filesystem::path top() const { return resolved.parent_path(); }
@@ -88,7 +89,7 @@ StudyStore::StudyStore(const std::filesystem::path &file) : StudyStore(file, Dat
 StudyStore::StudyStore(const std::filesystem::path &file, const DatabaseSettings &settings)
     : parts_(std::make_unique<Parts>(file, settings)) {
     end_interrupted(parts_->database);
-    complete_removals(parts_->database, parts_->top());
+    compact(parts_->database);
 }
 
 StudyStore::StudyStore(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -230,9 +231,8 @@ void StudyStore::append(const Note &note) {
 Removed StudyStore::remove_participant(std::string_view code) {
     parts_->check(parts_->resolved.empty() ? "is gone with the program by itself" : "");
     const Database &database = parts_->database;
-    mark_as_being_removed(database, std::string(code));
     Removed removed;
-    removed.redacted = complete_removals(database, parts_->top());
+    removed.redacted = study::remove_participant(database, parts_->top(), std::string(code));
     const StudyFacts facts = study_row(database).row.facts;
     for (const std::string &text : {facts.title, facts.protocol, facts.records_folder}) {
         removed.is_in_study = removed.is_in_study || has_code(text, code);
@@ -245,10 +245,9 @@ std::filesystem::path StudyStore::new_record_file(std::string_view participant,
     parts_->check_participant(std::string(participant));
     parts_->check(parts_->resolved.empty() ? "keeps no servo records" : "");
     const std::string records = study_row(parts_->database).row.facts.records_folder;
-    const std::filesystem::path folder = parts_->top() / records / participant;
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) {
+    const std::filesystem::path folder =
+        path_without_links(parts_->top(), std::filesystem::path(records) / participant);
+    if (const std::error_code error = make_folders_for_owner(folder)) {
         throw InputError(folder.string() + ": cannot be made: " + error.message() +
                          "; check the study's folder and permissions");
     }
@@ -280,11 +279,15 @@ std::vector<std::string> what_is_wrong_with_records(const std::filesystem::path 
         const std::string where = fmt::format("{}: record of {}, {}", trial.record->path.string(),
                                               trial.participant, text_of(trial.place));
         std::error_code ignored;
-        const std::filesystem::path record = top / trial.record->path;
-        if (!std::filesystem::is_regular_file(record, ignored)) {
-            problems.push_back(where + ": is missing");
-        } else if (sha256_of_file(record) != trial.record->sha256) {
-            problems.push_back(where + ": is another file than the one that was linked");
+        try {
+            const std::filesystem::path record = path_without_links(top, trial.record->path);
+            if (!std::filesystem::is_regular_file(record, ignored)) {
+                problems.push_back(where + ": is missing");
+            } else if (sha256_of_file(record) != trial.record->sha256) {
+                problems.push_back(where + ": is another file than the one that was linked");
+            }
+        } catch (const InputError &error) {
+            problems.push_back(where + ": " + error.what());
         }
     }
     return problems;

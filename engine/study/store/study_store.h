@@ -53,7 +53,8 @@ struct Removed {
 class StudyStore {
 public:
     /// Opens an existing file: checks it as `read_study` does, brings it to the present version,
-    /// closes sessions that were interrupted, and completes a deletion that was.
+    /// closes sessions that were interrupted. A deletion that was is not completed, but told by
+    /// `contents().unfinished_removals`: it would remove files that nobody named.
     /// @throw InputError as `read_study` does; also if the file or its folder is write-protected,
     ///        or another program has it open for writing, naming that.
     explicit StudyStore(const std::filesystem::path &file);
@@ -101,11 +102,12 @@ public:
     void append(const Note &note);
 
     /// Deletes a participant: servo records, then all rows, which are overwritten with zeros; the
-    /// code in texts of others and of the study is replaced, and the file rebuilt. A deletion that
-    /// was interrupted is completed when the study is opened next. Until then the participant's
-    /// trials are not shown.
-    /// @throw InputError if there is no such participant, a record cannot be deleted, or the study
-    ///        is in memory.
+    /// code in texts of others and of the study is replaced, and the file rebuilt. The same call
+    /// completes a deletion that was interrupted; until then the participant's trials are not
+    /// shown.
+    /// @throw InputError if there is no such participant, a record cannot be deleted, their folder
+    /// is
+    ///        reached by a link only, or the study is in memory.
     Removed remove_participant(std::string_view code);
 
     /// Where the servo record of a trial is to be written, in its participant's folder, which is

@@ -1,5 +1,6 @@
 #include "engine/study/store/trial_checks.h"
 
+#include "base/contained_path.h"
 #include "base/one_line.h"
 
 #include <fmt/core.h>
@@ -65,18 +66,34 @@ bool is_sha256(std::string_view text) {
     return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == text.npos;
 }
 
-std::string what_is_wrong_with_record(const Trial &trial, std::string_view records_folder) {
+} // namespace
+
+std::string validate_records_folder(std::string_view name) {
+    const std::string problem = validate_file_name(name);
+    return !problem.empty() || name.ends_with(".records")
+               ? problem
+               : in_quotes(name) + " is no folder of records, which ends in .records";
+}
+
+std::string validate_record(const Trial &trial, std::string_view records_folder) {
+    if (!trial.record) {
+        return {};
+    }
     const std::filesystem::path folder = std::filesystem::path(records_folder) / trial.participant;
     const std::filesystem::path &path = trial.record->path;
     const auto [in_folder, rest] =
         std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
     if (in_folder != folder.end() || rest == path.end() || !path.has_filename() ||
-        path != path.lexically_normal()) {
+        path != path.lexically_normal() || !std::all_of(rest, path.end(), [](const auto &part) {
+            return validate_file_name(part.native()).empty();
+        })) {
         return in_quotes(path.string()) + " is not in the participant's folder of records, " +
                folder.string();
     }
     return is_sha256(trial.record->sha256) ? "" : "the record's SHA-256 is not one";
 }
+
+namespace {
 
 std::string first_of(std::initializer_list<std::string> problems) {
     const auto first = std::ranges::find_if_not(problems, &std::string::empty);
@@ -137,16 +154,15 @@ std::string what_is_wrong_with(const Session &session) {
 }
 
 std::string what_is_wrong_with(const Trial &trial, std::string_view records_folder) {
-    std::string problem =
-        first_of({what_is_wrong_with_place(trial.place), what_is_wrong_with_settings(trial.tuning),
-                  what_is_wrong_with_response(trial.response),
-                  trial.record ? what_is_wrong_with_record(trial, records_folder) : std::string(),
-                  std::ranges::find(trial.marks, std::string()) == trial.marks.end()
-                      ? ""
-                      : "a mark has no reason",
-                  trial.is_presented_again && trial.marks.empty()
-                      ? "it is presented again, and nothing says why"
-                      : ""});
+    std::string problem = first_of(
+        {what_is_wrong_with_place(trial.place), what_is_wrong_with_settings(trial.tuning),
+         what_is_wrong_with_response(trial.response), validate_record(trial, records_folder),
+         std::ranges::find(trial.marks, std::string()) == trial.marks.end()
+             ? ""
+             : "a mark has no reason",
+         trial.is_presented_again && trial.marks.empty()
+             ? "it is presented again, and nothing says why"
+             : ""});
     for (const Presentation &presentation : trial.presentations) {
         problem = first_of({problem, what_is_wrong_with_names(presentation.values)});
     }

@@ -4,6 +4,7 @@
 #include "tests/app/study/sitting_rig.h"
 #include "tests/support/child_process.h"
 #include "tests/support/full_disk.h"
+#include "tests/support/modes.h"
 
 #include <gtest/gtest.h>
 
@@ -428,6 +429,7 @@ TEST_F(StudySitting, NotesWhatARecordMisses) {
     ASSERT_NE(noted, contents.notes.end());
     const std::filesystem::path record = folder_ / contents.trials.front().record->path;
     EXPECT_LE(std::filesystem::file_size(record), 300'000U);
+    EXPECT_EQ(testing::mode_of(record), 0600U);
     EXPECT_TRUE(noted->text.starts_with(record.filename().string() + ": ")) << noted->text;
 }
 

@@ -3,6 +3,7 @@
 
 #include "tests/engine/record/record_bytes.h"
 #include "tests/engine/record/samples.h"
+#include "tests/support/modes.h"
 
 #include <gtest/gtest.h>
 
@@ -35,6 +36,20 @@ TEST(RecordWriter, WritesTheDocumentedFormat) {
         expected += row_of(sample);
     }
     EXPECT_EQ(rows, expected);
+}
+
+TEST(RecordWriter, OfPersonalDataIsItsOwnersAlone) {
+    const testing::Umask umask(0022);
+    const auto folder = fresh_folder("writer_modes");
+    const RecordHeader header = record_header(testing::kServo_hz);
+    for (const Existing existing : {Existing::keep, Existing::replace}) {
+        RecordWriter(folder / "all.rec", header, existing).close();
+        RecordWriter(folder / "own.rec", header, {existing, Readers::owner}).close();
+        EXPECT_EQ(testing::mode_of(folder / "all.rec"), 0644U);
+        EXPECT_EQ(testing::mode_of(folder / "own.rec"), 0600U);
+        std::filesystem::remove(folder / "all.rec");
+        std::filesystem::remove(folder / "own.rec");
+    }
 }
 
 TEST(RecordWriter, WritesAChunkAsSoonAsItIsFullAndNoSooner) {

@@ -8,6 +8,7 @@
 #include "tests/support/complaint.h"
 #include "tests/support/files.h"
 #include "tests/support/full_disk.h"
+#include "tests/support/modes.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -113,6 +114,69 @@ TEST(TrialTable, HoldsEachTrial) {
     EXPECT_GT(values, 20U);
     EXPECT_EQ(cell(9, "repetition_of"), "1-9-1");
     EXPECT_EQ(cell(8, "repeated_by"), "1-9-2");
+}
+
+/// A study whose participant and experimenter typed formulas.
+StudyContents contents_with_formulas() {
+    StudyContents contents = sample_contents();
+    contents.trials.resize(1);
+    Trial &trial = contents.trials.front();
+    trial.condition = "@SUM(A1)";
+    trial.marks = {"-2+3", "and"};
+    trial.level = -0.5;
+    trial.response = Adjusted{-1e-3};
+    contents.answers = {{"P01", trial.session, "free", "=A1", "=HYPERLINK(\"http://x\")", kStart},
+                        {"P01", trial.session, "tab", "Q?", "\t=1+1", kStart},
+                        {"P01", trial.session, "number", "Q?", "-5", kStart}};
+    return contents;
+}
+
+TEST(Formulas, AreTextsInCsvAndNumbersStayNumbers) {
+    const StudyContents contents = contents_with_formulas();
+    std::ostringstream trials;
+    write_trials_csv(contents, kAll, trials);
+    const auto lines = parsed_csv(trials.str());
+    const auto cell = [&](const std::string &name) {
+        const auto column = std::ranges::find(lines[0], name);
+        return lines[1].at(static_cast<std::size_t>(column - lines[0].begin()));
+    };
+    EXPECT_EQ(cell("condition"), "'@SUM(A1)");
+    EXPECT_EQ(cell("marks"), "'-2+3; and");
+    EXPECT_EQ(cell("level"), "-0.5");
+    EXPECT_EQ(cell("response"), "-0.001");
+    std::ostringstream answers;
+    write_answers_csv(contents, {}, kAll, answers);
+    const auto rows = parsed_csv(answers.str());
+    EXPECT_EQ(rows[1][7], "'=A1");
+    EXPECT_EQ(rows[1][8], "'=HYPERLINK(\"http://x\")");
+    EXPECT_EQ(rows[2][8], "'\t=1+1");
+    EXPECT_EQ(rows[3][8], "-5");
+}
+
+TEST(Formulas, AreTextsInBidsToo) {
+    const auto folder = fresh_folder("bids_formulas");
+    const std::vector<QuestionnaireItem> items{
+        {.name = "free", .text = "Q?", .kind = QuestionnaireKind::text},
+        {.name = "tab", .text = "Q?", .kind = QuestionnaireKind::text},
+        {.name = "number", .text = "Q?", .kind = QuestionnaireKind::text}};
+    write_bids(contents_with_formulas(), folder / "dataset", {kAll, "1.0", items});
+    EXPECT_EQ(contents_of(folder / "dataset/phenotype/questionnaire.tsv"),
+              "participant_id\tsession_id\tfree\ttab\tnumber\n"
+              "sub-P01\tses-01\t\"'=HYPERLINK(\"\"http://x\"\")\"\t'=1+1\t-5\n");
+}
+
+TEST(Bids, IsItsOwnersAlone) {
+    const testing::Umask umask(0022);
+    const auto dataset = fresh_folder("bids_modes") / "dataset";
+    write_bids(sample_contents(), dataset, {kAll, "1.0", {}});
+    EXPECT_EQ(testing::mode_of(dataset), 0700U);
+    int files = 0;
+    for (const auto &entry : std::filesystem::recursive_directory_iterator(dataset)) {
+        EXPECT_EQ(testing::mode_of(entry.path()), entry.is_directory() ? 0700U : 0600U)
+            << entry.path();
+        ++files;
+    }
+    EXPECT_GT(files, 5);
 }
 
 TEST(TrialTable, LeavesOutOtherDevices) {
