@@ -39,6 +39,7 @@ TEST(HostileStudy, LeadsToNoFolderOfRecordsButItsOwn) {
           std::string(300, 'x') + ".records"}) {
         const ForgedStudy study("hostile_folder", testing::sample_new_study());
         study.forge_records_folder(name);
+        study.forge_record((std::filesystem::path(name) / "P01/a.rec").string());
         study.forge_removal();
         expect_refused(study, ": is damaged (", name);
         EXPECT_NE(complaint_of([&] { StudyStore(study.file()).remove_participant("P01"); }), "");
