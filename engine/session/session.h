@@ -238,7 +238,7 @@ private:
     bool reported_standstill_ = false;
     bool reported_failure_ = false; ///< of a failed assertion
     bool is_kept_released_ = false;
-    bool knows_zero_ = false; ///< of the device, when it was released or not last
+    bool knows_zero_ = false;       ///< of the device, when it was released or not last
     double released_until_s_ = 0.0; ///< after a zeroing, by the servo's time; 0: no more
     double next_look_s_ = 0.0;      ///< at the link, by the servo's time
     int reconnections_ = 0;         ///< by `advance`
