@@ -131,10 +131,10 @@ TEST(StudyExports, AreTheirOwnersAlone) {
 
 TEST(StudyExports, OfSharedStudiesSayThatTheyAreShared) {
     const ForgedStudy one = forged("shared_study");
-    EXPECT_EQ(study({"status", one.file()}).error, "");
+    EXPECT_EQ(study({"note", one.file(), "the room is warm"}).error, "");
     fs::permissions(one.file(), fs::perms(0640));
     fs::permissions(one.records(), fs::perms(0755));
-    const testing::Ending ending = study({"status", one.file()});
+    const testing::Ending ending = study({"note", one.file(), "the room is warm"});
     EXPECT_EQ(ending.exit_status, 0);
     EXPECT_NE(ending.error.find("h.study: others have rights to it (mode 640)"), std::string::npos)
         << ending.error;
