@@ -257,8 +257,8 @@ double cold_dR_Ohm(const device::DeviceDescription &device, const control::Tunin
     }
     if (min_Ohm > tuning.dR_Ohm) {
         print(std::cerr,
-              "springdrive: remark: the servo limits dR to {:g} Ω, not {:g} Ω, until the "
-              "windings are certain to be warm\n",
+              "springdrive: remark: the servo limits dR to {:g} Ω or more, by each motor's R, not "
+              "{:g} Ω, until the windings are certain to be warm\n",
               min_Ohm, tuning.dR_Ohm);
     }
     return min_Ohm;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace springdrive::control {
@@ -32,10 +31,6 @@ constexpr double kSettling_s = 0.5;
 
 /// A window that surprises by more than this many standard deviations teaches nothing.
 constexpr double kOutlier = 4.0;
-
-/// The least mean current that is evidence about R [A]: brushes and bridge drop a voltage with the
-/// current's sign, which looks like a resistance, the larger the smaller the current.
-constexpr double kEvidence_A = 0.15;
 
 /// So many outliers, less a quarter of the other windows, and nothing is believed.
 constexpr double kMaxDisbelief = 8.0;
@@ -149,9 +144,6 @@ double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
         device::residual_resistance_Ohm(device.motor[motor], dR_Ohm) / kHeldUpDeviations;
     if (deviation_Ohm <= enough_Ohm) {
         return 0.0;
-    }
-    if (!(std::abs(current_A) > kEvidence_A)) {
-        return std::numeric_limits<double>::infinity();
     }
     const double count_V = device.motor[motor].torque_constant_Nm_per_A * device.rad_per_count() /
                            std::sqrt(6.0) / kWindow_s; // rounded at both ends
@@ -352,16 +344,14 @@ void ResistanceObserver::take_window() noexcept {
     }
 }
 
-/// Whether the mean current is kEvidence_A, and far above noise and what is not known of its
-/// offset. If it is not, a product of two unknowns is no evidence about R: a linearised filter
-/// would take it for some. That of the window before decides, or windows would be chosen by their
-/// own noise.
+/// Whether the mean current is far above noise and what is not known of its offset. If it is not, a
+/// product of two unknowns is no evidence about R: a linearised filter would take it for some. That
+/// of the window before decides, or windows would be chosen by their own noise.
 bool ResistanceObserver::had_current() const noexcept {
     constexpr double kDeviations = 10.0;
     const double variance_A2 =
         current_variance_A2_ * period_s_ / kWindow_s + covariance_(kOffset, kOffset);
-    return mean_before_A_ * mean_before_A_ >
-           std::max(kEvidence_A * kEvidence_A, kDeviations * kDeviations * variance_A2);
+    return mean_before_A_ * mean_before_A_ > kDeviations * kDeviations * variance_A2;
 }
 
 void ResistanceObserver::begin_window() noexcept {

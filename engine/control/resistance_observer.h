@@ -64,7 +64,7 @@ struct DrivenInterval {
                                            std::size_t motor);
 
 /// How long a motor has to be driven on with this current until dR needs no longer be held up [s],
-/// if its rotor turns; infinite with too little current, 0 for one that is not trusted. An
+/// if its rotor turns; infinite without a current, 0 for one that is not trusted. An
 /// estimate: one count a window limits what is learned.
 [[nodiscard]] double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
                                   const ObservedMotor &known, double dR_Ohm, double current_A);

@@ -157,9 +157,13 @@ TEST(Figures, AreOfTheResidualResistanceThatTheServoGives) {
     EXPECT_EQ(ending.exit_status, 0);
     EXPECT_NE(ending.error.find("limits dR to 0.137"), std::string::npos) << ending.error;
     auto forces = columns_of(folder / "out" / "fig5_forces.csv");
-    for (std::size_t map = 0; map < 2;
-         ++map) { // friction, and motors that differ by a few per cent
-        EXPECT_NEAR(forces["measured_up_N"][map] / forces["predicted_up_N"][map], 1.0, 0.1);
+    // What is observed allows no more: a motor whose R is up to 10 % above the smallest of its file
+    // has a dR larger by that. Friction, and k_T and gains that differ by a few per cent: 10 %.
+    const double spread_Ohm = 0.1 * testing::phantom_motor().resistance_Ohm;
+    for (std::size_t map = 0; map < 2; ++map) {
+        const double share = forces["measured_up_N"][map] / forces["predicted_up_N"][map];
+        EXPECT_LT(share, 1.1);
+        EXPECT_GT(share, 0.9 * 0.137 / (0.137 + spread_Ohm));
     }
     std::filesystem::remove_all(folder);
 }

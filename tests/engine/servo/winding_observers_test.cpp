@@ -198,7 +198,7 @@ TEST(WindingObservers, DRIsWhatWasAskedForAfterTwoSeconds) {
             const double error =
                 worst_error(device, touch, from_s, kBeforeTouch_s + touch.duration_s);
             worst = std::max(worst, error);
-            // Of a motor with less than 0.15 A too little is known for 0.2 Ω, and it is held up.
+            // A motor of which too little is known is held up.
             const bool is_known = control::kHeldUpDeviations * deviation_Ohm < dR_Ohm;
             missed += error < goal || !is_known ? 0 : 1;
             for (std::size_t motor = 0; motor < 3; ++motor) {
@@ -348,8 +348,11 @@ TEST(WindingObservers, TheForcePointsAlongTheNormal) {
         print(seen, "observed");
         // K_q (20) is off by up to 1 % of gain and 0.5 % of dR in each motor, which turns the force
         // by asin(1.92 · 1.5 %) = 1.7° with J's condition number in this pose, friction by 2.3°.
-        EXPECT_LT(seen.back(), 4.0) << name;
-        if (devices == 20) {
+        // Below some 0.35 Ω the guard holds dR up where R is above the smallest of its file, by as
+        // much: motors differ, though less than without an observer.
+        const bool is_held_up = tuning.dR_Ohm < 0.35;
+        EXPECT_LT(seen.back(), is_held_up ? file.back() : 4.0) << name;
+        if (devices == 20 && !is_held_up) {
             EXPECT_LT(seen.back(), 0.3 * file.back()) << name;
         }
     }
