@@ -13,7 +13,7 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr std::array<Symbol, 100> kSymbols{{
+constexpr std::array<Symbol, 101> kSymbols{{
     // Parameters of the tuning.
     {"dR", "dR", "", "(7)", "residual uncanceled resistance"},
     {"K_P", "K_P", "", "(10), (13)", "error gain, proportional"},
@@ -135,6 +135,7 @@ constexpr std::array<Symbol, 100> kSymbols{{
     {"trip_measured", "", "the value that was beyond its limit, in SI units", "", ""},
     {"trip_limit", "", "that limit, in SI units", "", ""},
     {"ramp", "", "share of the command that is passed on", "", ""},
+    {"held_stop", "", "number of the requested stop that nobody has released", "", ""},
     {"held_back_force", "", "which limit holds the force of the command back; 0: none", "", ""},
     {"held_back_voltage", "", "1 where the supply limits the command", "", ""},
     {"held_back_at_edge", "", "1 at the soft wall around the workspace", "", ""},

@@ -114,8 +114,8 @@ void VisitorPort::act_made_up(const SittingState &state, SittingFrame &frame) {
 void VisitorPort::watch(SittingFrame &frame) {
     const double now_s = session_.servo().now_s();
     const bool is_real = !session_.hand().is_simulated();
-    const std::uint32_t stop = session_.servo().inputs().requested_stop; // its keys are no inputs
-    const bool is_stopped = std::exchange(stop_, stop) != stop;
+    const std::uint32_t requested = session_.servo().inputs().requested_stop; // no input's key
+    const bool is_stopped = std::exchange(stop_, requested) != requested;
     presence_.update(now_s, has_acted(frame.inputs) || is_stopped,
                      is_real ? std::optional(session_.latest().tip_m) : std::nullopt);
     if (!made_up_ && presence_.away_s(now_s) > kGoneAfter_s) {

@@ -30,14 +30,14 @@ struct Refusal {
     std::string text;
 };
 
-struct State {
+struct Entry {
     Typing typing;
     Refusal refusal;
     int typed_in = -2; ///< frame
 };
 
-State &state() {
-    static State the_one;
+Entry &entry() {
+    static Entry the_one;
     return the_one;
 }
 
@@ -80,7 +80,7 @@ std::string error_of(const std::optional<double> &number, const std::string &typ
 
 /// Of the previous item.
 void show_refusal(ImGuiID id) {
-    Refusal &refusal = state().refusal;
+    Refusal &refusal = entry().refusal;
     const int frame = ImGui::GetFrameCount();
     if (refusal.id != id) {
         return;
@@ -107,13 +107,13 @@ void show_refusal(ImGuiID id) {
 }
 
 bool is_typed_in(ImGuiID id) {
-    return state().typing.id == id && state().typing.frame == ImGui::GetFrameCount() - 1;
+    return entry().typing.id == id && entry().typing.frame == ImGui::GetFrameCount() - 1;
 }
 
 /// True when `value` was set.
 bool type_number(const char *label, double &value, const char *format, const NumberRange &range) {
     const ImGuiID id = ImGui::GetID(label);
-    Typing &typing = state().typing;
+    Typing &typing = entry().typing;
     const bool was_typed_in = is_typed_in(id);
     std::string text = was_typed_in                   ? typing.text
                        : ImGui::TempInputIsActive(id) ? ImGui::GetInputTextState(id)->TextA.Data
@@ -121,7 +121,7 @@ bool type_number(const char *label, double &value, const char *format, const Num
     ImGui::InputText(label, &text, ImGuiInputTextFlags_AutoSelectAll);
     if (ImGui::IsItemActive()) {
         typing = {id, ImGui::GetFrameCount(), text};
-        state().refusal = {};
+        entry().refusal = {};
         return false;
     }
     const bool is_left = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
@@ -130,7 +130,7 @@ bool type_number(const char *label, double &value, const char *format, const Num
     }
     const std::optional<double> number = number_in(text);
     if (std::string error = error_of(number, text, range); !error.empty()) {
-        state().refusal = {id, ImGui::GetFrameCount(), std::move(error)};
+        entry().refusal = {id, ImGui::GetFrameCount(), std::move(error)};
         return false;
     }
     value = *number;
@@ -140,14 +140,14 @@ bool type_number(const char *label, double &value, const char *format, const Num
 /// After the previous item, which is a field for a number, or a slider with one.
 void note_number(ImGuiID id) {
     if (ImGui::IsItemActive() && ImGui::GetIO().WantTextInput) {
-        state().typed_in = ImGui::GetFrameCount();
+        entry().typed_in = ImGui::GetFrameCount();
     }
     show_refusal(id);
 }
 
 } // namespace
 
-bool types_number() { return state().typed_in >= ImGui::GetFrameCount() - 1; }
+bool types_number() { return entry().typed_in >= ImGui::GetFrameCount() - 1; }
 
 bool slider_with_number(const char *label, double &value, double minimum, double maximum,
                         const char *format) {
@@ -166,8 +166,8 @@ bool slider_with_number(const char *label, double &value, double minimum, double
 bool number_field(const char *label, double &value, const char *format, const NumberRange &range) {
     const ImGuiID id = ImGui::GetID(label);
     const bool is_set = type_number(label, value, format, range);
-    const bool is_typed = state().typing.id == id && ImGui::IsItemActive();
-    enter(label, "number", is_typed ? state().typing.text : text_of(value, format), value);
+    const bool is_typed = entry().typing.id == id && ImGui::IsItemActive();
+    enter(label, "number", is_typed ? entry().typing.text : text_of(value, format), value);
     note_number(id);
     return is_set;
 }

@@ -103,7 +103,8 @@ template <typename Sample, typename Visit> void of_law(Sample &s, Visit &visit) 
     visit_three(visit, {"theta_Sd1_rad", "theta_Sd2_rad", "theta_Sd3_rad"}, "rad", s.theta_Sd_rad);
     visit("inverse_possible", "1", s.inverse_possible);
     visit_three(visit, {"carried1_V", "carried2_V", "carried3_V"}, "V", s.carried_V);
-    // command.number equals measurement_number; command.resets_faults concerns the board alone
+    // command.number equals measurement_number; resets_faults and voids_zero concern the device
+    // alone
     visit("command_mode", "1", s.command.mode);
     visit_three(visit, {"e_W1_V", "e_W2_V", "e_W3_V"}, "V", s.command.e_W_V);
     constexpr std::array<std::array<std::string_view, 8>, 3> kMotorNames{{
@@ -157,6 +158,7 @@ template <typename Sample, typename Visit> void of_safety(Sample &s, Visit &visi
         {"winding_least3_C", "winding_greatest3_C", "R_hat_limit3_Ohm", "R_hat_limited3",
          "R_contradicted3"},
     }};
+    // max_housing_C is for the next start alone
     for (std::size_t motor = 0; motor < 3; ++motor) {
         visit(kWindingNames[motor][0], "°C", s.winding[motor].min_C);
         visit(kWindingNames[motor][1], "°C", s.winding[motor].max_C);

@@ -22,13 +22,17 @@ std::map<const char *, std::size_t> places(const servo::ServoSample &sample) {
 }
 
 TEST(TelemetryColumns, CoverEveryByteOfASampleExceptPaddingAndDocumentedExceptions) {
-    // The command's number equals the measurement's, and its reset concerns the board alone; a
-    // failed assertion is stored as a note.
+    // The command's number equals the measurement's; its reset and that it voids the zero concern
+    // the device alone, a housing's temperature the next start. A failed assertion is a note.
     const servo::ServoSample sample;
     auto found = places(sample);
     const auto *const begin = reinterpret_cast<const char *>(&sample);
     found.emplace(reinterpret_cast<const char *>(&sample.command.number), sizeof(std::uint64_t));
     found.emplace(reinterpret_cast<const char *>(&sample.command.resets_faults), sizeof(bool));
+    found.emplace(reinterpret_cast<const char *>(&sample.command.voids_zero), sizeof(bool));
+    for (const servo::WindingStatus &winding : sample.winding) {
+        found.emplace(reinterpret_cast<const char *>(&winding.max_housing_C), sizeof(double));
+    }
     found.emplace(reinterpret_cast<const char *>(&sample.safety.failure), sizeof(AssertionFailure));
     found.emplace(begin + sizeof sample, 0);
     const char *at = begin;
@@ -53,12 +57,12 @@ TEST(TelemetryColumns, KnowEveryMember) {
     [[maybe_unused]] const auto &[touching, x0, motion, normal, surface_eta, constraints, sticking,
                                   settled, surface, barycentric, triangle, material] = contact;
     [[maybe_unused]] const auto &[dR, K_P, K_D, lambda, by_hand, softness, map, mode] = tuning;
-    [[maybe_unused]] const auto &[state, cause, measured, limit, ramp, failure] = safety;
+    [[maybe_unused]] const auto &[state, cause, measured, limit, ramp, failure, held_stop] = safety;
     [[maybe_unused]] const auto &[held_force, held_voltage, at_edge] = held_back;
-    [[maybe_unused]] const auto &[e_W, R_hat, command_mode, command_number, resets_faults] =
-        command;
-    [[maybe_unused]] const auto &[minimum, maximum, R_hat_limit, is_limited, is_contradicted] =
-        winding[0];
+    [[maybe_unused]] const auto &[e_W, R_hat, command_mode, command_number, resets_faults,
+                                  voids_zero] = command;
+    [[maybe_unused]] const auto &[minimum, maximum, R_hat_limit, is_limited, is_contradicted,
+                                  housing] = winding[0];
     [[maybe_unused]] const auto &[here, mean, k_T, offset, is_observed, is_trusted] = motor[0];
     [[maybe_unused]] const auto &[R, deviation] = here;
     EXPECT_EQ(sizeof limits, servo::kSafetyLimits.size() * sizeof(double));

@@ -86,6 +86,16 @@ TEST_F(SafetyMonitorTest, WithoutAZeroItBrakesAtOnceAndWaits) {
     start_up(); // zeroed: a jump by that is none
 }
 
+TEST_F(SafetyMonitorTest, AContradictedMotorVoidsTheZero) {
+    start_up();
+    Observation seen = calm();
+    seen.interval[1] = {.duration_s = 0.1, .after_rad = 10.0}; // it turns without a current
+    const device::DeviceCommand command = pass(seen);
+    expect_braking(command);
+    EXPECT_TRUE(command.voids_zero);
+    EXPECT_EQ(monitor.status().cause, TripCause::motor_contradicted);
+}
+
 TEST_F(SafetyMonitorTest, AZeroingWhileMotorsAreDrivenIsAJump) {
     start_up();
     Observation seen = calm();
@@ -106,7 +116,7 @@ TEST_F(SafetyMonitorTest, CountsThatNoMechanismHasVoidTheirZeroInAnyState) {
         return seen;
     };
     SafetyOrders stopped;
-    stopped.emergency_stop = true;
+    stopped.requested_stop = 1;
     for (const SafetyOrders &orders : {SafetyOrders{}, to_release(), stopped}) {
         for (const bool is_upper : {false, true}) {
             monitor = SafetyMonitor(device, kPeriod_s);

@@ -20,7 +20,7 @@ namespace {
 using servo::SafetyState;
 using servo::TripCause;
 
-const Vector3 kAbovePlate_m(0.0, 0.03, 0.0);
+const Vector3 kFreeStart_m(0.0, 0.03, 0.0);
 
 bool says(const Session &session, const std::string &part) {
     return std::ranges::any_of(session.remarks().all(), [&](const std::string &remark) {
@@ -100,7 +100,7 @@ TEST(SessionZero, ABaseThatIsFarOffDrivesNoMotorAfterAReset) {
 
     session.zero_device(test.truth().theta_rad);
     EXPECT_TRUE(session.is_zeroed());
-    session.hand().move_to(kAbovePlate_m);
+    session.hand().move_to(kFreeStart_m);
     session.servo().reset_safety();
     ASSERT_TRUE(test.run_until_state(SafetyState::running));
     EXPECT_TRUE(test.drives());
@@ -113,7 +113,7 @@ TEST(SessionZero, ABaseThatIsFarOffDrivesNoMotorAfterAReset) {
 TEST(SessionZero, ABoardThatRestartedDrivesNoMotor) {
     EmulatedSession test("restart@1.8-1.9");
     Session &session = test.session;
-    session.hand().move_to(kAbovePlate_m);
+    session.hand().move_to(kFreeStart_m);
     ASSERT_TRUE(test.run_until_state(SafetyState::running));
     ASSERT_TRUE(test.run_until_state(SafetyState::tripped));
     EXPECT_EQ(test.board().restarts(), 1U);
@@ -239,7 +239,7 @@ INSTANTIATE_TEST_SUITE_P(Session, ZeroVoidedBy, ::testing::ValuesIn(kCauses),
                          [](const auto &each) { return each.param.name; });
 
 TEST(SessionZero, ASoundSimulationKnowsItsAngles) {
-    simulated::SimulatedPhantom phantom(testing::phantom_1_0(), {}, kAbovePlate_m);
+    simulated::SimulatedPhantom phantom(testing::phantom_1_0(), {}, kFreeStart_m);
     device::DeviceCommand command = device::DeviceCommand::braking();
     command.voids_zero = true;
     phantom.write(command);
