@@ -50,9 +50,14 @@ study::Protocol checked_protocol(const fs::path &file) {
     const study::Protocol protocol = typed_protocol(file);
     study::CheckOptions options;
     options.simulates = false;
+    study::ProtocolFindings findings;
+    try {
+        findings = study::check_protocol(protocol, folders_beside(file), options).findings;
+    } catch (const InputError &error) { // of a file that it names
+        throw InputError(file.string() + ": " + error.what());
+    }
     const auto errors =
-        std::ranges::count(study::check_protocol(protocol, folders_beside(file), options).findings,
-                           study::Severity::error, &study::ProtocolFinding::severity);
+        std::ranges::count(findings, study::Severity::error, &study::ProtocolFinding::severity);
     if (errors > 0) {
         throw InputError(fmt::format("{}: has {} error{}, which springdrive study check shows; "
                                      "nobody should sit down before",
