@@ -15,7 +15,7 @@ using commissioning::CalibrationStage;
 /// Between two views: twice a frame.
 constexpr int kTicksBetweenViews = 8;
 
-/// At the end, for the board to clear what it has latched while it was asked to store.
+/// At the end, for the board to clear the silence that it has latched while it was asked to store.
 constexpr int kSettling_ticks = 100;
 
 /// A device whose time waits is not run on for longer without the window, as by a servo; a share of
@@ -117,8 +117,8 @@ bool CalibrationLoan::settle() {
     const device::Measurement measured = device_.read();
     device::DeviceCommand command = device::DeviceCommand::braking();
     command.number = measured.number;
-    // A stop by the switch is left to the session's servo, which holds it.
-    command.resets_faults = !measured.faults.has(device::BoardFaults::kStop);
+    // Any other fault is left to the session's servo, which trips by it.
+    command.resets_faults = measured.faults.bits == device::BoardFaults::kNoCommand;
     device_.write(command);
     if (++settling_ticks_ < kSettling_ticks) {
         return true;

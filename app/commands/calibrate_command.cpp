@@ -221,6 +221,7 @@ void add_calibrate(CLI::App &device) {
                      "sensors' offsets, while the device is moved by hand; keeps them in a device "
                      "file or on the board");
     const auto typed = std::make_shared<TypedCalibration>();
+    typed->options.lets_go_on = true;
     typed->board.add_to(command);
     command.add_flag("--at-zero", typed->is_at_zero,
                      "the device is held in its zero pose at the start: upper arm level, forearm "

@@ -209,6 +209,7 @@ void add_self_test(CLI::App &device) {
         "self-test", "pulses on each winding, then motion by hand from stop to stop: names what is "
                      "wrong; exit status 1 if something is");
     const auto typed = std::make_shared<TypedSelfTest>();
+    typed->options.lets_go_on = true;
     typed->board.add_to(command);
     command.add_flag("--at-zero", typed->is_at_zero,
                      "the device is held in its zero pose at the start: upper arm level, forearm "

@@ -125,7 +125,9 @@ void CalibrationRun::rest() {
     const device::Measurement measured = device_.read();
     device::DeviceCommand command = device::DeviceCommand::braking();
     command.number = measured.number;
-    command.resets_faults = true;
+    const bool has_stop = measured.faults.has(device::BoardFaults::kStop);
+    options_.lets_go_on = options_.lets_go_on && has_stop; // until the board has none
+    command.resets_faults = options_.lets_go_on || !has_stop;
     device_.write(command);
     if (++ticks_ >= kResetting_ticks) {
         servo_ = std::make_unique<servo::Servo>(device_, kRate_hz);

@@ -33,6 +33,7 @@ struct CalibrationOptions {
     std::optional<double> air_C;     ///< by a thermometer, to kThermometer_K
     double dR_Ohm = 0.5;             ///< for which R̂ is reported
     std::int64_t made_at_s = 0;      ///< UTC, since 1970; 0: now
+    bool lets_go_on = false;         ///< see SelfTestOptions
 };
 
 /// By how much a room's thermometer may be wrong, either way, the motors' air included.

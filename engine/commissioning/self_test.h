@@ -23,6 +23,8 @@ struct SelfTestOptions {
     int repeats = 4; ///< of the pulses
     double rest_s = 0.5;
     bool has_motion = true; ///< otherwise it ends with the pulses
+    /// Whoever begins it lets the board go on after a stop that it has latched already.
+    bool lets_go_on = false;
     double longest_motion_s = 90.0;
 };
 
@@ -75,6 +77,7 @@ private:
     double stage_began_s_ = -1.0; ///< by the device's time; before the first measurement
     double now_s_ = 0.0;
     int ticks_ = 0;
+    bool may_clear_stop_; ///< until the board has none
     std::vector<device::PulseResult> pulses_;
     MotionCheck motion_;
     bool is_complete_ = false;

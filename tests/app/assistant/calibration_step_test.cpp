@@ -234,25 +234,33 @@ TEST(CalibrationStep, APulledCableAndAnEmergencyStopAreNamedAndItIsDoneAgain) {
     EXPECT_TRUE(at.in_use());
 }
 
-/// Shorter than the time for which the hand comes to rest after a calibration.
-TEST(CalibrationStep, AStopByTheBoardsSwitchIsHeldAfterItsRelease) {
-    AtCalibration at;
-    Walker &walker = at.walker;
-    walker.begin_calibration();
-    walker.run(2.0);
-    ASSERT_TRUE(walker.session.is_lent());
-    emulator::EmulatedBoard &board = walker.session.device().emulated()->board();
-    emulator::Fault stop = emulator::parse_fault("stop");
-    stop.begin_s = board.time_s();
-    stop.end_s = stop.begin_s + 0.03;
-    board.set_fault(stop);
-    ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_lent(); }, 5.0));
-    walker.run(0.3);
-    EXPECT_TRUE(walker.session.servo().is_held_stopped());
-    EXPECT_TRUE(walker.says("stop switch")) << walker.text();
-    walker.assistant.again(walker.session);
-    walker.run(0.2);
-    EXPECT_FALSE(walker.session.servo().is_held_stopped());
+/// Shorter than the time for which the hand comes to rest after a calibration; at its start, and
+/// in the middle.
+TEST(CalibrationStep, AFaultOfTheBoardOutlastsIt) {
+    for (const auto &[fault, says] :
+         {std::pair("stop", "stop switch"), {"brown-out:2", "supply"}}) {
+        for (const double after_s : {0.0, 1.0}) {
+            AtCalibration at;
+            Walker &walker = at.walker;
+            walker.begin_calibration();
+            ASSERT_TRUE(walker.run_until([&] { return walker.session.servo().is_halted(); }, 5.0));
+            walker.run(after_s);
+            ASSERT_TRUE(walker.session.is_lent());
+            emulator::EmulatedBoard &board = walker.session.device().emulated()->board();
+            emulator::Fault short_one = emulator::parse_fault(fault);
+            short_one.begin_s = board.time_s();
+            short_one.end_s = short_one.begin_s + 0.03;
+            board.set_fault(short_one);
+            ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_lent(); }, 5.0));
+            walker.run(0.3);
+            EXPECT_EQ(walker.session.latest().safety.state, servo::SafetyState::tripped);
+            EXPECT_EQ(walker.session.servo().is_held_stopped(), fault == std::string("stop"));
+            EXPECT_TRUE(walker.says(says)) << walker.text();
+            walker.assistant.again(walker.session);
+            walker.run(0.2);
+            EXPECT_FALSE(walker.session.servo().is_held_stopped());
+        }
+    }
 }
 
 TEST(CalibrationStep, ABoardThatDoesNotKeepItIsDoubtfulUntilAFileDoes) {

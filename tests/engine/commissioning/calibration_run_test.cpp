@@ -453,8 +453,32 @@ TEST(CalibrationRun, ATripEndsIt) {
 
     TriedCalibration latched; // before it began
     latched.faults = {emulator::parse_fault("stop@0-0.08")};
+    latched.options.lets_go_on = true;
     const CalibrationReport reset = latched.run();
     EXPECT_TRUE(reset.is_complete) << reset.problem;
+}
+
+/// In the time in which it resets what the board has latched.
+TEST(CalibrationRun, AStopAtItsStartEndsIt) {
+    for (const bool lets_go_on : {false, true}) {
+        for (const double begin_s : {0.005, 0.03, 0.09}) {
+            TriedCalibration stopped;
+            stopped.options.lets_go_on = lets_go_on;
+            bool is_set = false;
+            const CalibrationReport report =
+                stopped.run([](const CalibrationRun &) { return false; },
+                            [&](CalibrationRun &) {
+                                if (!std::exchange(is_set, true)) {
+                                    emulator::Fault stop = emulator::parse_fault("stop");
+                                    stop.begin_s = stopped.board.emulated->time_s() + begin_s;
+                                    stop.end_s = stop.begin_s + 0.02;
+                                    stopped.board.emulated->set_fault(stop);
+                                }
+                            });
+            EXPECT_EQ(report.kind, CalibrationProblem::stopped) << report.problem;
+            EXPECT_NE(report.problem.find("stop switch"), std::string::npos) << report.problem;
+        }
+    }
 }
 
 TEST(CalibrationRun, ASilentWindowStopsIt) {

@@ -245,8 +245,32 @@ TEST(SelfTestOnBoard, SlowerLoopsGetLongerPulses) {
 TEST(SelfTestOnBoard, APersonsTestResetsWhatTheBoardHasLatched) {
     Tried tried;
     tried.request.emulation.faults = {emulator::parse_fault("stop@0-0.08")}; // before it begins
+    tried.options.lets_go_on = true;
     const SelfTestReport report = tried.run();
     EXPECT_TRUE(report.has_passed()) << text_of(report);
+    tried.options.lets_go_on = false;
+    EXPECT_EQ(named(tried.run()), (Named{{Problem::board_fault, 0}}));
+}
+
+/// Also in the time in which it resets what the board has latched.
+TEST(SelfTestOnBoard, AStopOfAnyTimeEndsIt) {
+    for (const bool lets_go_on : {false, true}) {
+        for (double begin_s = 0.005; begin_s < 0.7; begin_s += 0.04) {
+            Tried tried;
+            tried.options.has_motion = false;
+            tried.options.lets_go_on = lets_go_on;
+            const factory::OpenBoard board = factory::open_board(tried.request);
+            board.device->zero(Vector3::Zero());
+            emulator::Fault stop = emulator::parse_fault("stop");
+            stop.begin_s = board.emulated->time_s() + begin_s;
+            stop.end_s = stop.begin_s + 0.05;
+            board.emulated->set_fault(stop);
+            SelfTest test(*board.device, tried.options);
+            while (test.step()) {
+            }
+            EXPECT_EQ(named(test.report()), (Named{{Problem::board_fault, 0}})) << begin_s;
+        }
+    }
 }
 
 TEST(SelfTestOnBoard, PulsesAloneAreAnAnswer) {
