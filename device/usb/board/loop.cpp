@@ -65,6 +65,9 @@ void Loop::measure(const Samples &samples) {
     const usb::BoardCalibration &calibration = seen_.calibration;
     for (std::size_t i = 0; i < kChannels; ++i) {
         if (!encoder_[i].update(samples.encoder[i], settings_.largest_count_step)) {
+            if ((faults_ & Faults::kEncoder) == 0) {
+                renumber_counts(); // a host that misses the fault's reports shall know
+            }
             raise(Faults::kEncoder);
         }
         counts_[i] = encoder_[i].counts(calibration.encoder_sign[i]);
@@ -229,11 +232,18 @@ void Loop::take_orders(const Orders &orders) {
     const bool may_calibrate = state_ != State::driving && state_ != State::testing;
     const usb::BoardCalibration calibration =
         may_calibrate ? orders.calibration : seen_.calibration;
-    if (calibration.encoder_sign != seen_.calibration.encoder_sign && has_command_) {
-        zeroings_ = static_cast<std::uint8_t>((zeroings_ + 1U) & 15U); // counts are others now
+    if (calibration.encoder_sign != seen_.calibration.encoder_sign) {
+        renumber_counts();
     }
     seen_ = orders;
     seen_.calibration = calibration;
+}
+
+/// Counts are others now than those that a host may know.
+void Loop::renumber_counts() {
+    if (has_command_) {
+        zeroings_ = static_cast<std::uint8_t>((zeroings_ + 1U) & 15U);
+    }
 }
 
 void Loop::take_command(const Orders &orders) {

@@ -43,6 +43,7 @@ private:
     void measure(const Samples &samples);
     void take_time(const Samples &samples);
     void take_orders(const Orders &orders);
+    void renumber_counts();
     void take_command(const Orders &orders);
     void take_requests(const Orders &orders);
     void check_fast(const Samples &samples);

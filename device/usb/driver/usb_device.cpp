@@ -86,6 +86,7 @@ void UsbDevice::connect() {
         pass_over_old_reports();
         settle_delay();
     } catch (...) {
+        is_zeroed_ = is_zeroed_ && !stream_.has_restarted();
         port_->close();
         is_open_ = false;
         throw;
@@ -254,7 +255,7 @@ Measurement UsbDevice::read() noexcept {
         has_new = true;
         const Report &report = stream_.newest();
         if (report.zeroings != zeroings_ || // by a calibration, or somebody else
-            has_encoder_fault()) {
+            has_fault(device::BoardFaults::kEncoder)) {
             is_zeroed_ = false;
         }
         measured_at_[stream_.number() % kRememberedReports] = {stream_.number(),
@@ -379,8 +380,8 @@ void UsbDevice::set_period(double period_s) {
     request_report_rate(period_s);
 }
 
-bool UsbDevice::has_encoder_fault() const noexcept {
-    return device::BoardFaults{stream_.newest().faults}.has(device::BoardFaults::kEncoder);
+bool UsbDevice::has_fault(std::uint16_t fault) const noexcept {
+    return device::BoardFaults{stream_.newest().faults}.has(fault);
 }
 
 /// Sends one command for each report, as in a tick. @return whether `is_done` in time
@@ -389,30 +390,37 @@ template <typename IsDone> bool UsbDevice::exchange_until(const Command &command
     bool has_come = false;
     do {
         has_come = wait_for_report(port_->now_s() + 3.0 * period_s_) && is_done();
-        send(command, stream_.newest().measured_at_us, false);
+        Command now = command;
+        now.resets_faults = now.resets_faults && !has_fault(device::BoardFaults::kStop);
+        send(now, stream_.newest().measured_at_us, false);
     } while (!has_come && port_->is_connected() && port_->now_s() < deadline_s);
     return has_come;
 }
 
 void UsbDevice::zero(const Vector3 &theta_rad) {
+    const auto has_encoder_fault = [this] { return has_fault(device::BoardFaults::kEncoder); };
     Command reset; // of a latched fault, which would hide the next one
     reset.resets_faults = true;
-    if (has_encoder_fault() && !exchange_until(reset, [this] { return !has_encoder_fault(); })) {
-        throw InputError(name() + ": its encoders are still at fault; look at their plugs and "
-                                  "cables, then zero it again");
+    if (has_encoder_fault() && !exchange_until(reset, [&] { return !has_encoder_fault(); })) {
+        throw InputError(name() + (has_fault(device::BoardFaults::kStop)
+                                       ? ": its stop is pressed; release it, let the device go "
+                                         "on, then zero it again"
+                                       : ": its encoders are still at fault; look at their plugs "
+                                         "and cables, then zero it again"));
     }
     Zeroing zeroing;
     for (std::size_t i = 0; i < kChannels; ++i) {
         zeroing.counts[i] = static_cast<std::int32_t>(
             std::lround(theta_rad[static_cast<Eigen::Index>(i)] / description_.rad_per_count()));
     }
-    const std::uint8_t before = stream_.newest().zeroings;
+    const auto next = static_cast<std::uint8_t>((stream_.newest().zeroings + 1U) & 15U);
     if (!port_->control_out(Kind::zero, 0, encode(zeroing))) {
         throw InputError(name() + ": refuses to be zeroed; stop its motors first");
     }
-    if (exchange_until({}, [&] { return stream_.newest().zeroings != before; })) {
+    if (exchange_until({}, [&] { return stream_.newest().zeroings == next; }) &&
+        !has_encoder_fault()) {
         is_zeroed_ = true;
-        zeroings_ = stream_.newest().zeroings;
+        zeroings_ = next;
         return;
     }
     throw InputError(name() + ": does not confirm that it was zeroed; plug it in again");

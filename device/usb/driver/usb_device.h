@@ -85,7 +85,7 @@ private:
     [[nodiscard]] bool wait_for_report(double deadline_s) noexcept;
     [[nodiscard]] std::string name() const;
     [[nodiscard]] bool has_kept_counts() const;
-    [[nodiscard]] bool has_encoder_fault() const noexcept;
+    [[nodiscard]] bool has_fault(std::uint16_t fault) const noexcept;
     template <typename IsDone> bool exchange_until(const Command &command, IsDone is_done);
 
     [[nodiscard]] double read_deadline_s(double now_s) const noexcept;

@@ -255,6 +255,72 @@ TEST(UsbDevice, AFaultOfAnEncoderVoidsTheZeroUntilItIsZeroedWithoutOne) {
               3.0 * rig.device.description().rad_per_count());
 }
 
+/// It came while reports were lost, and a reset of the servo's cleared it.
+TEST(UsbDevice, AFaultOfAnEncoderThatNoReportShowedVoidsTheZero) {
+    Connected rig;
+    rig.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.0, 0.03, 0.03));
+    for (int i = 0; i < 500; ++i) {
+        rig.tick();
+    }
+    rig.device.zero(Vector3::Zero());
+    ASSERT_NE(rig.tick().zeroing, 0);
+    Packet lost; // each command lets the board send one
+    device::DeviceCommand command = device::DeviceCommand::braking();
+    rig.board.set_fault(emulator::parse_fault("reversed-encoder:2"));
+    for (const bool resets : {false, true, false}) {
+        ASSERT_GT(rig.board.take(lost.data), 0U);
+        command.resets_faults = resets;
+        rig.device.write(command);
+    }
+    EXPECT_EQ(rig.board.board().loop().faults(), 0);
+    const Measurement measured = rig.tick();
+    EXPECT_EQ(measured.arrival, Arrival::fresh);
+    EXPECT_FALSE(measured.faults.any());
+    EXPECT_EQ(measured.zeroing, 0);
+}
+
+/// Only a person may clear a stop, and only at the servo.
+TEST(UsbDevice, AZeroingClearsNoStop) {
+    Connected rig;
+    rig.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.0, 0.03, 0.03));
+    for (int i = 0; i < 500; ++i) {
+        rig.tick();
+    }
+    rig.board.set_fault(emulator::parse_fault("reversed-encoder:2"));
+    rig.tick();
+    ASSERT_TRUE(rig.tick().faults.has(device::BoardFaults::kEncoder));
+    emulator::Fault stop = emulator::parse_fault("stop");
+    stop.begin_s = rig.board.time_s();
+    stop.end_s = stop.begin_s + 0.03;
+    rig.board.set_fault(stop);
+    const std::string complaint =
+        springdrive::complaint_of([&] { rig.device.zero(Vector3::Zero()); });
+    EXPECT_NE(complaint.find("stop"), std::string::npos) << complaint;
+    EXPECT_FALSE(rig.device.is_zeroed());
+    EXPECT_TRUE(rig.tick().faults.has(device::BoardFaults::kStop));
+}
+
+TEST(UsbDevice, ARestartAtAnyTimeOfAConnectionVoidsTheZero) {
+    int restarted = 0;
+    for (int delay_ms = 0; delay_ms < 80; ++delay_ms) {
+        Connected rig;
+        rig.device.zero(Vector3::Zero());
+        rig.tick();
+        rig.port->unplug();
+        rig.tick();
+        rig.port->is_plugged = true;
+        emulator::Fault restart = emulator::parse_fault("restart");
+        restart.begin_s = rig.board.time_s() + 1e-3 * delay_ms;
+        rig.board.set_fault(restart);
+        static_cast<void>(springdrive::complaint_of([&] { rig.device.reconnect(); }));
+        rig.tick();
+        EXPECT_EQ(rig.device.is_zeroed(), rig.board.restarts() == 0) << delay_ms << " ms";
+        restarted += rig.board.restarts() > 0 ? 1 : 0;
+    }
+    EXPECT_GT(restarted, 20);
+    EXPECT_LT(restarted, 80);
+}
+
 /// With as many commands and zeroings as the first, so that only its numbers tell the two apart.
 TEST(UsbDevice, ABoardThatAnotherProgramUsedAfterARestartMustBeZeroedAgain) {
     Connected rig;
