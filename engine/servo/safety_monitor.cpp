@@ -75,6 +75,7 @@ bool SafetyMonitor::reset(std::uint32_t released_stop) noexcept {
     }
     status_ = {};
     board_reset_left_s_ = board_has_faults_ ? kBoardReset_s : 0.0;
+    clears_board_ = true;
     cut_off_s_ = 0.0;
     rest_.reset();
     energy_.reset();
@@ -92,6 +93,7 @@ device::DeviceCommand SafetyMonitor::fail(const AssertionFailure &failure) noexc
 void SafetyMonitor::trip(TripCause cause, double measured, double limit) noexcept {
     if (status_.state != SafetyState::tripped) {
         status_ = {SafetyState::tripped, cause, measured, limit, 0.0, {}, status_.held_stop};
+        board_reset_left_s_ = 0.0;
     }
 }
 
@@ -162,6 +164,7 @@ void SafetyMonitor::watch_link(const Link &link, double elapsed_s) noexcept {
     amplifier_is_at_fault_ = link.faults.has(device::BoardFaults::kAmplifier) ||
                              (amplifier_is_at_fault_ && !device::has_news(link.arrival));
     board_has_faults_ = link.faults.any() || (board_has_faults_ && !device::has_news(link.arrival));
+    clears_board_ = clears_board_ && device::has_news(link.arrival) && elapsed_s < 1.5 * period_s_;
     const double left_s = board_reset_left_s_ - elapsed_s;
     board_reset_left_s_ = board_has_faults_ && left_s > kRoundOff ? left_s : 0.0;
     if (link.zeroing != zeroing_) { // of which the counts before know nothing
@@ -401,7 +404,7 @@ device::DeviceCommand SafetyMonitor::hold(const device::DeviceCommand &active, c
 
 device::DeviceCommand SafetyMonitor::safe_state() const noexcept {
     device::DeviceCommand command = device::DeviceCommand::braking();
-    command.resets_faults = is_resetting_board();
+    command.resets_faults = is_resetting_board() && clears_board_;
     command.voids_zero = voids_zero_;
     command.mode = amplifier_is_at_fault_ && !command.resets_faults ? device::CommandMode::open
                                                                     : device::CommandMode::brake;

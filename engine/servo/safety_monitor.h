@@ -108,9 +108,10 @@ public:
     void resume_watch(const std::array<device::MotorTemperature, 3> &hottest) noexcept;
 
     /// Clears a trip and starts again; if the cause persists, the next `pass` trips again. Faults
-    /// of the device's board get kBoardReset_s, in which the board is told to clear them. A trip by
-    /// a failed assertion stays, because the servo's state cannot be trusted, and so does one with
-    /// a held stop beyond `released_stop`. Returns whether it was cleared. RT-safe.
+    /// of the device's board get kBoardReset_s, in which the board is told to clear them until a
+    /// report is missing: what nobody saw is not cleared. A trip by a failed assertion stays,
+    /// because the servo's state cannot be trusted, and so does one with a held stop beyond
+    /// `released_stop`. Returns whether it was cleared. RT-safe.
     bool reset(std::uint32_t released_stop = 0) noexcept;
 
     /// Trips in any state; returns the safe state. RT-safe.
@@ -171,6 +172,7 @@ private:
     std::uint8_t zeroing_ = 1;           ///< of the counts, see device::Measurement
     bool voids_zero_ = false;            ///< this tick contradicts it
     double board_reset_left_s_ = 0.0;    ///< of kBoardReset_s
+    bool clears_board_ = false;          ///< in it, until a report is missing
     bool switch_is_on_ = false;          ///< stop switch or enable line, as last reported
     std::uint32_t last_stop_ = 0;        ///< number of the last requested stop
     ActiveLimits held_back_;

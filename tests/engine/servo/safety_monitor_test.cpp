@@ -112,6 +112,36 @@ TEST_F(SafetyMonitorTest, AResetRestartsWaitAndRamp) {
     start_up();
 }
 
+/// A second press could be among what nobody saw.
+TEST_F(SafetyMonitorTest, AResetClearsNothingOfTheBoardOnceAReportIsMissing) {
+    for (const bool is_missing : {false, true}) {
+        SafetyMonitor once_more(device, kPeriod_s);
+        monitor = once_more;
+        start_up();
+        Observation stopped = calm();
+        stopped.link.faults.bits = device::BoardFaults::kStop;
+        pass(stopped);
+        ASSERT_EQ(monitor.status().held_stop, 1U);
+        SafetyOrders orders;
+        orders.released_stop = 1;
+        ASSERT_TRUE(monitor.reset(1));
+        EXPECT_TRUE(pass(stopped, orders).resets_faults);
+        if (is_missing) {
+            Link nothing = stopped.link;
+            nothing.arrival = device::Arrival::absent;
+            EXPECT_FALSE(monitor.hold(little(), nothing, orders).resets_faults);
+        }
+        for (int i = 0; i < 90; ++i) {
+            EXPECT_EQ(pass(stopped, orders).resets_faults, !is_missing);
+        }
+        for (int i = 0; i < 20; ++i) { // it stays on
+            EXPECT_EQ(pass(stopped, orders).e_W_V, Vector3::Zero());
+        }
+        EXPECT_EQ(monitor.status().held_stop, 2U);
+        EXPECT_FALSE(monitor.reset(1));
+    }
+}
+
 TEST_F(SafetyMonitorTest, AResetWithoutATripDoesNothing) {
     start_up();
     monitor.reset();
