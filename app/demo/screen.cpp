@@ -106,7 +106,7 @@ Screen::Screen(const DemoOptions &options, session::Session &session)
 
 void Screen::take_orders() {
     if (window_.take_emergency_stop()) {
-        session_.servo().emergency_stop();
+        session_.emergency_stop();
     }
     for (const KeyPress &key : window_.take_keys()) {
         kiosk_ ? kiosk_->obey(key) : obey(key);

@@ -74,7 +74,7 @@ void Kiosk::update(const KioskParts &parts, const KioskFrame &frame, const Recta
     renew_read_out(parts);
     const KioskAnswer answer = draw_kiosk(shown(parts), parts.view.camera(), view, text);
     if (answer.stop) {
-        session.servo().emergency_stop();
+        session.emergency_stop();
     }
     if (answer.go_on) {
         session.servo().let_go_on();

@@ -117,7 +117,7 @@ void draw_stop_button(session::Session &session, const Rectangle &view, float sc
     ImGui::Begin("stop", nullptr,
                  kOverlay | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav);
     if (ui::button("STOP  F12", {width, height_of_stop()})) {
-        session.servo().emergency_stop();
+        session.emergency_stop();
     }
     ui::explain("Emergency stop: the motors brake at once. F12 does the same at any time, and the\n"
                 "space bar while no text is typed.");

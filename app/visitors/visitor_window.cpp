@@ -108,7 +108,7 @@ SittingFrame VisitorWindow::show(const ParticipantPicture &picture, const Sittin
     report(picture, state);
     hidden_.end_frame();
     if (window_.take_emergency_stop()) {
-        session_.servo().emergency_stop();
+        session_.emergency_stop();
     }
     SittingFrame frame{taken_inputs(), {}};
     obey_staff(frame.inputs);

@@ -14,6 +14,13 @@ ServoRun::ServoRun(device::HapticDevice &device, const ServoWay &way)
     publish();
 }
 
+/// Before the first frame nobody would notice that the window stands still: no motor is driven.
+void ServoRun::publish() {
+    servo::ServoInputs inputs = inputs_;
+    inputs.release = inputs.release || (!way_.lockstep && inputs.heartbeat == 0);
+    servo_->publish(inputs);
+}
+
 void ServoRun::tune(const control::Tuning &tuning) {
     inputs_.tuning = tuning;
     publish();
@@ -95,7 +102,7 @@ std::vector<std::string> ServoRun::start(const std::function<void()> &on_thread)
 }
 
 void ServoRun::advance(double frame_s) {
-    shown_stop_ = latest_.safety.held_stop;
+    shown_stop_ = drawn_stop_;
     inputs_.heartbeat = std::max(1U, inputs_.heartbeat + 1U);
     publish();
     if (!is_halted() && (way_.lockstep || speed_ < 1.0)) {
@@ -105,6 +112,7 @@ void ServoRun::advance(double frame_s) {
         servo_->advance(due);
     }
     take_in();
+    drawn_stop_ = latest_.safety.held_stop;
 }
 
 bool ServoRun::can_change_speed() const {
@@ -243,6 +251,9 @@ void ServoRun::renew(device::HapticDevice &device) {
     device_ = &device;
     servo_ = std::make_unique<servo::Servo>(device, servo_hz);
     inputs_.requested_stop = std::max(inputs_.requested_stop, latest_.safety.held_stop);
+    if (latest_.safety.state == servo::SafetyState::tripped && !is_held_stopped()) {
+        inputs_.requested_stop = inputs_.released_stop + 1; // the new servo knows of no trip
+    }
     inputs_.reset_count = 0; // as the new loop's: only a difference is a request
     inputs_.unwatched_count = 0;
     inputs_.release = false;

@@ -108,7 +108,7 @@ public:
     std::uint64_t set_rate(double servo_hz);
 
     /// Restarts on another device with the same inputs, except for `release`. Must be started. A
-    /// held stop stays held.
+    /// held stop stays held, and a trip becomes one.
     /// @pre the servo's thread is not running, and no assertion failed on it
     void renew(device::HapticDevice &device);
 
@@ -137,14 +137,15 @@ public:
     [[nodiscard]] servo::Servo &servo() { return *servo_; }
 
 private:
-    void publish() { servo_->publish(inputs_); }
+    void publish();
     void note_standstill(const servo::ServoSample &sample);
 
     ServoWay way_;
     device::HapticDevice *device_;
     std::unique_ptr<servo::Servo> servo_;
     servo::ServoInputs inputs_;
-    std::uint32_t shown_stop_ = 0; ///< held when the present frame began
+    std::uint32_t drawn_stop_ = 0; ///< held when the present frame is drawn
+    std::uint32_t shown_stop_ = 0; ///< held when the previous one was drawn
     double speed_ = 1.0;
     std::optional<bool> halt_;   ///< while it stands still: whether the thread ran before
     double pending_ticks_ = 0.0; ///< fraction of a tick due in lockstep, or slowed down

@@ -130,6 +130,9 @@ public:
     /// @param tick  returns whether there is more to do
     /// @throw InputError while the device is stopped, exchanged, lost or lent already
     void lend_device(std::function<bool()> tick);
+    /// Stops the motors until a person lets them go on, and ends a loan.
+    void emergency_stop();
+
     /// Ends the loan now; may be called without one.
     void take_device_back();
     /// From the request on, until the servo goes on.
@@ -194,6 +197,7 @@ private:
     [[nodiscard]] simulated::HandControl &hand_control();
     void move_emulated();
     void require_not_lent() const;
+    void end_pulses();
     void go_on_with_loan(double frame_s);
     void simulate_as(const simulated::SimulationOptions &simulation);
     void start_again_with(const simulated::PlantEffects &effects);

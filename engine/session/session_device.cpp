@@ -167,11 +167,11 @@ void Session::begin_on(Prepared next) {
     servo_->set_global_alpha(control::global_alpha_bound(description));
     models_->set_ground(ground(next.text, description, servo_->rate_hz()));
     begin_part(part_before, "for the new device");
+    release_until_zeroed();
     if (has_started_) {
         start_servo();
         servo_->set_speed(speed);
     }
-    release_until_zeroed();
     choose_again();
 }
 

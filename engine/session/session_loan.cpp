@@ -131,6 +131,26 @@ void Session::go_on_with_loan(double frame_s) {
     }
 }
 
+void Session::emergency_stop() {
+    servo_->emergency_stop();
+    take_device_back();
+}
+
+/// Ends pulses of a self-test, which go on while its host brakes, by opening the windings.
+void Session::end_pulses() {
+    device::HapticDevice &device = device_->device();
+    if (device.bench() == nullptr) {
+        return;
+    }
+    for (const auto mode : {device::CommandMode::open, device::CommandMode::brake}) {
+        const device::Measurement measured = device.read();
+        device::DeviceCommand command;
+        command.mode = measured.faults.any() ? device::CommandMode::brake : mode; // ended by it
+        command.number = measured.number;
+        device.write(command);
+    }
+}
+
 void Session::take_device_back() {
     if (!loan_) {
         return;
@@ -140,6 +160,7 @@ void Session::take_device_back() {
     loan_complaint_ = loan_->complaint();
     loan_.reset();
     if (has_begun) {
+        end_pulses();
         note(dump({{"device", "back"}, {"after_tick", latest().tick}}));
         released_until_s_ = latest().time_s + kSettling_s;
         release_until_zeroed();

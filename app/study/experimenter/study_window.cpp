@@ -174,7 +174,7 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
     const bool by_experimenter = window_.take_emergency_stop();
     const bool by_participant = participant_window_.take_emergency_stop();
     if (acts.emergency_stop || by_experimenter || by_participant) {
-        session_.servo().emergency_stop();
+        session_.emergency_stop();
     }
     if (acts.zeroes_device) {
         panel_.complaint = complaint_of([this] { session_.zero_device(Vector3::Zero()); });

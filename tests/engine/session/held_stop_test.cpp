@@ -100,6 +100,24 @@ TEST(HeldStop, OfTheSwitchHoldsAfterItsReleaseAndAgainstAnOrderOfAnEarlierStop) 
     expect_goes_on(session);
 }
 
+/// The window has not drawn the second one when it is clicked.
+TEST(HeldStop, IsNotLetGoByAnOrderForTheOneThatTheFrameShowed) {
+    Session session(at_rest({"stop@4-4.2"}));
+    session.start();
+    expect_runs(session);
+    session.emergency_stop();
+    ASSERT_TRUE(testing::run_until(
+        session, [&] { return session.latest().time_s > 3.9; }, 4.0));
+    while (session.latest().board_faults == 0) { // seen by the servo during the frame
+        session.servo().servo().advance(1);
+        session.servo().take_in();
+    }
+    session.advance(testing::kFrame_s);
+    session.servo().let_go_on();
+    expect_stays_stopped(session, 1.0);
+    expect_goes_on(session);
+}
+
 /// Whoever lets it go while it is still pressed: nothing moves, and its release starts nothing.
 TEST(HeldStop, OfASwitchThatIsStillPressedHoldsAnew) {
     Session session(at_rest({"stop@4-6"}));
@@ -139,6 +157,20 @@ TEST(HeldStop, OutlastsAnExchangeOfTheDevice) {
             session, [&] { return !session.is_exchanging(); }, 2.0));
         expect_runs(session);
     }
+}
+
+TEST(HeldStop, IsWhatATripBecomesByAnExchangeOfTheDevice) {
+    Session session(at_rest({"unplug@4-6"}));
+    session.start();
+    expect_runs(session);
+    ASSERT_TRUE(testing::run_until(
+        session, [&] { return state(session) == SafetyState::tripped; }, 4.0));
+    session.exchange_device(testing::premium());
+    ASSERT_TRUE(testing::run_until(
+        session, [&] { return !session.is_exchanging(); }, 2.0));
+    testing::run(session, 0.1);
+    expect_stays_stopped(session, 1.0);
+    expect_goes_on(session);
 }
 
 TEST(HeldStop, OutlastsALostCable) {

@@ -134,6 +134,24 @@ TEST(ServoRun, ASimulatedDeviceSlowsDownStandsStillAndSteps) {
     EXPECT_EQ(run.lost_samples(), 0U);
 }
 
+/// Nobody would notice that the window stands still.
+TEST(ServoRun, DrivesNoMotorBeforeTheFirstFrame) {
+    simulated::SimulatedPhantom device{testing::phantom_1_0(), {}, kStart_m};
+    ServoRun run(device, {});
+    static_cast<void>(run.start());
+    const auto runs_until = [&](std::uint64_t tick, bool in_frames) {
+        while (run.latest().tick < tick) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            in_frames ? run.advance(0.0) : run.take_in();
+        }
+    };
+    runs_until(1000, false); // rest is known after a tenth of it
+    EXPECT_EQ(run.latest().safety.state, servo::SafetyState::waiting);
+    runs_until(1500, true);
+    EXPECT_TRUE(servo::lets_pass(run.latest().safety.state));
+    run.stop();
+}
+
 TEST(ServoRun, LockstepHasOneSpeed) {
     Rig rig;
     EXPECT_FALSE(rig.run.can_change_speed());

@@ -12,6 +12,7 @@
 
 #include <atomic>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -64,7 +65,7 @@ TEST(EmulatedSession, StartsInItsZeroPoseAndDrivesNothingUntilItIsZeroed) {
     EXPECT_FALSE(session.is_zeroed());
     testing::run(session, 1.0);
     EXPECT_EQ(session.latest().safety.state, SafetyState::waiting);
-    EXPECT_EQ(board_of(session).board().loop().state(), usb::BoardState::braking);
+    EXPECT_NE(board_of(session).board().loop().state(), usb::BoardState::testing);
     session.zero_device(Vector3::Zero());
     ASSERT_TRUE(stands_over_plate(session));
     EXPECT_EQ(board_of(session).board().loop().state(), usb::BoardState::driving);
@@ -219,6 +220,34 @@ TEST(LentDevice, ComesBackAtAnEmergencyStopAndStaysStopped) {
     EXPECT_FALSE(session.is_lent());
     EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
     EXPECT_NE(complaint_of([&] { session.lend_device([] { return false; }); }), "");
+    session.stop();
+}
+
+/// Test pulses go on at a board whose host brakes, for half a second.
+TEST(LentDevice, AStopEndsItAndItsPulsesAtOnce) {
+    Session session(emulated(true));
+    session.start();
+    ASSERT_TRUE(stands_over_plate(session));
+    std::optional<commissioning::SelfTest> test;
+    session.lend_device([&] {
+        if (!test) {
+            test.emplace(session.device().device());
+        }
+        return test->step();
+    });
+    const auto largest_A = [&] {
+        return board_of(session).phantom().truth().current_A.cwiseAbs().maxCoeff();
+    };
+    ASSERT_TRUE(testing::run_until(
+        session, [&] { return largest_A() > 0.2; }, 3.0));
+    session.emergency_stop(); // between two frames
+    EXPECT_FALSE(session.is_lent());
+    EXPECT_NE(board_of(session).board().loop().state(), usb::BoardState::testing);
+    for (int i = 0; i < 600; ++i) {
+        session.advance(1e-3);
+        EXPECT_LT(largest_A(), i < 4 ? 0.4 : 0.02); // L/R is 0.7 ms
+    }
+    EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
     session.stop();
 }
 
