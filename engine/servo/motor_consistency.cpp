@@ -38,8 +38,9 @@ constexpr double kNoise_V = 0.02;
 /// How fast a winding cools at the most [K/s].
 constexpr double kCooling_K_per_s = 7.0;
 
-/// The ripple's slope, of all harmonics, against that of the first.
+/// The ripple's slope and amplitude, of all harmonics, against those of the first.
 constexpr double kRippleSlope = 2.0;
+constexpr double kRippleAmplitude = 1.5;
 
 } // namespace
 
@@ -47,7 +48,8 @@ MotorConsistency::MotorConsistency(const device::DeviceDescription &device, std:
                                    double period_s)
     : motor_(device.motor[motor]), sensing_(device.current_sensing),
       tolerance_(device.resistance_tolerance(motor)),
-      k_T_tolerance_(std::max(kTorqueConstant, motor_.torque_constant_tolerance)) {
+      k_T_tolerance_(std::max(kTorqueConstant, motor_.torque_constant_tolerance)),
+      ripple_Ohm_(kRippleAmplitude * motor_.commutation_ripple * motor_.resistance_Ohm) {
     set_period(period_s);
 }
 
@@ -67,34 +69,39 @@ double MotorConsistency::unexplained_rad() const noexcept {
 }
 
 /// R i + V_b, from the smallest to the largest.
-ResistanceBounds MotorConsistency::drop_V(double current_A,
-                                          const ResistanceBounds &R) const noexcept {
+Bounds MotorConsistency::drop_V(double current_A, const Bounds &R_Ohm) const noexcept {
     const double off_A = sensing_.max_offset_A + sensing_.noise_A;
-    const double least_A = current_A - off_A;
-    const double most_A = current_A + off_A;
-    ResistanceBounds drop{least_A * (least_A > 0.0 ? R.min_Ohm : R.max_Ohm),
-                          most_A * (most_A > 0.0 ? R.max_Ohm : R.min_Ohm)};
-    drop.min_Ohm -= least_A > 0.0 ? 0.0 : kMaxBrush_V;
-    drop.max_Ohm += most_A < 0.0 ? 0.0 : kMaxBrush_V;
-    return drop;
+    const double min_A = current_A - off_A;
+    const double max_A = current_A + off_A;
+    Bounds drop_V{min_A * (min_A > 0.0 ? R_Ohm.min : R_Ohm.max),
+                  max_A * (max_A > 0.0 ? R_Ohm.max : R_Ohm.min)};
+    drop_V.min -= min_A > 0.0 ? 0.0 : kMaxBrush_V;
+    drop_V.max += max_A < 0.0 ? 0.0 : kMaxBrush_V;
+    return drop_V;
 }
 
-/// What is known of the drop as a share of the current, at another level.
-ResistanceBounds MotorConsistency::at_level(double current_A) const noexcept {
+/// R + V_b/i at another current than the level's.
+Bounds MotorConsistency::at_current(double current_A, const Bounds &known_Ohm) const noexcept {
     const double less_per_A = 1.0 / std::abs(current_A) - 1.0 / std::abs(level_->current_A);
     const double offset_Ohm =
         (sensing_.max_offset_A * motor_.resistance_Ohm + kNoise_V) * std::abs(less_per_A);
     const double brush_Ohm = kMaxBrush_V * less_per_A;
-    return {level_->drop.min_Ohm + std::min(0.0, brush_Ohm) - offset_Ohm,
-            level_->drop.max_Ohm + std::max(0.0, brush_Ohm) + offset_Ohm};
+    return known_Ohm.wider(offset_Ohm - std::min(0.0, brush_Ohm),
+                           offset_Ohm + std::max(0.0, brush_Ohm));
+}
+
+/// The same, by all that is known of it.
+Bounds MotorConsistency::apparent_Ohm(double current_A) const noexcept {
+    return at_current(current_A,
+                      level_->here_Ohm.and_also(level_->mean_Ohm.wider(ripple_Ohm_, ripple_Ohm_)));
 }
 
 void MotorConsistency::update(const control::DrivenInterval &interval, double min_C,
                               double max_C) noexcept {
-    const ResistanceBounds R{(1.0 - tolerance_) * device::min_resistance_Ohm(motor_, min_C),
-                             (1.0 + tolerance_) * device::max_resistance_Ohm(motor_, max_C)};
+    const Bounds R_Ohm{(1.0 - tolerance_) * device::min_resistance_Ohm(motor_, min_C),
+                       (1.0 + tolerance_) * device::max_resistance_Ohm(motor_, max_C)};
     const double T = interval.duration_s;
-    const double dR_Ohm = 0.5 * (R.min_Ohm + R.max_Ohm) - interval.R_hat_Ohm;
+    const double dR_Ohm = 0.5 * (R_Ohm.min + R_Ohm.max) - interval.R_hat_Ohm;
     const double mean_A = control::mean_current_A(interval, dR_Ohm, motor_.inductance_H);
     const double across_V = interval.e_W_V + interval.R_hat_Ohm * mean_A;
     const double largest_A = std::max(std::abs(interval.before_A), std::abs(interval.after_A));
@@ -106,14 +113,13 @@ void MotorConsistency::update(const control::DrivenInterval &interval, double mi
     }
     const double voltage_Vs =
         across_V * T - motor_.inductance_H * (interval.after_A - interval.before_A);
-    ResistanceBounds drop = drop_V(mean_A, R);
+    Bounds drop = drop_V(mean_A, R_Ohm); // [V]
     if (level_ && mean_A * level_->current_A > 0.0 && std::abs(mean_A) > kLevel_A) {
-        const ResistanceBounds share = at_level(mean_A);
-        const double size_A = std::abs(mean_A);
-        const double least_V = size_A * share.min_Ohm;
-        const double most_V = size_A * share.max_Ohm;
-        drop.min_Ohm = std::max(drop.min_Ohm, mean_A > 0.0 ? least_V : -most_V);
-        drop.max_Ohm = std::min(drop.max_Ohm, mean_A > 0.0 ? most_V : -least_V);
+        const Bounds known_Ohm = apparent_Ohm(mean_A);
+        const double from_V = mean_A * known_Ohm.min;
+        const double to_V = mean_A * known_Ohm.max;
+        drop.min = std::max(drop.min, std::min(from_V, to_V));
+        drop.max = std::min(drop.max, std::max(from_V, to_V));
     }
     double amplifier_V = kAmplifier * std::abs(interval.e_W_V);
     if (!sensing_.is_shared) { // R̂ times another sensor's reading
@@ -123,8 +129,8 @@ void MotorConsistency::update(const control::DrivenInterval &interval, double mi
     const double turned_rad = interval.after_rad - interval.before_rad;
     const double turned_Vs = motor_.torque_constant_Nm_per_A * turned_rad;
     const double within_Vs = k_T_tolerance_ * std::abs(turned_Vs) + amplifier_V * T;
-    above_Vs_ = std::max(0.0, above_Vs_ + turned_Vs - within_Vs - (voltage_Vs - drop.min_Ohm * T));
-    below_Vs_ = std::max(0.0, below_Vs_ - turned_Vs - within_Vs + (voltage_Vs - drop.max_Ohm * T));
+    above_Vs_ = std::max(0.0, above_Vs_ + turned_Vs - within_Vs - (voltage_Vs - drop.min * T));
+    below_Vs_ = std::max(0.0, below_Vs_ - turned_Vs - within_Vs + (voltage_Vs - drop.max * T));
     learn(interval, voltage_Vs, mean_A);
 }
 
@@ -140,8 +146,10 @@ void MotorConsistency::learn(const control::DrivenInterval &interval, double vol
         const double ripple_Ohm = kRippleSlope * motor_.commutation_ripple *
                                   motor_.commutator_segments * motor_.resistance_Ohm *
                                   std::abs(interval.after_rad - interval.before_rad);
-        level_->drop.min_Ohm -= rise_per_s * kCooling_K_per_s * T + ripple_Ohm;
-        level_->drop.max_Ohm += rise_per_s * heat_K_per_s * T + ripple_Ohm;
+        const double cooled_Ohm = rise_per_s * kCooling_K_per_s * T;
+        const double heated_Ohm = rise_per_s * heat_K_per_s * T;
+        level_->mean_Ohm = level_->mean_Ohm.wider(cooled_Ohm, heated_Ohm);
+        level_->here_Ohm = level_->here_Ohm.wider(cooled_Ohm + ripple_Ohm, heated_Ohm + ripple_Ohm);
     }
     const bool is_same = window_.duration_s > 0.0 && mean_A * window_.charge_As > 0.0;
     if (!(size_A > kLevel_A)) {
@@ -175,15 +183,14 @@ void MotorConsistency::end_window() noexcept {
     const double drop_V =
         std::copysign(1.0, mean_A) * (window_.voltage_Vs / window_.duration_s - turned_V);
     const double off_V = k_T_tolerance_ * std::abs(turned_V) + kNoise_V;
-    const ResistanceBounds seen{(drop_V - off_V) / size_A, (drop_V + off_V) / size_A};
+    const Bounds seen_Ohm{(drop_V - off_V) / size_A, (drop_V + off_V) / size_A};
+    const Bounds of_mean_Ohm = seen_Ohm.wider(ripple_Ohm_, ripple_Ohm_);
     if (!level_ || level_->current_A * mean_A <= 0.0) {
-        level_ = Level{mean_A, seen};
+        level_ = Level{mean_A, seen_Ohm, of_mean_Ohm};
         return;
     }
-    const ResistanceBounds known = at_level(mean_A);
-    const ResistanceBounds both{std::max(known.min_Ohm, seen.min_Ohm),
-                                std::min(known.max_Ohm, seen.max_Ohm)};
-    level_ = Level{mean_A, both.min_Ohm <= both.max_Ohm ? both : known};
+    level_ = Level{mean_A, apparent_Ohm(mean_A).and_also(seen_Ohm),
+                   at_current(mean_A, level_->mean_Ohm).and_also(of_mean_Ohm)};
 }
 
 } // namespace springdrive::servo

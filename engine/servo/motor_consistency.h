@@ -15,22 +15,32 @@
 // taught, except:
 //
 // At a level of the current, R + V_b/i is known better than either of them: while the current is
-// steady, intervals intersect what is known of it. It widens by heat, by the angle's ripple, and by
-// what V_b and the offset make of another level. A hand that moves a dead encoder's motor slower
-// than this widens is not noticed.
+// steady, intervals intersect what is known of it, at the present angle and in the mean over all.
+// That widens by heat, by the angle's ripple, up to its amplitude, and by what V_b and the offset
+// make of another level. A hand that moves a dead encoder's motor slower than this is not noticed.
 #pragma once
 
 #include "device/core/device_file.h"
 #include "engine/control/resistance_observer.h"
 
+#include <algorithm>
 #include <optional>
 
 namespace springdrive::servo {
 
-/// By how much R may be anything at an instant [Ω].
-struct ResistanceBounds {
-    double min_Ohm = 0.0;
-    double max_Ohm = 0.0;
+/// Between what a quantity is known to be, in the unit that its name has.
+struct Bounds {
+    double min = 0.0;
+    double max = 0.0;
+
+    [[nodiscard]] Bounds wider(double below, double above) const {
+        return {min - below, max + above};
+    }
+    /// What both say, or this alone where they contradict each other.
+    [[nodiscard]] Bounds and_also(const Bounds &other) const {
+        const Bounds both{std::max(min, other.min), std::min(max, other.max)};
+        return both.min <= both.max ? both : *this;
+    }
 };
 
 /// The test of one motor. RT-safe after construction.
@@ -52,10 +62,11 @@ public:
     [[nodiscard]] double limit_rad() const noexcept { return limit_rad_; }
 
 private:
-    /// Of R i + V_b at a current, as a share of it.
+    /// A steady current, and what is known of R + V_b/i at it.
     struct Level {
         double current_A = 0.0; ///< with its sign
-        ResistanceBounds drop;
+        Bounds here_Ohm;        ///< at the present angle
+        Bounds mean_Ohm;        ///< over the angles
     };
     /// Sums while the current is steady.
     struct Window {
@@ -67,9 +78,9 @@ private:
         double max_A = 0.0;
     };
 
-    [[nodiscard]] ResistanceBounds drop_V(double current_A,
-                                          const ResistanceBounds &R) const noexcept;
-    [[nodiscard]] ResistanceBounds at_level(double current_A) const noexcept;
+    [[nodiscard]] Bounds drop_V(double current_A, const Bounds &R_Ohm) const noexcept;
+    [[nodiscard]] Bounds at_current(double current_A, const Bounds &known_Ohm) const noexcept;
+    [[nodiscard]] Bounds apparent_Ohm(double current_A) const noexcept;
     void learn(const control::DrivenInterval &interval, double voltage_Vs, double mean_A) noexcept;
     void end_window() noexcept;
 
@@ -77,6 +88,7 @@ private:
     device::CurrentSensing sensing_;
     double tolerance_; ///< of R, as the amplifier sees it
     double k_T_tolerance_;
+    double ripple_Ohm_; ///< amplitude, at the most
     double limit_rad_ = 0.0;
     double above_Vs_ = 0.0; ///< measured rotation beyond its upper bound
     double below_Vs_ = 0.0;
