@@ -250,6 +250,7 @@ TEST_F(DeviceStopsOfAThread, AreSeenBeforeTheNextFrame) {
     stops_.watch();
     EXPECT_EQ(state(), servo::SafetyState::tripped);
     EXPECT_EQ(stops_.count(), 1);
+    session_.advance(kMadeUpFrame_s); // in which whoever saw it acts
     stops_.let_go_on();
     pass_until([this] { return state() == servo::SafetyState::running; });
     stops_.watch();
@@ -266,7 +267,8 @@ TEST_F(DeviceStopsOfAThread, InATrialAreOneWhicheverWayItEnds) {
         stops_.watch();
         EXPECT_EQ(stops_.count(), before + 1);
         EXPECT_EQ(notes_.size(), is_stored ? notes : notes + 1);
-        session_.advance(kMadeUpFrame_s);
+        session_.advance(kMadeUpFrame_s); // shows it
+        session_.advance(kMadeUpFrame_s); // in which whoever saw it acts
         stops_.let_go_on();
         pass_until([this] { return state() == servo::SafetyState::running; });
         stops_.watch();
