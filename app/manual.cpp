@@ -1,6 +1,6 @@
 #include "app/manual.h"
 
-#include "app/asset_folder.h"
+#include "app/host/asset_folder.h"
 #include "base/print.h"
 
 #include <CLI/CLI.hpp>

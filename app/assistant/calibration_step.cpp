@@ -3,7 +3,7 @@
 #include "app/assistant/calibration_words.h"
 #include "app/assistant/rehearsal.h"
 #include "app/assistant/steps.h"
-#include "app/own_folder.h"
+#include "app/host/own_folder.h"
 #include "base/complaint.h"
 #include "base/degrees.h"
 #include "base/file_names.h"

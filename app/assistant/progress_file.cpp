@@ -1,6 +1,6 @@
 #include "app/assistant/progress_file.h"
 
-#include "app/user_folder.h"
+#include "app/host/user_folder.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/one_line.h"

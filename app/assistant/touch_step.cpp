@@ -1,6 +1,6 @@
-#include "app/asset_folder.h"
 #include "app/assistant/rehearsal.h"
 #include "app/assistant/steps.h"
+#include "app/host/asset_folder.h"
 #include "base/complaint.h"
 #include "engine/control/tuning_file.h"
 

@@ -1,11 +1,11 @@
 #include "app/commands/commands.h"
 
-#include "app/asset_folder.h"
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
 #include "app/figures/gnuplot.h"
 #include "app/figures/speed_accuracy_marks.h"
+#include "app/host/asset_folder.h"
 #include "base/machine_name.h"
 #include "engine/lab/charts/chart.h"
 #include "engine/lab/charts/charts.h"

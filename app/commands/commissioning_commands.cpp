@@ -2,7 +2,7 @@
 
 #include "app/commands/common_options.h"
 #include "app/commands/typed_board.h"
-#include "app/ending_signal.h"
+#include "app/host/ending_signal.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/one_line.h"

@@ -1,6 +1,6 @@
 #include "app/commands/common_options.h"
 
-#include "app/asset_folder.h"
+#include "app/host/asset_folder.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/print.h"

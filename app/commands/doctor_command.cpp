@@ -1,9 +1,9 @@
 #include "app/commands/commands.h"
 
-#include "app/asset_folder.h"
 #include "app/commands/common_options.h"
 #include "app/doctor/checks.h"
 #include "app/doctor/doctor_report.h"
+#include "app/host/asset_folder.h"
 #include "base/complaint.h"
 #include "base/machine_name.h"
 #include "engine/servo/servo.h"

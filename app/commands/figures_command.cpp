@@ -1,11 +1,11 @@
 #include "app/commands/commands.h"
 
-#include "app/asset_folder.h"
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
 #include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
+#include "app/host/asset_folder.h"
 #include "base/input_error.h"
 #include "engine/lab/limits/locked_device.h"
 #include "engine/lab/loops/stiffness_ellipse.h"

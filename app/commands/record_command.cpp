@@ -2,7 +2,7 @@
 
 #include "app/commands/output_files.h"
 #include "app/commands/typed_session.h"
-#include "app/ending_signal.h"
+#include "app/host/ending_signal.h"
 #include "app/open_session.h"
 #include "app/window/frame_pace.h"
 #include "base/input_error.h"

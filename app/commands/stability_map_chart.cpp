@@ -1,8 +1,8 @@
 #include "app/commands/stability_map_chart.h"
 
-#include "app/asset_folder.h"
 #include "app/commands/output_files.h"
 #include "app/figures/gnuplot.h"
+#include "app/host/asset_folder.h"
 
 #include <fmt/core.h>
 

@@ -5,7 +5,7 @@
 #include "app/commands/progress_line.h"
 #include "app/commands/sweep_report.h"
 #include "app/commands/typed_board.h"
-#include "app/ending_signal.h"
+#include "app/host/ending_signal.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/print.h"

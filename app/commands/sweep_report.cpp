@@ -1,8 +1,8 @@
 #include "app/commands/sweep_report.h"
 
-#include "app/asset_folder.h"
 #include "app/commands/output_files.h"
 #include "app/figures/gnuplot.h"
+#include "app/host/asset_folder.h"
 #include "base/degrees.h"
 #include "base/print.h"
 #include "engine/lab/loops/stiffness_sweep.h"

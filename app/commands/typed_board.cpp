@@ -1,6 +1,6 @@
 #include "app/commands/typed_board.h"
 
-#include "app/user_folder.h"
+#include "app/host/user_folder.h"
 #include "base/input_error.h"
 #include "engine/session/windings_file.h"
 

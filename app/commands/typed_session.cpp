@@ -1,7 +1,7 @@
 #include "app/commands/typed_session.h"
 
-#include "app/asset_folder.h"
-#include "app/user_folder.h"
+#include "app/host/asset_folder.h"
+#include "app/host/user_folder.h"
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "engine/servo/servo.h"

@@ -2,11 +2,11 @@
 
 #include "app/commands/output_files.h"
 #include "app/demo/screen.h"
-#include "app/ending_signal.h"
 #include "app/exhibit/lost_display.h"
+#include "app/host/ending_signal.h"
+#include "app/host/software_renderer.h"
 #include "app/open_session.h"
 #include "app/window/frame_pace.h"
-#include "app/window/software_renderer.h"
 #include "base/print.h"
 #include "engine/session/session_report.h"
 

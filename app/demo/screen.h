@@ -12,7 +12,7 @@
 #include "app/demo/window_habits.h"
 #include "app/exhibit/guide.h"
 #include "app/exhibit/kiosk.h"
-#include "app/own_folder.h"
+#include "app/host/own_folder.h"
 #include "app/panels/panels.h"
 #include "app/plots/plot_panel.h"
 #include "app/view/renderer.h"

@@ -2,7 +2,7 @@
 // minute.
 #include "app/demo/screen.h"
 
-#include "app/asset_folder.h"
+#include "app/host/asset_folder.h"
 #include "app/panels/legend.h"
 #include "base/complaint.h"
 

@@ -1,6 +1,6 @@
 #include "app/demo/settings.h"
 
-#include "app/user_folder.h"
+#include "app/host/user_folder.h"
 #include "base/complaint.h"
 #include "base/file_names.h"
 #include "base/input_error.h"

@@ -1,6 +1,6 @@
 #include "app/demo/window_habits.h"
 
-#include "app/own_folder.h"
+#include "app/host/own_folder.h"
 #include "base/file_names.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // What the window needs: a display, and OpenGL on it.
 #include "app/doctor/checks.h"
 
-#include "app/window/software_renderer.h"
+#include "app/host/software_renderer.h"
 
 #include <fmt/format.h>
 

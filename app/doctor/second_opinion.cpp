@@ -1,6 +1,6 @@
 #include "app/doctor/second_opinion.h"
 
-#include "app/child_program.h"
+#include "app/host/child_program.h"
 #include "base/input_error.h"
 
 #include <fmt/format.h>

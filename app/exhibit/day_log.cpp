@@ -1,6 +1,6 @@
 #include "app/exhibit/day_log.h"
 
-#include "app/user_folder.h"
+#include "app/host/user_folder.h"
 #include "base/one_line.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "app/exhibit/tour.h"
 
-#include "app/asset_folder.h"
+#include "app/host/asset_folder.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/scenario/surface_probe.h"
 

@@ -1,6 +1,6 @@
 #include "app/figures/gnuplot.h"
 
-#include "app/child_program.h"
+#include "app/host/child_program.h"
 #include "base/input_error.h"
 
 #include <fmt/core.h>

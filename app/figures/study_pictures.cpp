@@ -1,6 +1,6 @@
 #include "app/figures/study_pictures.h"
 
-#include "app/asset_folder.h"
+#include "app/host/asset_folder.h"
 #include "engine/study/conduct/stored_trial.h"
 #include "engine/study/results/results_csv.h"
 

@@ -1,5 +1,5 @@
 #include "app/demo/symbols.h"
-#include "app/own_folder.h"
+#include "app/host/own_folder.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "engine/control/tuning_difference.h"

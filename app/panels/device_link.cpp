@@ -1,5 +1,5 @@
 // Which device the session has, and the connection to it.
-#include "app/asset_folder.h"
+#include "app/host/asset_folder.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "base/complaint.h"

@@ -1,4 +1,4 @@
-#include "app/own_folder.h"
+#include "app/host/own_folder.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"

@@ -1,7 +1,7 @@
 #include "app/panels/stability_tab.h"
 
 #include "app/demo/symbols.h"
-#include "app/own_folder.h"
+#include "app/host/own_folder.h"
 #include "app/panels/held_dR.h"
 #include "app/widgets/widgets.h"
 

@@ -1,5 +1,5 @@
 #include "app/commands/output_files.h"
-#include "app/own_folder.h"
+#include "app/host/own_folder.h"
 #include "app/panels/stability_tab.h"
 #include "base/file_names.h"
 #include "device/core/phantom/kinematics.h"

@@ -1,8 +1,8 @@
 #include "app/panels/tuning_files.h"
 
-#include "app/asset_folder.h"
 #include "app/commands/output_files.h"
-#include "app/own_folder.h"
+#include "app/host/asset_folder.h"
+#include "app/host/own_folder.h"
 #include "base/input_error.h"
 
 #include <algorithm>

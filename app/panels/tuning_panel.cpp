@@ -1,5 +1,5 @@
-#include "app/asset_folder.h"
 #include "app/demo/symbols.h"
+#include "app/host/asset_folder.h"
 #include "app/panels/held_dR.h"
 #include "app/panels/panels.h"
 #include "app/panels/presets.h"

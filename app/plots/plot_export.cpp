@@ -2,7 +2,7 @@
 #include "app/plots/plot_panel.h"
 
 #include "app/commands/output_files.h"
-#include "app/own_folder.h"
+#include "app/host/own_folder.h"
 #include "app/plots/channel_look.h"
 #include "app/plots/plot_menu.h"
 #include "app/widgets/look.h"

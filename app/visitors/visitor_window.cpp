@@ -1,6 +1,6 @@
 #include "app/visitors/visitor_window.h"
 
-#include "app/ending_signal.h"
+#include "app/host/ending_signal.h"
 #include "app/open_session.h"
 #include "app/study/participant/input_times.h"
 #include "app/widgets/widgets.h"

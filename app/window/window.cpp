@@ -1,8 +1,8 @@
 #include "app/window/window.h"
 
+#include "app/host/software_renderer.h"
 #include "app/widgets/look.h"
 #include "app/widgets/widgets.h"
-#include "app/window/software_renderer.h"
 #include "base/input_error.h"
 
 #include <epoxy/gl.h>

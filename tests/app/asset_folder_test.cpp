@@ -1,5 +1,5 @@
-// Covers app/asset_folder.cpp.
-#include "app/asset_folder.h"
+// Covers app/host/asset_folder.cpp.
+#include "app/host/asset_folder.h"
 
 #include "tests/support/devices.h"
 #include "tests/support/files.h"

@@ -1,5 +1,5 @@
-// Covers app/own_folder.cpp.
-#include "app/own_folder.h"
+// Covers app/host/own_folder.cpp.
+#include "app/host/own_folder.h"
 
 #include "tests/support/files.h"
 

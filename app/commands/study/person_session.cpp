@@ -1,9 +1,9 @@
 #include "app/commands/study/person_session.h"
 
-#include "app/asset_folder.h"
+#include "app/host/asset_folder.h"
+#include "app/host/user_folder.h"
 #include "app/open_session.h"
 #include "app/study/sitting/person_checks.h"
-#include "app/user_folder.h"
 #include "base/input_error.h"
 #include "engine/session/session_report.h"
 #include "engine/study/protocol/presented.h"

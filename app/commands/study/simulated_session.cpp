@@ -1,6 +1,6 @@
 #include "app/commands/study/simulated_session.h"
 
-#include "app/ending_signal.h"
+#include "app/host/ending_signal.h"
 #include "base/machine_name.h"
 
 namespace springdrive::app {

@@ -1,7 +1,7 @@
 #include "app/commands/study/study_commands.h"
 
-#include "app/asset_folder.h"
 #include "app/commands/output_files.h"
+#include "app/host/asset_folder.h"
 #include "base/input_error.h"
 #include "engine/study/protocol/protocol_file.h"
 

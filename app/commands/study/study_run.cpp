@@ -3,7 +3,7 @@
 #include "app/commands/common_options.h"
 #include "app/commands/study/opened_study.h"
 #include "app/commands/study/study_turns.h"
-#include "app/ending_signal.h"
+#include "app/host/ending_signal.h"
 #include "app/study/sitting/person_checks.h"
 #include "base/input_error.h"
 

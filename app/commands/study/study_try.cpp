@@ -1,10 +1,10 @@
 #include "app/commands/study/study_commands.h"
 
-#include "app/asset_folder.h"
 #include "app/commands/common_options.h"
 #include "app/commands/study/observer_options.h"
 #include "app/commands/study/person_session.h"
-#include "app/ending_signal.h"
+#include "app/host/asset_folder.h"
+#include "app/host/ending_signal.h"
 #include "app/open_session.h"
 #include "app/visitors/curve_of_answers.h"
 #include "app/visitors/visitor_window.h"

@@ -1,4 +1,4 @@
-#include "app/ending_signal.h"
+#include "app/host/ending_signal.h"
 
 #include <csignal>
 

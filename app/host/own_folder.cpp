@@ -1,6 +1,6 @@
-#include "app/own_folder.h"
+#include "app/host/own_folder.h"
 
-#include "app/user_folder.h"
+#include "app/host/user_folder.h"
 
 #include <fstream>
 #include <string_view>

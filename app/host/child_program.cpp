@@ -1,4 +1,4 @@
-#include "app/child_program.h"
+#include "app/host/child_program.h"
 
 #include <array>
 #include <cerrno>

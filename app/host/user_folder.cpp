@@ -1,4 +1,4 @@
-#include "app/user_folder.h"
+#include "app/host/user_folder.h"
 
 #include <cstdlib>
 
