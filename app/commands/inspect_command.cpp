@@ -3,10 +3,11 @@
 #include "app/commands/common_options.h"
 #include "app/commands/inspect_report.h"
 #include "app/commands/output_files.h"
+#include "app/commands/progress_line.h"
 #include "app/load_lines.h"
-#include "app/selection_line.h"
 #include "device/core/device_file.h"
 #include "engine/lab/rig/scenario/touch_scene.h"
+#include "engine/session/model_measurement.h"
 
 #include <CLI/CLI.hpp>
 
@@ -28,7 +29,7 @@ struct TypedInspect {
     std::filesystem::path device_file;
     std::string json; ///< empty: text for people
     bool no_model = false;
-    bool fresh = false;
+    bool fresh = false; ///< measure even if a choice is cached
     Existing existing = Existing::keep;
 };
 
@@ -41,8 +42,14 @@ model_selection::ModelSelection model_of_scene(const TypedInspect &typed, const 
                                                const device::DeviceDescription &device) {
     std::ifstream stream(typed.device_file, std::ios::binary);
     const std::string device_text{std::istreambuf_iterator<char>(stream), {}};
-    return selection_with_line({&scene, device, {}, 1e-3, 0.0}, {device_text, SPRINGDRIVE_VERSION},
-                               typed.fresh);
+    const model_selection::ModelQuestion question{&scene, device, {}, 1e-3, 0.0};
+    const session::ModelMemory memory{device_text, SPRINGDRIVE_VERSION};
+    ProgressLine line;
+    const model_selection::ModelProgress show = [&line](const std::string &what, double share) {
+        line.show("springdrive: measuring models: " + what + ',', share);
+    };
+    return typed.fresh ? session::measured_selection(question, memory, show)
+                       : session::known_selection(question, memory, show);
 }
 
 void run(const TypedInspect &typed) {

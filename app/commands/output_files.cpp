@@ -1,6 +1,5 @@
 #include "app/commands/output_files.h"
 
-#include "base/complaint.h"
 #include "base/input_error.h"
 #include "engine/scene/gltf_named_files.h"
 
@@ -10,9 +9,6 @@
 #include <cerrno>
 #include <cstdlib>
 #include <fcntl.h>
-#include <fstream>
-#include <iostream>
-#include <optional>
 #include <system_error>
 #include <unistd.h>
 
@@ -29,15 +25,6 @@ int error_of_closing(int descriptor) {
         close(descriptor);
     }
     return error;
-}
-
-/// A file that is not an open one of this process, such as /dev/stdout sent to a file: it appears
-/// under its name when it is complete.
-bool appears_complete(const fs::path &resolved) {
-    std::error_code ignored;
-    const fs::file_type type = fs::status(resolved, ignored).type();
-    return !resolved.string().starts_with("/proc/") &&
-           (type == fs::file_type::regular || type == fs::file_type::not_found);
 }
 
 /// The error of writing to `output`; 0 for none. It is tried if that leaves no trace, as
@@ -155,40 +142,6 @@ void make_output_folder(const std::filesystem::path &folder) {
         throw InputError("--out " + folder.string() +
                          ": no permission to write; name another folder");
     }
-}
-
-void write_output(const std::string &where, const Writer &write, FilePolicy policy) {
-    if (where == "-") {
-        write(std::cout);
-        if (!std::cout.flush()) {
-            throw InputError("standard output: cannot be written; is its disk full or its reader "
-                             "closed?");
-        }
-        return;
-    }
-    if (appears_complete(resolved_name(where))) {
-        write_file(where, write, policy);
-        if (const std::string warning = others_access_text(where);
-            policy.readers == Readers::owner && !warning.empty()) { // it replaced one like that
-            std::cerr << "springdrive: " << warning << '\n';
-        }
-        return;
-    }
-    std::ofstream file(where, std::ios::binary);
-    if (!file) {
-        throw InputError(where + ": cannot be created; check that its folder exists and its "
-                                 "permissions");
-    }
-    write(file);
-    file.close();
-    if (!file) {
-        throw InputError(where + ": cannot be written completely; is the disk full?");
-    }
-}
-
-std::string save_as(const std::filesystem::path &file, const Writer &write) {
-    const std::string complaint = complaint_of([&] { write_file(file, write, Existing::keep); });
-    return complaint.empty() ? "saved as " + file.string() : complaint;
 }
 
 void write_report(const Writer &table, const std::vector<ReportFile> &files, Existing existing) {

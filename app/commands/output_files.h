@@ -2,11 +2,9 @@
 // unasked: an input never, another file only with --force.
 #pragma once
 
-#include "base/new_file.h"
+#include "app/host/output.h"
 
 #include <filesystem>
-#include <functional>
-#include <ostream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,8 +15,6 @@ class Option;
 } // namespace CLI
 
 namespace springdrive::app {
-
-using Writer = std::function<void(std::ostream &)>;
 
 /// An option such as `--csv`, which writes `what` to a file or, with -, to standard output. `where`
 /// stays empty unless it is typed.
@@ -47,15 +43,6 @@ void add_chart_files(RunFiles &files, const std::filesystem::path &folder, std::
 /// Creates the folder that `--out` names, if it does not exist.
 /// @throw InputError if it cannot be created or written to.
 void make_output_folder(const std::filesystem::path &folder);
-
-/// Lets `write` fill the file, or standard output where `where` is "-". A regular file appears when
-/// it is complete.
-/// @throw InputError if the file exists and is to be kept, or cannot be created or written
-///        completely; an existing one is then as it was.
-void write_output(const std::string &where, const Writer &write, FilePolicy policy);
-
-/// A new file. Returns what came of it, for display: "saved as mine.toml", or why not.
-[[nodiscard]] std::string save_as(const std::filesystem::path &file, const Writer &write);
 
 /// A report in a format for programs, such as CSV.
 struct ReportFile {

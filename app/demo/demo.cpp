@@ -1,9 +1,9 @@
 #include "app/demo/demo.h"
 
-#include "app/commands/output_files.h"
 #include "app/demo/screen.h"
 #include "app/exhibit/lost_display.h"
 #include "app/host/ending_signal.h"
+#include "app/host/output.h"
 #include "app/host/software_renderer.h"
 #include "app/open_session.h"
 #include "app/window/frame_pace.h"

@@ -1,8 +1,8 @@
 #include "app/demo/screen.h"
 
 #include "app/assistant/assistant_panel.h"
-#include "app/commands/output_files.h"
 #include "app/host/asset_folder.h"
+#include "app/host/output.h"
 #include "app/view/pick.h"
 #include "app/widgets/widgets.h"
 #include "app/window/frame_pace.h"

@@ -1,4 +1,4 @@
-#include "app/commands/output_files.h"
+#include "app/host/output.h"
 #include "app/host/own_folder.h"
 #include "app/panels/stability_tab.h"
 #include "base/file_names.h"

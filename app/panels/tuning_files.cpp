@@ -1,7 +1,7 @@
 #include "app/panels/tuning_files.h"
 
-#include "app/commands/output_files.h"
 #include "app/host/asset_folder.h"
+#include "app/host/output.h"
 #include "app/host/own_folder.h"
 #include "base/input_error.h"
 

@@ -1,7 +1,7 @@
 // Plots as files.
 #include "app/plots/plot_panel.h"
 
-#include "app/commands/output_files.h"
+#include "app/host/output.h"
 #include "app/host/own_folder.h"
 #include "app/plots/channel_look.h"
 #include "app/plots/plot_menu.h"

@@ -1,4 +1,5 @@
-// Covers app/commands/output_files.cpp, and from outside that every command keeps to it.
+// Covers app/commands/output_files.cpp and app/host/output.cpp, and from outside that every command
+// keeps to both.
 #include "app/commands/output_files.h"
 
 #include "tests/support/complaint.h"
