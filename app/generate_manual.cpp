@@ -1,6 +1,6 @@
 // Writes the manual page and the completion for bash, of which the build makes files to install.
-#include "app/command_line.h"
-#include "app/manual.h"
+#include "app/commands/command_line.h"
+#include "app/commands/manual.h"
 
 #include <CLI/CLI.hpp>
 

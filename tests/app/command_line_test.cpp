@@ -1,4 +1,4 @@
-// Covers app/command_line.cpp, from outside.
+// Covers app/commands/command_line.cpp, from outside.
 #include "tests/support/program.h"
 
 #include <gtest/gtest.h>

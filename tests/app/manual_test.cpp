@@ -1,7 +1,8 @@
-// Covers app/manual.cpp: the manual page and the completion have what the command line has.
-#include "app/manual.h"
+// Covers app/commands/manual.cpp: the manual page and the completion have what the command line
+// has.
+#include "app/commands/manual.h"
 
-#include "app/command_line.h"
+#include "app/commands/command_line.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "app/manual.h"
+#include "app/commands/manual.h"
 
 #include "app/host/asset_folder.h"
 #include "base/print.h"
