@@ -4,7 +4,7 @@
 #include "app/commands/progress_line.h"
 #include "app/commands/study/opened_study.h"
 #include "app/commands/study/results_report.h"
-#include "app/figures/study_pictures.h"
+#include "app/commands/study/study_pictures.h"
 #include "engine/study/results/results_csv.h"
 
 #include <CLI/CLI.hpp>

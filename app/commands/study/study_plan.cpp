@@ -5,7 +5,7 @@
 #include "app/commands/study/observer_options.h"
 #include "app/commands/study/opened_study.h"
 #include "app/commands/study/plan_report.h"
-#include "app/figures/study_pictures.h"
+#include "app/commands/study/study_pictures.h"
 #include "base/input_error.h"
 #include "engine/study/methods/wrong_value.h"
 #include "engine/study/protocol/analysis_plan.h"

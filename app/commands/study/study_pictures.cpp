@@ -1,4 +1,4 @@
-#include "app/figures/study_pictures.h"
+#include "app/commands/study/study_pictures.h"
 
 #include "app/host/asset_folder.h"
 #include "engine/study/conduct/stored_trial.h"
