@@ -1,6 +1,6 @@
-#include "app/demo/symbols.h"
 #include "app/host/own_folder.h"
 #include "app/panels/panels.h"
+#include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"
 #include "engine/control/tuning_difference.h"
 

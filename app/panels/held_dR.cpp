@@ -1,6 +1,6 @@
 #include "app/panels/held_dR.h"
 
-#include "app/demo/symbols.h"
+#include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"
 #include "engine/control/observed_motor.h"
 #include "engine/control/tuning.h"

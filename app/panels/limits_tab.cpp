@@ -1,5 +1,5 @@
-#include "app/demo/symbols.h"
 #include "app/panels/panels.h"
+#include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/servo/workspace_edge.h"

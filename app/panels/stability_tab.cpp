@@ -1,8 +1,8 @@
 #include "app/panels/stability_tab.h"
 
-#include "app/demo/symbols.h"
 #include "app/host/own_folder.h"
 #include "app/panels/held_dR.h"
+#include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "app/panels/tuning_consequences.h"
 
-#include "app/demo/symbols.h"
 #include "app/panels/held_dR.h"
+#include "app/plots/symbols.h"
 
 #include "app/widgets/widgets.h"
 #include "base/print.h"

@@ -1,6 +1,6 @@
 #include "app/plots/channel_look.h"
 
-#include "app/demo/symbols.h"
+#include "app/plots/symbols.h"
 #include "app/widgets/look.h"
 #include "base/degrees.h"
 #include "engine/control/perception.h"

@@ -2,8 +2,8 @@
 // dragged.
 #include "app/plots/plot_menu.h"
 
-#include "app/demo/symbols.h"
 #include "app/plots/channel_look.h"
+#include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"
 #include "engine/session/telemetry_history.h"
 

@@ -1,6 +1,6 @@
-// Covers app/demo/symbols.cpp: every parameter, limit and channel has its text, with equations that
-// the paper has.
-#include "app/demo/symbols.h"
+// Covers app/plots/symbols.cpp: every parameter, limit and channel has its text, with equations
+// that the paper has.
+#include "app/plots/symbols.h"
 
 #include "engine/control/tuning.h"
 #include "engine/servo/safety_limits.h"

@@ -1,4 +1,4 @@
-#include "app/demo/symbols.h"
+#include "app/plots/symbols.h"
 
 #include "engine/control/tuning.h"
 #include "engine/servo/safety_limits.h"
