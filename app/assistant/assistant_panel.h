@@ -3,7 +3,7 @@
 
 #include "app/assistant/assistant.h"
 #include "app/panels/doctor_popup.h"
-#include "app/window/layout.h"
+#include "app/widgets/rectangle.h"
 
 namespace springdrive::app {
 

@@ -10,7 +10,7 @@
 #include "app/exhibit/healing.h"
 #include "app/view/camera.h"
 #include "app/view/view_state.h"
-#include "app/window/layout.h"
+#include "app/widgets/rectangle.h"
 #include "app/window/window.h"
 #include "engine/control/tuning.h"
 

@@ -3,7 +3,7 @@
 
 #include "app/view/shown_things.h"
 #include "app/view/touch_values.h"
-#include "app/window/layout.h"
+#include "app/widgets/rectangle.h"
 
 namespace springdrive::app {
 

@@ -12,7 +12,7 @@
 #include "app/panels/stability_tab.h"
 #include "app/panels/tuning_files.h"
 #include "app/view/camera.h"
-#include "app/window/layout.h"
+#include "app/widgets/rectangle.h"
 #include "app/window/window.h"
 #include "base/background.h"
 #include "device/factory/device_factory.h"

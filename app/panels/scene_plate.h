@@ -4,7 +4,7 @@
 #include "app/demo/tuning_desk.h"
 #include "app/view/camera.h"
 #include "app/view/view_state.h"
-#include "app/window/layout.h"
+#include "app/widgets/rectangle.h"
 #include "engine/session/session.h"
 
 #include <array>

@@ -1,7 +1,7 @@
 // Axes of plots: from values to places and back, and the values that are labelled.
 #pragma once
 
-#include "app/window/layout.h"
+#include "app/widgets/rectangle.h"
 
 #include <imgui.h>
 

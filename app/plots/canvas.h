@@ -1,7 +1,7 @@
 // What plots are drawn on: the window, or an SVG file that looks the same.
 #pragma once
 
-#include "app/window/layout.h"
+#include "app/widgets/rectangle.h"
 
 #include <imgui.h>
 

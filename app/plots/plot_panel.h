@@ -5,7 +5,7 @@
 #include "app/plots/plot_trigger.h"
 #include "app/plots/plot_view.h"
 #include "app/plots/stiffness_curves.h"
-#include "app/window/layout.h"
+#include "app/widgets/rectangle.h"
 #include "engine/session/session.h"
 #include "engine/session/tuning_history.h"
 

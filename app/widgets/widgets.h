@@ -8,8 +8,8 @@
 #pragma once
 
 #include "app/widgets/look.h"
+#include "app/widgets/rectangle.h"
 #include "app/widgets/window_report.h"
-#include "app/window/layout.h"
 #include "base/print.h"
 
 #include <imgui.h>

@@ -4,7 +4,7 @@
 //   widgets ──► enter() ──► WindowReport ──► json(), one line, on request
 #pragma once
 
-#include "app/window/layout.h"
+#include "app/widgets/rectangle.h"
 #include "engine/servo/duration_histogram.h"
 #include "engine/servo/servo_sample.h"
 

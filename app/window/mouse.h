@@ -3,7 +3,7 @@
 
 #include "app/demo/touch_by_click.h"
 #include "app/view/camera.h"
-#include "app/window/layout.h"
+#include "app/widgets/rectangle.h"
 #include "engine/session/session.h"
 
 #include <functional>

@@ -4,7 +4,7 @@
 
 #include "app/view/camera.h"
 #include "app/view/view_state.h"
-#include "app/window/layout.h"
+#include "app/widgets/rectangle.h"
 #include "app/window/mouse.h"
 #include "engine/session/session.h"
 

@@ -1,8 +1,8 @@
 // A window with OpenGL 3.3 and Dear ImGui in it.
 #pragma once
 
+#include "app/widgets/rectangle.h"
 #include "app/window/input_queue.h"
-#include "app/window/layout.h"
 
 #include <array>
 #include <filesystem>

@@ -5,7 +5,7 @@
 #include "app/study/experimenter/live_fit.h"
 #include "app/study/sitting/sitting_port.h"
 #include "app/study/sitting/sitting_state.h"
-#include "app/window/layout.h"
+#include "app/widgets/rectangle.h"
 #include "engine/session/session.h"
 #include "engine/study/protocol/protocol.h"
 

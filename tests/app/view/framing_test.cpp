@@ -1,9 +1,9 @@
 // Covers app/view/framing.cpp: everything is in the picture, and no smaller than it must be.
 #include "app/view/framing.h"
 
+#include "app/demo/layout.h"
 #include "app/view/gl_vector.h"
 #include "app/view/linkage_solids.h"
-#include "app/window/layout.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/scene/gltf.h"
 #include "tests/support/devices.h"

@@ -13,25 +13,11 @@
 // hides nothing that it speaks of.
 #pragma once
 
+#include "app/widgets/rectangle.h"
+
 #include <algorithm>
-#include <imgui.h>
 
 namespace springdrive::app {
-
-struct Rectangle {
-    ImVec2 corner; ///< top left
-    ImVec2 size;
-
-    [[nodiscard]] bool contains(ImVec2 point) const {
-        return point.x >= corner.x && point.y >= corner.y && point.x < corner.x + size.x &&
-               point.y < corner.y + size.y;
-    }
-
-    [[nodiscard]] friend bool operator==(const Rectangle &a, const Rectangle &b) {
-        return a.corner.x == b.corner.x && a.corner.y == b.corner.y && a.size.x == b.size.x &&
-               a.size.y == b.size.y;
-    }
-};
 
 struct Layout {
     Rectangle scene_view;
