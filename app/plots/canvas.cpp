@@ -1,5 +1,6 @@
 #include "app/plots/canvas.h"
 
+#include <algorithm>
 #include <fmt/core.h>
 
 #include <array>
