@@ -4,7 +4,7 @@
 #include "app/commands/inspect_report.h"
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
-#include "app/load_lines.h"
+#include "app/stage/load_lines.h"
 #include "device/core/device_file.h"
 #include "engine/lab/rig/scenario/touch_scene.h"
 #include "engine/session/model_measurement.h"

@@ -3,7 +3,7 @@
 #include "app/commands/output_files.h"
 #include "app/commands/typed_session.h"
 #include "app/host/ending_signal.h"
-#include "app/open_session.h"
+#include "app/stage/open_session.h"
 #include "app/window/frame_pace.h"
 #include "base/input_error.h"
 #include "engine/session/session_report.h"

@@ -4,7 +4,7 @@
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
 #include "app/commands/touch_report.h"
-#include "app/load_lines.h"
+#include "app/stage/load_lines.h"
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "device/simulated/hand_path.h"

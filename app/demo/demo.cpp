@@ -5,7 +5,7 @@
 #include "app/host/ending_signal.h"
 #include "app/host/output.h"
 #include "app/host/software_renderer.h"
-#include "app/open_session.h"
+#include "app/stage/open_session.h"
 #include "app/window/frame_pace.h"
 #include "base/print.h"
 #include "engine/session/session_report.h"

@@ -12,7 +12,7 @@
 #include "app/exhibit/healing.h"
 #include "app/exhibit/kiosk_screen.h"
 #include "app/exhibit/performer.h"
-#include "app/window/view_control.h"
+#include "app/stage/view_control.h"
 
 #include <cstdint>
 #include <filesystem>

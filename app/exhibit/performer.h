@@ -3,9 +3,9 @@
 //   show ──► scene loaded, gains of the start ──► is_ready ──► perform ──► is_shown
 #pragma once
 
-#include "app/demo/hand_lift.h"
 #include "app/demo/tuning_desk.h"
 #include "app/exhibit/tour.h"
+#include "app/stage/hand_lift.h"
 #include "engine/session/session.h"
 
 #include <cstddef>

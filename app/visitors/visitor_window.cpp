@@ -1,7 +1,7 @@
 #include "app/visitors/visitor_window.h"
 
 #include "app/host/ending_signal.h"
-#include "app/open_session.h"
+#include "app/stage/open_session.h"
 #include "app/study/participant/input_times.h"
 #include "app/widgets/widgets.h"
 #include "app/window/frame_pace.h"

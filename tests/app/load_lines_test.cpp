@@ -1,4 +1,4 @@
-#include "app/load_lines.h"
+#include "app/stage/load_lines.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// Covers app/demo/touch_by_click.cpp, and what it asks of app/view/pick.cpp.
-#include "app/demo/touch_by_click.h"
+// Covers app/stage/touch_by_click.cpp, and what it asks of app/view/pick.cpp.
+#include "app/stage/touch_by_click.h"
 
 #include "app/view/pick.h"
 #include "tests/support/surfaces.h"

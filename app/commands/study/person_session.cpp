@@ -2,7 +2,7 @@
 
 #include "app/host/asset_folder.h"
 #include "app/host/user_folder.h"
-#include "app/open_session.h"
+#include "app/stage/open_session.h"
 #include "app/study/sitting/person_checks.h"
 #include "base/input_error.h"
 #include "engine/session/session_report.h"

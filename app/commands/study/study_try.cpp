@@ -5,7 +5,7 @@
 #include "app/commands/study/person_session.h"
 #include "app/host/asset_folder.h"
 #include "app/host/ending_signal.h"
-#include "app/open_session.h"
+#include "app/stage/open_session.h"
 #include "app/visitors/curve_of_answers.h"
 #include "app/visitors/visitor_window.h"
 #include "app/visitors/visits.h"

@@ -1,7 +1,7 @@
 #include "app/study/experimenter/study_window.h"
 
 #include "app/host/ending_signal.h"
-#include "app/open_session.h"
+#include "app/stage/open_session.h"
 #include "app/study/experimenter/experimenter_view.h"
 #include "app/study/participant/input_times.h"
 #include "app/study/participant/monitors.h"

@@ -2,6 +2,7 @@
 // participant's.
 #pragma once
 
+#include "app/stage/view_control.h"
 #include "app/study/experimenter/experimenter_panel.h"
 #include "app/study/experimenter/live_fit.h"
 #include "app/study/participant/participant_view.h"
@@ -10,7 +11,6 @@
 #include "app/view/renderer.h"
 #include "app/window/frame_pace.h"
 #include "app/window/report_requests.h"
-#include "app/window/view_control.h"
 #include "app/window/window.h"
 #include "engine/servo/duration_histogram.h"
 #include "engine/session/session.h"

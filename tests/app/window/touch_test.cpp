@@ -1,5 +1,5 @@
-// Covers touch where one clicks, in the window: app/window/mouse.cpp, app/window/view_control.cpp,
-// app/demo/touch_by_click.cpp.
+// Covers touch where one clicks, in the window: app/stage/mouse.cpp, app/stage/view_control.cpp,
+// app/stage/touch_by_click.cpp.
 #include "tests/support/devices.h"
 #include "tests/support/shown_window.h"
 

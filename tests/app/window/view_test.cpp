@@ -1,4 +1,4 @@
-// Covers app/window/view_control.cpp: what is in the picture, by mouse and keyboard.
+// Covers app/stage/view_control.cpp: what is in the picture, by mouse and keyboard.
 #include "tests/support/devices.h"
 #include "tests/support/shown_window.h"
 

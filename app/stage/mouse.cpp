@@ -1,4 +1,4 @@
-#include "app/window/mouse.h"
+#include "app/stage/mouse.h"
 
 #include <imgui.h>
 

@@ -1,4 +1,4 @@
-#include "app/load_lines.h"
+#include "app/stage/load_lines.h"
 
 #include "engine/lab/rig/scenario/touch_scene.h"
 

@@ -1,7 +1,7 @@
 // Mouse control of camera and hand in the scene view.
 #pragma once
 
-#include "app/demo/touch_by_click.h"
+#include "app/stage/touch_by_click.h"
 #include "app/view/camera.h"
 #include "app/widgets/rectangle.h"
 #include "engine/session/session.h"

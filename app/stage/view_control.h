@@ -2,10 +2,10 @@
 // everything in the picture.
 #pragma once
 
+#include "app/stage/mouse.h"
 #include "app/view/camera.h"
 #include "app/view/view_state.h"
 #include "app/widgets/rectangle.h"
-#include "app/window/mouse.h"
 #include "engine/session/session.h"
 
 #include <optional>

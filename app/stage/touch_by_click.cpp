@@ -1,4 +1,4 @@
-#include "app/demo/touch_by_click.h"
+#include "app/stage/touch_by_click.h"
 
 #include "app/view/pick.h"
 

@@ -1,4 +1,4 @@
-#include "app/demo/hand_lift.h"
+#include "app/stage/hand_lift.h"
 
 #include <algorithm>
 

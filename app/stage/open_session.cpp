@@ -1,6 +1,6 @@
-#include "app/open_session.h"
+#include "app/stage/open_session.h"
 
-#include "app/load_lines.h"
+#include "app/stage/load_lines.h"
 #include "base/real_time_thread.h"
 
 #include <iostream>

@@ -1,4 +1,4 @@
-#include "app/window/view_control.h"
+#include "app/stage/view_control.h"
 
 #include "app/view/framing.h"
 #include "app/view/linkage_solids.h"
