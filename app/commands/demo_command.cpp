@@ -3,9 +3,9 @@
 #include "app/commands/output_files.h"
 #include "app/commands/typed_session.h"
 #include "app/demo/demo.h"
-#include "app/demo/settings.h"
 #include "app/exhibit/day_log.h"
 #include "app/exhibit/tour.h"
+#include "app/panels/settings.h"
 #include "base/input_error.h"
 
 #include <CLI/CLI.hpp>

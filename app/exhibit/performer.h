@@ -3,8 +3,8 @@
 //   show ──► scene loaded, gains of the start ──► is_ready ──► perform ──► is_shown
 #pragma once
 
-#include "app/demo/tuning_desk.h"
 #include "app/exhibit/tour.h"
+#include "app/panels/tuning_desk.h"
 #include "app/stage/hand_lift.h"
 #include "engine/session/session.h"
 

@@ -1,16 +1,16 @@
 // The panels: free functions that show a session and pass the user's requests to it.
 #pragma once
 
-#include "app/demo/event_log.h"
-#include "app/demo/opened_record.h"
-#include "app/demo/scene_message.h"
-#include "app/demo/session_keeper.h"
-#include "app/demo/tuning_desk.h"
-#include "app/demo/window_habits.h"
 #include "app/panels/doctor_popup.h"
+#include "app/panels/event_log.h"
+#include "app/panels/opened_record.h"
+#include "app/panels/scene_message.h"
 #include "app/panels/scene_plate.h"
+#include "app/panels/session_keeper.h"
 #include "app/panels/stability_tab.h"
+#include "app/panels/tuning_desk.h"
 #include "app/panels/tuning_files.h"
+#include "app/panels/window_habits.h"
 #include "app/view/camera.h"
 #include "app/widgets/rectangle.h"
 #include "app/window/window.h"

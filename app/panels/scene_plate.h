@@ -1,7 +1,7 @@
 // Over the scene: what it is there to let one feel, and words on its parts.
 #pragma once
 
-#include "app/demo/tuning_desk.h"
+#include "app/panels/tuning_desk.h"
 #include "app/view/camera.h"
 #include "app/view/view_state.h"
 #include "app/widgets/rectangle.h"

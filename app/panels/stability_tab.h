@@ -1,8 +1,8 @@
 // State of the stability tab between frames, and its computations in the background.
 #pragma once
 
-#include "app/demo/tuning_desk.h"
 #include "app/panels/stability_field.h"
+#include "app/panels/tuning_desk.h"
 #include "base/background.h"
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/session/session.h"

@@ -1,4 +1,4 @@
-#include "app/demo/event_log.h"
+#include "app/panels/event_log.h"
 
 #include "tests/engine/session/session_fixture.h"
 

@@ -1,5 +1,6 @@
-// Covers app/demo/scene_message.cpp: which message stands over the scene, and what its button does.
-#include "app/demo/scene_message.h"
+// Covers app/panels/scene_message.cpp: which message stands over the scene, and what its button
+// does.
+#include "app/panels/scene_message.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-// Covers app/demo/session_keeper.cpp: whatever happens between two keeps, no tick that was in
+// Covers app/panels/session_keeper.cpp: whatever happens between two keeps, no tick that was in
 // memory is missing in the folder.
-#include "app/demo/session_keeper.h"
+#include "app/panels/session_keeper.h"
 
 #include "engine/record/record_reader.h"
 #include "tests/engine/session/session_fixture.h"

@@ -1,6 +1,6 @@
-// Covers app/demo/settings.cpp: what the window remembers, and files that are damaged or cannot be
-// written.
-#include "app/demo/settings.h"
+// Covers app/panels/settings.cpp: what the window remembers, and files that are damaged or cannot
+// be written.
+#include "app/panels/settings.h"
 
 #include "base/input_error.h"
 #include "tests/support/complaint.h"

@@ -1,5 +1,5 @@
-// Covers app/demo/window_habits.cpp and app/panels/window_menu.cpp: size of text, panels, pictures
-// and recent files, which are remembered.
+// Covers app/panels/window_habits.cpp and app/panels/window_menu.cpp: size of text, panels,
+// pictures and recent files, which are remembered.
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/shown_window.h"

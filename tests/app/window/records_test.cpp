@@ -1,5 +1,5 @@
-// Covers records and kept sessions in the window: app/demo/opened_record.cpp,
-// app/demo/session_keeper.cpp, app/panels/record_tab.cpp.
+// Covers records and kept sessions in the window: app/panels/opened_record.cpp,
+// app/panels/session_keeper.cpp, app/panels/record_tab.cpp.
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
 #include "tests/support/shown_window.h"

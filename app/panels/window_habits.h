@@ -4,7 +4,7 @@
 //   keys, menu ──► WindowHabits ──► Window, layout; Settings ──► file
 #pragma once
 
-#include "app/demo/settings.h"
+#include "app/panels/settings.h"
 #include "app/window/window.h"
 
 #include <cstdint>

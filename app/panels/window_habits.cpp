@@ -1,4 +1,4 @@
-#include "app/demo/window_habits.h"
+#include "app/panels/window_habits.h"
 
 #include "app/host/own_folder.h"
 #include "base/file_names.h"

@@ -1,4 +1,4 @@
-#include "app/demo/scene_message.h"
+#include "app/panels/scene_message.h"
 
 #include <fmt/format.h>
 

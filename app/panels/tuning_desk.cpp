@@ -1,4 +1,4 @@
-#include "app/demo/tuning_desk.h"
+#include "app/panels/tuning_desk.h"
 
 #include "base/bisection.h"
 #include "base/print.h"

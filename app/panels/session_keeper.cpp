@@ -1,4 +1,4 @@
-#include "app/demo/session_keeper.h"
+#include "app/panels/session_keeper.h"
 
 #include "base/file_names.h"
 #include "base/input_error.h"

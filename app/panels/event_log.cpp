@@ -1,4 +1,4 @@
-#include "app/demo/event_log.h"
+#include "app/panels/event_log.h"
 
 #include "base/print.h"
 #include "engine/servo/safety_status.h"

@@ -1,4 +1,4 @@
-#include "app/demo/opened_record.h"
+#include "app/panels/opened_record.h"
 
 #include "base/input_error.h"
 

@@ -1,4 +1,4 @@
-#include "app/demo/settings.h"
+#include "app/panels/settings.h"
 
 #include "app/host/user_folder.h"
 #include "base/complaint.h"

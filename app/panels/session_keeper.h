@@ -5,7 +5,7 @@
 //        └─► devices, tunings, log, notes, a picture: again with every keep, and at the end
 #pragma once
 
-#include "app/demo/event_log.h"
+#include "app/panels/event_log.h"
 #include "base/background.h"
 #include "engine/session/run_folder.h"
 #include "engine/session/session.h"
