@@ -1,7 +1,7 @@
 // What a visitor's answers say, for the screen.
 #pragma once
 
-#include "app/study/experimenter/own_curve.h"
+#include "app/study/participant/own_curve.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/results/series_result.h"
 #include "engine/study/store/study_contents.h"

@@ -9,8 +9,8 @@
 // whatever is above and below it, so that nothing moves within a trial.
 #pragma once
 
-#include "app/study/experimenter/curve_chart.h"
 #include "app/study/participant/choice_plates.h"
+#include "app/study/participant/curve_chart.h"
 #include "app/study/participant/participant_picture.h"
 #include "app/study/participant/pixel_box.h"
 

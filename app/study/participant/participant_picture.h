@@ -3,7 +3,7 @@
 // of the size in pixels alone.
 #pragma once
 
-#include "app/study/experimenter/own_curve.h"
+#include "app/study/participant/own_curve.h"
 #include "base/vector.h"
 
 #include <cstddef>

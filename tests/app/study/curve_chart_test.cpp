@@ -1,5 +1,5 @@
-// Covers app/study/experimenter/curve_chart.cpp, and where participant_layout.cpp puts a curve.
-#include "app/study/experimenter/curve_chart.h"
+// Covers app/study/participant/curve_chart.cpp, and where participant_layout.cpp puts a curve.
+#include "app/study/participant/curve_chart.h"
 
 #include "app/study/participant/participant_layout.h"
 

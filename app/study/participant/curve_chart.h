@@ -1,8 +1,8 @@
 // How an OwnCurve is arranged in a box: everything in it is a plate or a text. Without OpenGL.
 #pragma once
 
-#include "app/study/experimenter/own_curve.h"
 #include "app/study/participant/choice_plates.h"
+#include "app/study/participant/own_curve.h"
 #include "app/study/participant/pixel_box.h"
 #include "app/view/plate_painter.h"
 

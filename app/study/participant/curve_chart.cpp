@@ -1,4 +1,4 @@
-#include "app/study/experimenter/curve_chart.h"
+#include "app/study/participant/curve_chart.h"
 
 #include "app/study/participant/participant_palette.h"
 #include "base/assertions.h"
