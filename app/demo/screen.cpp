@@ -85,7 +85,7 @@ Screen::Screen(const DemoOptions &options, session::Session &session)
       keeps_frames_(!options.screenshot.empty()), reports_(options.reports) {
     habits_.update(window_); // its panels
     scene_panel_.files = offered_scenes(options.session.scene);
-    scene_panel_.plant.assistant = &assistant_;
+    scene_panel_.plant.draw_assistant_offer = [this] { offer_assistant(session_, assistant_); };
     if (options.kiosk) {
         kiosk_.emplace(session, options.day_log);
         window_.set_room(Window::kRoomForScene);

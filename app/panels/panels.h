@@ -21,6 +21,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -28,10 +29,6 @@
 #include <vector>
 
 namespace springdrive::app {
-
-namespace assistant {
-class Assistant;
-}
 
 /// State of the tuning panel between frames.
 struct TuningPanelState {
@@ -124,7 +121,7 @@ struct PlantTabState {
     double delay_periods = 0.0;
     std::string complaint; ///< why the last change was refused
     DoctorPopup doctor;
-    assistant::Assistant *assistant = nullptr; ///< offered, if there is one
+    std::function<void()> draw_assistant_offer; ///< below the device; empty: there is none
 };
 
 /// Within the scene panel: which device, and its connection; the servo's rate; delay and effects of

@@ -1,4 +1,3 @@
-#include "app/assistant/assistant_panel.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "base/complaint.h"
@@ -78,8 +77,8 @@ void draw_effects(session::Session &session, PlantTabState &state) {
 
 void draw_plant_tab(session::Session &session, PlantTabState &state) {
     draw_device_link(session, state);
-    if (state.assistant != nullptr) {
-        offer_assistant(session, *state.assistant);
+    if (state.draw_assistant_offer) {
+        state.draw_assistant_offer();
     }
     draw_rate(session, state);
     if (session.device().has_world()) {
