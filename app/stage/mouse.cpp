@@ -1,4 +1,5 @@
-#include "app/stage/mouse.h"
+// Mouse control of camera and hand in the scene view.
+#include "app/stage/view_control.h"
 
 #include <imgui.h>
 

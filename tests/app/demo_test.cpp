@@ -1,5 +1,4 @@
-// Covers app/main.cpp, app/commands/command_line.cpp and app/demo/demo.cpp: the program from
-// outside.
+// Covers app/main.cpp, app/commands/command_line.cpp, app/demo/demo.cpp: the program from outside.
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
 

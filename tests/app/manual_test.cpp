@@ -1,5 +1,4 @@
-// Covers app/commands/manual.cpp: the manual page and the completion have what the command line
-// has.
+// Covers app/commands/manual.cpp: manual page and completion have what the command line has.
 #include "app/commands/manual.h"
 
 #include "app/commands/command_line.h"

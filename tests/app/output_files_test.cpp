@@ -1,5 +1,4 @@
-// Covers app/commands/output_files.cpp and app/host/output.cpp, and from outside that every command
-// keeps to both.
+// Covers app/{commands/output_files,host/output}.cpp, and from outside that commands keep to them.
 #include "app/commands/output_files.h"
 
 #include "tests/support/complaint.h"

@@ -1,5 +1,4 @@
-// Covers app/panels/scene_message.cpp: which message stands over the scene, and what its button
-// does.
+// Covers app/panels/scene_message.cpp: which message is over the scene, and what its button does.
 #include "app/panels/scene_message.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
-// Covers app/commands/study/study_analyse.cpp, study_plan.cpp and
-// app/commands/study/study_pictures.cpp, from outside; and docs/study.md's walk with each shipped
-// protocol, shortened.
+// Covers app/commands/study/study_{analyse,plan,pictures}.cpp, from outside; and docs/study.md's
+// walk with each shipped protocol, shortened.
 #include "tests/app/study/study_program.h"
 
 #include <gtest/gtest.h>
