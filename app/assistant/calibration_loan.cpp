@@ -118,7 +118,8 @@ bool CalibrationLoan::settle() {
     device::DeviceCommand command = device::DeviceCommand::braking();
     command.number = measured.number;
     // Any other fault is left to the session's servo, which trips by it.
-    command.resets_faults = measured.faults.bits == device::BoardFaults::kNoCommand;
+    command.resets_faults =
+        reset_.may_follow(measured) && measured.faults.bits == device::BoardFaults::kNoCommand;
     device_.write(command);
     if (++settling_ticks_ < kSettling_ticks) {
         return true;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "base/latest_value.h"
+#include "device/core/board_reset.h"
 #include "device/core/forwarding_device.h"
 #include "engine/commissioning/calibration_run.h"
 #include "engine/session/session.h"
@@ -98,7 +99,8 @@ private:
     bool hand_moves_ = false;
     int ticks_ = 0;
     int settling_ticks_ = 0;
-    std::uint32_t frames_ = 0; ///< seen last
+    device::BoardReset reset_{false}; ///< in these
+    std::uint32_t frames_ = 0;        ///< seen last
     int ticks_without_frame_ = 0;
 };
 

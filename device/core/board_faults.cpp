@@ -6,7 +6,7 @@
 namespace springdrive::device {
 
 std::string names_of(BoardFaults faults) {
-    if (faults.bits == 0) {
+    if (!faults.any()) {
         return "none";
     }
     constexpr std::array<std::pair<std::uint16_t, const char *>, 10> kNames{{

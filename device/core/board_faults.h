@@ -18,10 +18,12 @@ struct BoardFaults {
     static constexpr std::uint16_t kHeat = 1U << 7U;        ///< of a winding, by its currents
     static constexpr std::uint16_t kSensor = 1U << 8U;      ///< a current sensor: opens
     static constexpr std::uint16_t kOverrun = 1U << 9U;     ///< its amplifiers' loop was late
+    /// No fault, and not latched: the stop switch is pressed, or the enable line open.
+    static constexpr std::uint16_t kPressed = 1U << 15U;
 
     std::uint16_t bits = 0;
 
-    [[nodiscard]] constexpr bool any() const { return bits != 0; }
+    [[nodiscard]] constexpr bool any() const { return (bits & ~kPressed) != 0; }
     [[nodiscard]] constexpr bool has(std::uint16_t fault) const { return (bits & fault) != 0; }
 };
 

@@ -71,7 +71,7 @@ Cancellable cancellable(const device::MotorParameters &file, control::ObservedMo
 } // namespace
 
 CalibrationRun::CalibrationRun(device::HapticDevice &device, const CalibrationOptions &options)
-    : device_(device), options_(options) {
+    : device_(device), options_(options), reset_(options.lets_go_on) {
     const device::DeviceDescription &file = device.description();
     SPRINGDRIVE_ASSERT(!file.calibration); // what was known before would be part of the result
     if (!file.current_sensing.is_shared) {
@@ -125,14 +125,17 @@ void CalibrationRun::rest() {
     const device::Measurement measured = device_.read();
     device::DeviceCommand command = device::DeviceCommand::braking();
     command.number = measured.number;
-    const bool has_stop = measured.faults.has(device::BoardFaults::kStop);
-    options_.lets_go_on = options_.lets_go_on && has_stop; // until the board has none
-    command.resets_faults = options_.lets_go_on || !has_stop;
+    command.resets_faults = reset_.may_follow(measured);
     device_.write(command);
-    if (++ticks_ >= kResetting_ticks) {
+    if (++ticks_ >= kResetting_ticks || reset_.has_stop()) {
         servo_ = std::make_unique<servo::Servo>(device_, kRate_hz);
         stage_ = CalibrationStage::start;
         ticks_ = 0;
+    }
+    if (reset_.has_stop()) {
+        stop_for(CalibrationProblem::stopped, "the board reports " +
+                                                  device::names_of({device::BoardFaults::kStop}) +
+                                                  "; begin anew");
     }
 }
 

@@ -15,6 +15,7 @@
 // offset, and as it fades, from k_T.
 #pragma once
 
+#include "device/core/board_reset.h"
 #include "device/core/calibration.h"
 #include "device/core/haptic_device.h"
 #include "engine/servo/servo.h"
@@ -138,6 +139,7 @@ private:
 
     device::HapticDevice &device_;
     CalibrationOptions options_;
+    device::BoardReset reset_;
     Vector3 drag_A_; ///< I
     CalibrationStage stage_ = CalibrationStage::rest;
     int ticks_ = 0; ///< in this stage

@@ -31,8 +31,8 @@ device::Bench &bench_of(device::HapticDevice &device) {
 } // namespace
 
 SelfTest::SelfTest(device::HapticDevice &device, const SelfTestOptions &options)
-    : device_(device), bench_(bench_of(device)), options_(options),
-      may_clear_stop_(options.lets_go_on), motion_(device.description()) {
+    : device_(device), bench_(bench_of(device)), options_(options), reset_(options.lets_go_on),
+      motion_(device.description()) {
     SPRINGDRIVE_ASSERT(options.repeats >= 1);
     options_.pulse.duration_s = std::max(options.pulse.duration_s, bench_.shortest_pulse_s());
 }
@@ -54,17 +54,18 @@ bool SelfTest::step() {
         stage_ == SelfTestStage::rest && now_s_ - stage_began_s_ < kResetting_s;
     device::DeviceCommand command = device::DeviceCommand::braking();
     command.number = measured.number;
-    may_clear_stop_ = may_clear_stop_ && measured.faults.has(device::BoardFaults::kStop);
-    command.resets_faults =
-        is_resetting && (may_clear_stop_ || !measured.faults.has(device::BoardFaults::kStop));
+    command.resets_faults = reset_.may_follow(measured) && is_resetting;
     device_.write(command);
     ++ticks_;
-    if (is_resetting) {
+    device::BoardFaults faults = measured.faults;
+    if (reset_.has_stop()) {
+        faults.bits |= device::BoardFaults::kStop;
+    } else if (is_resetting) {
         return true;
     }
-    if (measured.faults.any()) {
+    if (faults.any()) {
         faults_ = {{Problem::board_fault, std::nullopt,
-                    "the board reports " + device::names_of(measured.faults),
+                    "the board reports " + device::names_of(faults),
                     "remove the cause; `springdrive device info` shows what it measures"}};
         stage_ = SelfTestStage::done;
         return false;

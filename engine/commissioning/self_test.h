@@ -6,6 +6,7 @@
 // The device brakes all the time, except for the pulses, whose limits are the board's own.
 #pragma once
 
+#include "device/core/board_reset.h"
 #include "device/core/haptic_device.h"
 #include "engine/commissioning/motion_check.h"
 #include "engine/commissioning/winding_check.h"
@@ -77,7 +78,7 @@ private:
     double stage_began_s_ = -1.0; ///< by the device's time; before the first measurement
     double now_s_ = 0.0;
     int ticks_ = 0;
-    bool may_clear_stop_; ///< until the board has none
+    device::BoardReset reset_;
     std::vector<device::PulseResult> pulses_;
     MotionCheck motion_;
     bool is_complete_ = false;

@@ -177,14 +177,17 @@ void SafetyMonitor::watch_link(const Link &link, double elapsed_s) noexcept {
     }
 }
 
-/// A switch that stays on after its stop was released and the board was reset is a stop anew.
+/// Each press is a stop, also while the board has latched the one before. A switch that stays on
+/// after its stop was released and the board was reset is a stop anew.
 void SafetyMonitor::watch_stops(const Link &link, const SafetyOrders &orders) noexcept {
     const bool was_on = switch_is_on_;
-    switch_is_on_ =
-        link.faults.has(device::BoardFaults::kStop) || (was_on && !device::has_news(link.arrival));
+    const bool was_pressed = switch_is_pressed_;
+    const bool is_old = !device::has_news(link.arrival);
+    switch_is_on_ = link.faults.has(device::BoardFaults::kStop) || (was_on && is_old);
+    switch_is_pressed_ = link.faults.has(device::BoardFaults::kPressed) || (was_pressed && is_old);
     last_stop_ = std::max({last_stop_, orders.requested_stop, orders.released_stop});
     const bool stays_on = status_.held_stop == 0 && !is_resetting_board();
-    if (switch_is_on_ && (!was_on || stays_on)) {
+    if ((switch_is_on_ && (!was_on || stays_on)) || (switch_is_pressed_ && !was_pressed)) {
         ++last_stop_;
     }
     if (last_stop_ > orders.released_stop) {
@@ -283,7 +286,7 @@ void SafetyMonitor::check_voltage(const LimitedCommand &passed) noexcept {
 /// Checks that do not depend on measured values.
 void SafetyMonitor::check_link(const Link &link) noexcept {
     if (status_.held_stop != 0) {
-        if (switch_is_on_) {
+        if (switch_is_on_ || switch_is_pressed_) {
             trip(TripCause::board_fault, link.faults.bits);
         }
         trip(TripCause::emergency_stop);

@@ -173,7 +173,8 @@ private:
     bool voids_zero_ = false;            ///< this tick contradicts it
     double board_reset_left_s_ = 0.0;    ///< of kBoardReset_s
     bool clears_board_ = false;          ///< in it, until a report is missing
-    bool switch_is_on_ = false;          ///< stop switch or enable line, as last reported
+    bool switch_is_on_ = false;          ///< stop switch or enable line, as the board latched it
+    bool switch_is_pressed_ = false;     ///< the same, at present
     std::uint32_t last_stop_ = 0;        ///< number of the last requested stop
     ActiveLimits held_back_;
     double force_share_ = 1.0; ///< passed on by the limiter in the previous tick

@@ -1,6 +1,7 @@
 // The part of `Session` that lends the device to somebody else.
 #include "base/input_error.h"
 #include "base/real_time_thread.h"
+#include "device/core/bench.h"
 #include "device/core/motor/winding_guard.h"
 #include "engine/servo/real_time.h"
 #include "engine/session/session_parts.h"
@@ -138,17 +139,24 @@ void Session::emergency_stop() {
 
 /// Ends pulses of a self-test, which go on while its host brakes, by opening the windings.
 void Session::end_pulses() {
+    constexpr int kMostTries = 50; // of which some may be lost
     device::HapticDevice &device = device_->device();
-    if (device.bench() == nullptr) {
-        return;
-    }
-    for (const auto mode : {device::CommandMode::open, device::CommandMode::brake}) {
-        const device::Measurement measured = device.read();
+    device::Bench *const bench = device.bench();
+    const auto answer_by = [&](device::CommandMode mode) {
         device::DeviceCommand command;
-        command.mode = measured.faults.any() ? device::CommandMode::brake : mode; // ended by it
-        command.number = measured.number;
+        command.mode = mode;
+        command.number = device.read().number;
         device.write(command);
+    };
+    try {
+        for (int i = 0; bench != nullptr && i < kMostTries &&
+                        bench->pulses().state == device::PulseState::running;
+             ++i) {
+            answer_by(device::CommandMode::open);
+        }
+    } catch (const InputError &) { // which hears nothing, and ends them by itself
     }
+    answer_by(device::CommandMode::brake);
 }
 
 void Session::take_device_back() {

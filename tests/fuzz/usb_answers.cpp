@@ -346,7 +346,8 @@ private:
         number_ = measured.number;
         time_s_ = measured.time_s;
         has_number_ = true;
-        require((measured.faults.bits & ~usb::Faults::kKnown) == 0, "an unknown fault");
+        constexpr int kKnown = usb::Faults::kKnown | device::BoardFaults::kPressed;
+        require((measured.faults.bits & ~kKnown) == 0, "an unknown fault");
     }
 
     void write(std::uint8_t form) {

@@ -292,6 +292,10 @@ Measurement UsbDevice::measurement(Arrival arrival) const noexcept {
                           ? device::DeviceHealth::ok
                           : device::DeviceHealth::lost;
     measured.faults.bits = report.faults;
+    if ((capabilities_.has_stop_switch && report.is_stopped) ||
+        (capabilities_.has_enable_line && !report.is_enabled)) {
+        measured.faults.bits |= device::BoardFaults::kPressed;
+    }
     measured.supply_V = static_cast<double>(report.supply_V);
     measured.zeroing = is_zeroed_ ? static_cast<std::uint8_t>(1 + zeroings_) : std::uint8_t{0};
     return measured;
@@ -384,26 +388,30 @@ bool UsbDevice::has_fault(std::uint16_t fault) const noexcept {
     return device::BoardFaults{stream_.newest().faults}.has(fault);
 }
 
-/// Sends one command for each report, as in a tick. @return whether `is_done` in time
-template <typename IsDone> bool UsbDevice::exchange_until(const Command &command, IsDone is_done) {
+/// Brakes for each report, as in a tick. @return whether `is_done` in time
+/// @param reset  null: nothing is reset
+template <typename IsDone>
+bool UsbDevice::exchange_until(device::BoardReset *reset, IsDone is_done) {
     const double deadline_s = port_->now_s() + kAnswer_s;
     bool has_come = false;
     do {
-        has_come = wait_for_report(port_->now_s() + 3.0 * period_s_) && is_done();
-        Command now = command;
-        now.resets_faults = now.resets_faults && !has_fault(device::BoardFaults::kStop);
-        send(now, stream_.newest().measured_at_us, false);
+        const bool is_new = wait_for_report(port_->now_s() + 3.0 * period_s_);
+        has_come = is_new && is_done();
+        Command command;
+        command.resets_faults =
+            reset != nullptr &&
+            reset->may_follow(measurement(is_new ? Arrival::fresh : Arrival::absent));
+        send(command, stream_.newest().measured_at_us, false);
     } while (!has_come && port_->is_connected() && port_->now_s() < deadline_s);
     return has_come;
 }
 
 void UsbDevice::zero(const Vector3 &theta_rad) {
     const auto has_encoder_fault = [this] { return has_fault(device::BoardFaults::kEncoder); };
-    Command reset; // of a latched fault, which would hide the next one
-    reset.resets_faults = true;
-    if (has_encoder_fault() && !exchange_until(reset, [&] { return !has_encoder_fault(); })) {
-        throw InputError(name() + (has_fault(device::BoardFaults::kStop)
-                                       ? ": its stop is pressed; release it, let the device go "
+    device::BoardReset reset(false); // of a latched fault, which would hide the next one
+    if (has_encoder_fault() && !exchange_until(&reset, [&] { return !has_encoder_fault(); })) {
+        throw InputError(name() + (reset.has_stop()
+                                       ? ": its stop was pressed; release it, let the device go "
                                          "on, then zero it again"
                                        : ": its encoders are still at fault; look at their plugs "
                                          "and cables, then zero it again"));
@@ -417,7 +425,7 @@ void UsbDevice::zero(const Vector3 &theta_rad) {
     if (!port_->control_out(Kind::zero, 0, encode(zeroing))) {
         throw InputError(name() + ": refuses to be zeroed; stop its motors first");
     }
-    if (exchange_until({}, [&] { return stream_.newest().zeroings == next; }) &&
+    if (exchange_until(nullptr, [&] { return stream_.newest().zeroings == next; }) &&
         !has_encoder_fault()) {
         is_zeroed_ = true;
         zeroings_ = next;

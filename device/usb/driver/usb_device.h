@@ -7,6 +7,7 @@
 #pragma once
 
 #include "base/latest_value.h"
+#include "device/core/board_reset.h"
 #include "device/core/haptic_device.h"
 #include "device/usb/driver/board_port.h"
 #include "device/usb/driver/delay_meter.h"
@@ -86,7 +87,7 @@ private:
     [[nodiscard]] std::string name() const;
     [[nodiscard]] bool has_kept_counts() const;
     [[nodiscard]] bool has_fault(std::uint16_t fault) const noexcept;
-    template <typename IsDone> bool exchange_until(const Command &command, IsDone is_done);
+    template <typename IsDone> bool exchange_until(device::BoardReset *reset, IsDone is_done);
 
     [[nodiscard]] double read_deadline_s(double now_s) const noexcept;
     [[nodiscard]] device::Measurement measurement(device::Arrival arrival) const noexcept;

@@ -252,9 +252,11 @@ TEST(SelfTestOnBoard, APersonsTestResetsWhatTheBoardHasLatched) {
     EXPECT_EQ(named(tried.run()), (Named{{Problem::board_fault, 0}}));
 }
 
-/// Also in the time in which it resets what the board has latched.
+/// Also in the time in which it resets what the board has latched, and where no report shows it
+/// while it is pressed.
 TEST(SelfTestOnBoard, AStopOfAnyTimeEndsIt) {
-    for (const bool lets_go_on : {false, true}) {
+    for (const auto &[lets_go_on, is_unseen] :
+         {std::pair(false, false), {true, false}, {false, true}, {true, true}}) {
         for (double begin_s = 0.005; begin_s < 0.7; begin_s += 0.04) {
             Tried tried;
             tried.options.has_motion = false;
@@ -263,8 +265,14 @@ TEST(SelfTestOnBoard, AStopOfAnyTimeEndsIt) {
             board.device->zero(Vector3::Zero());
             emulator::Fault stop = emulator::parse_fault("stop");
             stop.begin_s = board.emulated->time_s() + begin_s;
-            stop.end_s = stop.begin_s + 0.05;
+            stop.end_s = stop.begin_s + (is_unseen ? 0.008 : 0.05);
             board.emulated->set_fault(stop);
+            if (is_unseen) {
+                emulator::Fault loss = emulator::parse_fault("drop:in");
+                loss.begin_s = stop.begin_s - 0.002;
+                loss.end_s = stop.end_s + 0.003;
+                board.emulated->set_fault(loss);
+            }
             SelfTest test(*board.device, tried.options);
             while (test.step()) {
             }

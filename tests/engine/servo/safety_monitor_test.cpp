@@ -112,6 +112,25 @@ TEST_F(SafetyMonitorTest, AResetRestartsWaitAndRamp) {
     start_up();
 }
 
+TEST_F(SafetyMonitorTest, EachPressOfTheSwitchIsAStop) {
+    start_up();
+    std::uint32_t presses = 0;
+    for (const bool is_pressed : {true, false, true, false}) {
+        Observation seen = calm();
+        seen.link.faults.bits = device::BoardFaults::kStop;
+        if (is_pressed) {
+            seen.link.faults.bits |= device::BoardFaults::kPressed;
+            ++presses;
+        }
+        for (int i = 0; i < 3; ++i) {
+            pass(seen);
+            EXPECT_EQ(monitor.status().held_stop, presses);
+        }
+    }
+    EXPECT_FALSE(monitor.reset(1));
+    EXPECT_TRUE(monitor.reset(2));
+}
+
 /// A second press could be among what nobody saw.
 TEST_F(SafetyMonitorTest, AResetClearsNothingOfTheBoardOnceAReportIsMissing) {
     for (const bool is_missing : {false, true}) {

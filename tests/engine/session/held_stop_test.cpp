@@ -100,6 +100,20 @@ TEST(HeldStop, OfTheSwitchHoldsAfterItsReleaseAndAgainstAnOrderOfAnEarlierStop) 
     expect_goes_on(session);
 }
 
+/// As by somebody else, while the board has latched the one before, until after the order.
+TEST(HeldStop, OfASecondPressHoldsAgainstAnOrderOfTheFirst) {
+    for (const char *const second : {"stop@5-5.01", "stop@5-5.04", "stop@5-5.09"}) {
+        Session session(at_rest({"stop@4-4.1", second}));
+        session.start();
+        expect_runs(session);
+        ASSERT_TRUE(testing::run_until(
+            session, [&] { return session.latest().safety.held_stop == 2; }, 6.0));
+        session.servo().let_go_on();
+        expect_stays_stopped(session, 1.0);
+        expect_goes_on(session);
+    }
+}
+
 /// The window has not drawn the second one when it is clicked.
 TEST(HeldStop, IsNotLetGoByAnOrderForTheOneThatTheFrameShowed) {
     Session session(at_rest({"stop@4-4.2"}));
