@@ -1,4 +1,5 @@
 // Covers app/commands/baseline_command.cpp and drive_comparison, from outside.
+#include "tests/support/files.h"
 #include "tests/support/program.h"
 
 #include <gtest/gtest.h>
@@ -72,7 +73,8 @@ TEST(BaselineCommand, RefusesWhatCannotBe) {
     testing::expect_refused(baseline({"--delay", "9"}), "from 0 to 8");
     testing::expect_refused(baseline({"--dR", "0"}), "dR is 0");
     testing::expect_refused(baseline({"--margin", "0.5"}), "from 1 to 10");
-    testing::expect_refused(baseline({"--csv", "/nonexistent/x.csv"}), "/nonexistent/x.csv");
+    const std::string file = testing::fresh_folder("baseline_refused") / "none" / "x.csv";
+    testing::expect_refused(baseline({"--csv", file}), file);
 }
 
 } // namespace
