@@ -22,10 +22,12 @@ public:
         }
         has_gap_ = has_gap_ || (!is_first && measured.number != number_ + 1);
         number_ = measured.number;
-        const bool has_stop = measured.faults.has(BoardFaults::kStop | BoardFaults::kPressed);
-        clears_stop_ = clears_stop_ && has_stop &&
-                       (is_first || !measured.faults.has(BoardFaults::kPressed));
-        has_stop_ = has_stop_ || (has_stop && !clears_stop_);
+        const bool has_stop = measured.faults.has(BoardFaults::kStop);
+        const bool is_pressed = measured.faults.has(BoardFaults::kPressed);
+        const bool is_pressed_anew = !is_first && is_pressed && !was_pressed_;
+        was_pressed_ = is_pressed;
+        clears_stop_ = clears_stop_ && has_stop && !is_pressed_anew;
+        has_stop_ = has_stop_ || ((has_stop || is_pressed) && !clears_stop_);
         return !has_gap_ && !has_stop_ && measured.faults.any();
     }
 
@@ -36,6 +38,7 @@ private:
     bool clears_stop_;
     bool has_stop_ = false;
     bool has_gap_ = false;
+    bool was_pressed_ = false;
     std::uint64_t number_ = 0; ///< of the last measurement; 0: none
 };
 

@@ -32,6 +32,8 @@ device::WindingGuard guard_of(const device::DeviceDescription &device, std::size
             device.resistance_tolerance(motor)};
 }
 
+double latched(device::BoardFaults faults) { return faults.bits & ~device::BoardFaults::kPressed; }
+
 double max_step_m(const device::DeviceDescription &device, double speed_limit_m_per_s,
                   double time_s, const Matrix3 &J) {
     return kJumpFactor * speed_limit_m_per_s * time_s +
@@ -287,7 +289,7 @@ void SafetyMonitor::check_voltage(const LimitedCommand &passed) noexcept {
 void SafetyMonitor::check_link(const Link &link) noexcept {
     if (status_.held_stop != 0) {
         if (switch_is_on_ || switch_is_pressed_) {
-            trip(TripCause::board_fault, link.faults.bits);
+            trip(TripCause::board_fault, latched(link.faults));
         }
         trip(TripCause::emergency_stop);
     }
@@ -295,7 +297,7 @@ void SafetyMonitor::check_link(const Link &link) noexcept {
         trip(TripCause::device_lost);
     }
     if (link.faults.any() && !is_resetting_board()) {
-        trip(TripCause::board_fault, link.faults.bits);
+        trip(TripCause::board_fault, latched(link.faults));
     }
     trip_above(TripCause::stale_measurement, (1.0 - kRoundOff) * stale_s_, limits_.stale_s);
 }
