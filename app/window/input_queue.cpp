@@ -36,7 +36,9 @@ struct Given {
 };
 
 bool must_wait_for_key(const Given &given, const ImGuiIO &io, const KeyDown &key, bool is_down) {
-    if (std::ranges::find(given.keys, key.key) != given.keys.end()) {
+    // Of a key that only writes, ImGui takes the letters.
+    const bool only_writes = given.has_typed && !acts(io, key.key) && !is_modifier(key.key);
+    if (!only_writes && std::ranges::find(given.keys, key.key) != given.keys.end()) {
         return true;
     }
     if (is_modifier(key.key)) {

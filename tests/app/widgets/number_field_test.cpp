@@ -240,6 +240,15 @@ TEST_F(NumberField, WhatIsTypedDoesNotDependOnFrames) {
     }
 }
 
+/// A long word does not hold up what comes after it.
+TEST_F(NumberField, ALetterThatIsTypedAgainAndAgainTakesNoFrameEach) {
+    click(field);
+    run();
+    type(std::string(300, '1'));
+    frame();
+    EXPECT_FALSE(queue.is_waiting());
+}
+
 TEST(InputQueue, KeysThatGoDownAreToldInOrderEvenIfTheyAreShort) {
     ImGui::CreateContext();
     {
