@@ -47,8 +47,8 @@ public:
     /// @param device  has a bench, and is read and written by nobody else; outlives this
     explicit SelfTest(device::HapticDevice &device, const SelfTestOptions &options = {});
 
-    /// One tick: reads a measurement, answers by braking. The first ones reset the faults that the
-    /// board has latched before. @return whether there is more to do
+    /// One tick: reads a measurement, answers by braking. The first ones reset what the board has
+    /// latched before, as BoardReset permits. @return whether there is more to do
     /// @throw InputError if the board does not answer any more, or refuses the pulses
     bool step();
 

@@ -288,7 +288,7 @@ void SafetyMonitor::check_voltage(const LimitedCommand &passed) noexcept {
 /// Checks that do not depend on measured values.
 void SafetyMonitor::check_link(const Link &link) noexcept {
     if (status_.held_stop != 0) {
-        if (switch_is_on_ || switch_is_pressed_) {
+        if (switch_is_on_) {
             trip(TripCause::board_fault, latched(link.faults));
         }
         trip(TripCause::emergency_stop);

@@ -139,7 +139,7 @@ void Session::emergency_stop() {
 
 /// Ends pulses of a self-test, which go on while its host brakes, by opening the windings.
 void Session::end_pulses() {
-    constexpr int kMostTries = 50; // of which some may be lost
+    constexpr int kMaxTries = 50; // of which some may be lost
     device::HapticDevice &device = device_->device();
     device::Bench *const bench = device.bench();
     const auto answer_by = [&](device::CommandMode mode) {
@@ -149,7 +149,7 @@ void Session::end_pulses() {
         device.write(command);
     };
     try {
-        for (int i = 0; bench != nullptr && i < kMostTries &&
+        for (int i = 0; bench != nullptr && i < kMaxTries &&
                         bench->pulses().state == device::PulseState::running;
              ++i) {
             answer_by(device::CommandMode::open);
