@@ -425,13 +425,17 @@ void UsbDevice::zero(const Vector3 &theta_rad) {
     if (!port_->control_out(Kind::zero, 0, encode(zeroing))) {
         throw InputError(name() + ": refuses to be zeroed; stop its motors first");
     }
-    if (exchange_until(nullptr, [&] { return stream_.newest().zeroings == next; }) &&
-        !has_encoder_fault()) {
-        is_zeroed_ = true;
-        zeroings_ = next;
-        return;
+    const bool is_confirmed =
+        exchange_until(nullptr, [&] { return stream_.newest().zeroings == next; });
+    if (has_encoder_fault()) { // which counts as a zeroing, too
+        throw InputError(name() + ": an encoder failed while it was zeroed; look at its plug and "
+                                  "cable, then zero it again");
     }
-    throw InputError(name() + ": does not confirm that it was zeroed; plug it in again");
+    if (!is_confirmed) {
+        throw InputError(name() + ": does not confirm that it was zeroed; plug it in again");
+    }
+    is_zeroed_ = true;
+    zeroings_ = next;
 }
 
 void UsbDevice::close() noexcept {
