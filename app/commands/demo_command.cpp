@@ -68,7 +68,9 @@ void add_run_options(CLI::App &demo, TypedDemo &typed) {
     demo.add_flag(
         "--report", options.reports,
         "for each line \"report\" on standard input, write what the window shows as a line "
-        "of JSON");
+        "of JSON; with --lockstep, frames are drawn only for these");
+    demo.add_flag("--unseen", options.unseen,
+                  "compute every frame, but draw only those that are written to a file");
 }
 
 void check(const DemoOptions &options) {
@@ -83,9 +85,9 @@ void check(const DemoOptions &options) {
     if (options.scale != 0.0 && !(options.scale >= 0.5 && options.scale <= 5.0)) {
         throw InputError("--scale must be from 0.5 to 5");
     }
-    if (options.session.lockstep && !options.unattended()) {
-        throw InputError("--lockstep needs --frames or --seconds to end, as it does not "
-                         "use the clock");
+    if (options.session.lockstep && !options.unattended() && !options.reports) {
+        throw InputError("--lockstep needs --frames or --seconds to end, or --report to ask for "
+                         "frames, as it does not use the clock");
     }
 }
 

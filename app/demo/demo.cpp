@@ -16,11 +16,15 @@ namespace springdrive::app {
 
 namespace {
 
-/// Until the window is closed, the frames are over, or termination is requested.
+/// Until the window is closed, the frames are over, nobody asks for more, or termination is
+/// requested.
 void play(const DemoOptions &options, session::Session &session, Screen &screen) {
     FramePace pace;
     const bool lockstep = options.session.lockstep;
     for (int frame = 0; !asked_to_end() && !screen.window().is_closing(); ++frame) {
+        if (options.is_stepped() && !screen.waits_for_request()) {
+            return;
+        }
         const double elapsed_s = lockstep ? frame * kFrame_s : pace.elapsed_s();
         if ((options.frames > 0 && frame >= options.frames) ||
             (options.seconds > 0.0 && elapsed_s >= options.seconds - 1e-9)) {

@@ -23,9 +23,13 @@ struct DemoOptions {
     bool kiosk = false;             ///< an exhibit, see app/exhibit/kiosk.h
     std::filesystem::path day_log;  ///< of a kiosk; empty: none
     bool reports = false;           ///< answers requests on standard input, see ReportRequests
+    bool unseen = false;            ///< see Window::Wish
 
     /// A run that ends by itself follows a path, so that it touches something.
     [[nodiscard]] bool unattended() const { return frames > 0 || seconds > 0.0; }
+
+    /// A run whose frames are drawn as requests ask for them, with the time of frames.
+    [[nodiscard]] bool is_stepped() const { return session.lockstep && reports && !unattended(); }
 };
 
 } // namespace springdrive::app

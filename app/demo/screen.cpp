@@ -2,6 +2,7 @@
 
 #include "app/assistant/assistant_panel.h"
 #include "app/host/asset_folder.h"
+#include "app/host/ending_signal.h"
 #include "app/host/output.h"
 #include "app/view/pick.h"
 #include "app/widgets/widgets.h"
@@ -70,11 +71,13 @@ std::vector<std::filesystem::path> offered_scenes(const std::filesystem::path &s
 
 /// What is typed goes before what is remembered.
 Window::Wish wish_of(const DemoOptions &options, const Settings &settings) {
-    return {{options.width, options.height},
-            {settings.width, settings.height},
-            options.scale,
-            options.scale > 0.0 ? 1.0 : settings.text_size,
-            options.kiosk};
+    return {.size = {options.width, options.height},
+            .remembered = {settings.width, settings.height},
+            .scale = options.scale,
+            .text_size = options.scale > 0.0 ? 1.0 : settings.text_size,
+            .frame_s = options.session.lockstep ? kFrame_s : 0.0,
+            .is_kiosk = options.kiosk,
+            .is_unseen = options.unseen};
 }
 
 } // namespace
@@ -276,6 +279,12 @@ void Screen::escape() {
     }
 }
 
+bool Screen::waits_for_request() {
+    while (!requests_.wait() && !requests_.has_ended() && !asked_to_end()) {
+    }
+    return !requests_.has_ended();
+}
+
 void Screen::draw_frame() {
     const auto start = std::chrono::steady_clock::now();
     if (reports_) {
@@ -285,11 +294,13 @@ void Screen::draw_frame() {
     const bool is_reported = requests_.is_due();
     ui::report().begin(is_reported);
     window_.begin_frame();
-    draw_contents();
+    const auto [view, state] = draw_contents();
     const std::optional<std::filesystem::path> picture = keeper_.take_picture();
     const std::optional<std::filesystem::path> asked = habits_.take_picture();
     window_.keep_frames(keeps_frames_ || plot_panel_.picture.has_value() || picture.has_value() ||
                         asked.has_value());
+    window_.clear();
+    draw_scene(view, state);
     window_.end_frame();
     write_pictures(picture);
     if (asked) {
@@ -346,7 +357,8 @@ std::string Screen::report_line() const {
                      session_.latest());
 }
 
-void Screen::draw_contents() {
+/// All but the scene itself, which is drawn once it is known whether the frame is kept.
+Screen::SceneView Screen::draw_contents() {
     take_orders();
     if (shown_scene_ != session_.scenes().id()) {
         show_scene();
@@ -363,10 +375,6 @@ void Screen::draw_contents() {
     view_control_.update(session_, state, places.scene_view, free_part(places.scene_view),
                          !opened_.is_shown());
     view_control_.report(session_, state, places.scene_view);
-    window_.clear();
-    draw_scene(places.scene_view, state);
-    ui::enter_at({places.scene_view.corner, {0.0F, 0.0F}}, "marks", "drawing",
-                 renderer_.marks_text());
     desk_.update(session_);
     if (std::exchange(opens_assistant_, false)) {
         assistant_.open(session_);
@@ -381,6 +389,7 @@ void Screen::draw_contents() {
         draw_keys_overlay({{0.0F, 0.0F}, ImGui::GetIO().DisplaySize});
     }
     had_popup_ = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId);
+    return {places.scene_view, state};
 }
 
 /// The assistant needs its place also where panels are hidden.
@@ -462,8 +471,10 @@ void Screen::draw_scene(const Rectangle &view, const ViewState &state) {
     viewport.width = static_cast<int>(view.size.x * pixel_scale);
     viewport.height = static_cast<int>(view.size.y * pixel_scale);
     if (viewport.width > 0 && viewport.height > 0) {
-        renderer_.draw(view_control_.camera(), viewport, state, pixel_scale * window_.scale());
+        renderer_.draw(view_control_.camera(), viewport, state, pixel_scale * window_.scale(),
+                       window_.is_drawn());
     }
+    ui::enter_at({view.corner, {0.0F, 0.0F}}, "marks", "drawing", renderer_.marks_text());
 }
 
 ViewState Screen::view_state() {

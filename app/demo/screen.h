@@ -38,6 +38,10 @@ public:
 
     void draw_frame();
 
+    /// Waits until a request asks for frames, or the program is asked to end. False once nobody can
+    /// ask any more.
+    [[nodiscard]] bool waits_for_request();
+
     /// Once the session has stopped: completes the folder in which it is kept.
     /// @return why that was not possible; else empty
     std::string finish();
@@ -56,7 +60,12 @@ public:
     [[nodiscard]] const FrameLoad &frame_load() const { return renderer_.load(); }
 
 private:
-    void draw_contents();
+    struct SceneView {
+        Rectangle place;
+        ViewState state;
+    };
+
+    SceneView draw_contents();
     /// Of plots and session, once the frame that shows them is complete.
     void write_pictures(const std::optional<std::filesystem::path> &of_session);
     void keep();

@@ -72,7 +72,7 @@ void Renderer::upload(double duration_s) {
 }
 
 void Renderer::draw(const Camera &camera, const ViewportPixels &viewport, const ViewState &state,
-                    double pixel_scale) {
+                    double pixel_scale, bool is_seen) {
     if (viewport.width <= 0 || viewport.height <= 0) {
         return; // minimised
     }
@@ -94,6 +94,9 @@ void Renderer::draw(const Camera &camera, const ViewportPixels &viewport, const 
     mark_calls_ = 2 * static_cast<int>(frame.markers.size() + frame.tip.tip.size()) +
                   static_cast<int>(frame.tip.ghost.size() + frame.bodies.size()) +
                   2 * flat_.calls();
+    if (!is_seen) {
+        return;
+    }
 
     meter_.begin();
     GLint target = 0;

@@ -52,8 +52,9 @@ public:
     /// Draws only into the viewport of the bound framebuffer. Leaves depth test, blending, culling
     /// and scissor test off, and no vertex array bound.
     /// @param pixel_scale framebuffer pixels per layout pixel, 2 on a high-density screen
+    /// @param is_seen  otherwise only `marks_text` is renewed
     void draw(const Camera &camera, const ViewportPixels &viewport, const ViewState &state,
-              double pixel_scale);
+              double pixel_scale, bool is_seen = true);
 
     /// What the marks of the last frame took: "60 draw calls, 120 flat triangles".
     [[nodiscard]] std::string marks_text() const {

@@ -10,17 +10,28 @@ namespace springdrive::app {
 
 namespace {
 
-bool has_request() {
+bool has_request(int wait_ms) {
     pollfd input{STDIN_FILENO, POLLIN, 0};
-    return ::poll(&input, 1, 0) > 0;
+    return ::poll(&input, 1, wait_ms) > 0;
 }
 
 constexpr std::size_t kLongestLine = 1000;
 
 } // namespace
 
+bool ReportRequests::wait() {
+    constexpr int kWait_ms = 100; // a signal to end may have come just before
+    take_in(asked_ > 0 ? 0 : kWait_ms);
+    return asked_ > 0;
+}
+
 void ReportRequests::poll(bool has_input) {
-    while (!has_ended_ && has_request()) {
+    take_in(0);
+    frames_ = asked_ > 0 && !has_input ? frames_ + 1 : 0;
+}
+
+void ReportRequests::take_in(int wait_ms) {
+    while (!has_ended_ && has_request(std::exchange(wait_ms, 0))) {
         std::array<char, 256> bytes{};
         const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
         has_ended_ = count <= 0; // closed: nobody asks any more
@@ -39,7 +50,6 @@ void ReportRequests::poll(bool has_input) {
     if (read_.size() > kLongestLine) {
         read_.clear();
     }
-    frames_ = asked_ > 0 && !has_input ? frames_ + 1 : 0;
 }
 
 void ReportRequests::answer(const std::string &line) {

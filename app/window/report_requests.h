@@ -10,6 +10,13 @@ namespace springdrive::app {
 
 class ReportRequests {
 public:
+    /// Waits for a request, at most a tenth of a second, unless there is one already.
+    /// @return whether frames are asked for
+    [[nodiscard]] bool wait();
+
+    /// Whether nobody can ask any more.
+    [[nodiscard]] bool has_ended() const { return has_ended_ && asked_ == 0; }
+
     /// Reads what is there, without waiting. Anything but a request is complained of on standard
     /// error. Call once per frame. @param has_input  events still wait for a frame
     void poll(bool has_input);
@@ -21,6 +28,8 @@ public:
     void answer(const std::string &line);
 
 private:
+    void take_in(int wait_ms);
+
     static constexpr int kFrames = 2;
 
     std::string read_; ///< incomplete line

@@ -65,7 +65,8 @@ bool names(int key, int scancode, std::string_view letter) {
 } // namespace
 
 Window::Window(const std::string &title, const Wish &wish)
-    : is_kiosk_(wish.is_kiosk), text_size_(static_cast<float>(wish.text_size)) {
+    : frame_s_(wish.frame_s), is_unseen_(wish.is_unseen), is_kiosk_(wish.is_kiosk),
+      text_size_(static_cast<float>(wish.text_size)) {
     glfwSetErrorCallback(on_glfw_error);
     if (glfwInit() == GLFW_FALSE) {
         throw InputError(
@@ -251,6 +252,9 @@ void Window::begin_frame() {
     fit_scale_to_window();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
+    if (frame_s_ > 0.0) {
+        ImGui::GetIO().DeltaTime = static_cast<float>(frame_s_);
+    }
     for (const KeyDown &key : input_.feed(ImGui::GetIO())) {
         note_key(key);
     }
@@ -266,6 +270,9 @@ void Window::clear() {
 
 void Window::end_frame() {
     ImGui::Render();
+    if (!is_drawn()) {
+        return;
+    }
     const Size pixels = framebuffer();
     glViewport(0, 0, pixels.width, pixels.height);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());

@@ -38,10 +38,13 @@ public:
         Size remembered;        ///< the same, of an earlier run; used without `size`, if not 0 × 0
         double scale = 0.0;     ///< of text and panels; 0 for the display's scale
         double text_size = 1.0; ///< see `set_text_size`
+        double frame_s = 0.0;   ///< between two frames, for Dear ImGui; 0: by the clock
         /// Fills the screen for good, cannot be closed, and has text by the screen's size.
         bool is_kiosk = false;
         /// Never shown: it owns what the windows share that are shown.
         bool is_hidden = false;
+        /// Shown, but nobody looks: frames that are not kept are computed, but not drawn.
+        bool is_unseen = false;
     };
 
     /// Fonts beside the usual one.
@@ -65,6 +68,9 @@ public:
     /// Polls events and begins an ImGui frame.
     void begin_frame();
 
+    /// Whether the frame is drawn, once it is known whether it is kept.
+    [[nodiscard]] bool is_drawn() const { return !is_unseen_ || keep_last_frame_; }
+
     /// Draws the ImGui frame over the caller's drawing, and swaps buffers.
     void end_frame();
 
@@ -85,7 +91,7 @@ public:
     static constexpr Size kRoomForPanels{1000, 640};
     static constexpr Size kRoomForScene{480, 300}; ///< without panels
 
-    /// Clears the whole framebuffer.
+    /// Clears the whole framebuffer, before the caller's drawing.
     void clear();
 
     [[nodiscard]] Size framebuffer() const; ///< pixels to draw on
@@ -133,6 +139,8 @@ private:
     void fit_scale_to_window();
 
     GLFWwindow *window_ = nullptr;
+    double frame_s_ = 0.0;
+    bool is_unseen_ = false;
     bool is_kiosk_ = false;
     double next_fill_s_ = 0.0; ///< when a kiosk may try to fill the screen again
     LargeText large_text_;

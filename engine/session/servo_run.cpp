@@ -116,7 +116,7 @@ void ServoRun::advance(double frame_s) {
 }
 
 bool ServoRun::can_change_speed() const {
-    return !way_.lockstep && !is_halted() && device_->clock() == device::DeviceClock::servo;
+    return !is_halted() && device_->clock() == device::DeviceClock::servo;
 }
 
 void ServoRun::set_speed(double speed) {
@@ -125,6 +125,9 @@ void ServoRun::set_speed(double speed) {
     }
     const double before = std::exchange(speed_, std::clamp(speed, 0.0, 1.0));
     pending_ticks_ = 0.0;
+    if (way_.lockstep) {
+        return; // has no thread
+    }
     if (before == 1.0 && speed_ < 1.0) {
         servo_->pause();
     } else if (before < 1.0 && speed_ == 1.0) {

@@ -90,7 +90,7 @@ public:
     [[nodiscard]] bool is_halted() const { return halt_.has_value(); }
 
     /// A simulated device, which waits for its servo, can be slowed down or stand still: its servo
-    /// then runs in frames, like in lockstep. Others, and runs in lockstep, always have speed 1.
+    /// then runs in frames, like in lockstep. Others always have speed 1.
     /// @param speed  of the device's time, 0 to 1
     void set_speed(double speed);
     [[nodiscard]] double speed() const { return speed_; }

@@ -25,8 +25,10 @@ constexpr long kVersion = 5;
 /// The side of the protocol that offers the files.
 class FileSource {
 public:
-    FileSource(const VirtualDisplay &display, Window target, std::string uris)
-        : display_(XOpenDisplay(display.name().c_str())), target_(target), uris_(std::move(uris)) {
+    FileSource(const VirtualDisplay &display, Window target, std::string uris,
+               std::function<void()> settle)
+        : display_(XOpenDisplay(display.name().c_str())), target_(target), uris_(std::move(uris)),
+          settle_(std::move(settle)) {
         if (display_ == nullptr) {
             throw std::runtime_error("dropped files: no connection to " + display.name());
         }
@@ -97,7 +99,7 @@ private:
         while (Clock::now() < deadline) {
             if (XPending(display_) == 0) {
                 pollfd watched{ConnectionNumber(display_), POLLIN, 0};
-                poll(&watched, 1, 100);
+                settle_ ? settle_() : static_cast<void>(poll(&watched, 1, 100));
                 continue;
             }
             XEvent event;
@@ -139,6 +141,7 @@ private:
     Display *display_;
     Window target_;
     std::string uris_;
+    std::function<void()> settle_;
     Window window_ = 0;
     Atom selection_ = 0;
     Atom uri_list_ = 0;
@@ -168,8 +171,9 @@ std::string uri_list(const std::vector<std::filesystem::path> &paths) {
 }
 
 void drop_on_window(const VirtualDisplay &display, unsigned long window, int x, int y,
-                    const std::vector<std::filesystem::path> &paths) {
-    FileSource(display, window, uri_list(paths)).drop_at(x, y);
+                    const std::vector<std::filesystem::path> &paths,
+                    const std::function<void()> &settle) {
+    FileSource(display, window, uri_list(paths), settle).drop_at(x, y);
 }
 
 } // namespace springdrive::testing

@@ -93,11 +93,11 @@ public:
 
     [[nodiscard]] Window window() const { return window_; }
 
-    void find_window(Clock::time_point deadline) {
+    void find_window(Clock::time_point deadline, bool is_seen) {
         window_ = None;
         for (;;) {
             const Window found = top_window();
-            if (found != None && shows_something(found) && takes_focus(found)) {
+            if (found != None && (!is_seen || shows_something(found)) && takes_focus(found)) {
                 window_ = found;
                 is_there_ = true;
                 return;
@@ -135,6 +135,13 @@ public:
             }
         }
         throw failure("the program draws no frames");
+    }
+
+    /// Once this returns, the program can read all events so far: the server writes them before it
+    /// looks at the second request.
+    void deliver() {
+        XSync(display_, False);
+        XSync(display_, False);
     }
 
     void move(int x, int y) {
@@ -278,8 +285,9 @@ Person::Person(const VirtualDisplay &display)
 
 Person::~Person() = default;
 
-void Person::wait_for_window(std::chrono::duration<double> limit) {
-    connection_->find_window(Clock::now() + std::chrono::duration_cast<Clock::duration>(limit));
+void Person::wait_for_window(std::chrono::duration<double> limit, bool is_seen) {
+    connection_->find_window(Clock::now() + std::chrono::duration_cast<Clock::duration>(limit),
+                             is_seen);
     settle();
 }
 
@@ -291,6 +299,7 @@ void Person::wait_for_frames(int frames) {
 
 void Person::settle(int frames) {
     if (settle_) {
+        connection_->deliver();
         settle_();
     } else {
         wait_for_frames(frames);
@@ -340,14 +349,19 @@ void Person::click_here(int button, int frames) {
 void Person::drag(Point from, Point to, double duration_s, int button) {
     move_to(from.x, from.y);
     press(button);
-    const int steps =
-        std::max(1, static_cast<int>(std::lround(duration_s / kMouseInterval.count())));
+    const double interval_s = (settle_ ? 2 : 1) * kMouseInterval.count();
+    const int steps = std::max(1, static_cast<int>(std::lround(duration_s / interval_s)));
     Clock::time_point next = Clock::now();
     for (int i = 1; i <= steps; ++i) {
         const float share = static_cast<float>(i) / static_cast<float>(steps);
         next += std::chrono::duration_cast<Clock::duration>(kMouseInterval);
-        std::this_thread::sleep_until(next);
+        if (!settle_) {
+            std::this_thread::sleep_until(next);
+        }
         jump_to(std::lerp(from.x, to.x, share), std::lerp(from.y, to.y, share));
+        if (settle_) {
+            settle();
+        }
     }
     settle();
     release(button);
@@ -426,7 +440,7 @@ void Person::clear_field() {
 void Person::drop_files(float x, float y, const std::vector<std::filesystem::path> &paths) {
     move_to(x, y);
     drop_on_window(display_, connection_->window(), static_cast<int>(std::lround(x)),
-                   static_cast<int>(std::lround(y)), paths);
+                   static_cast<int>(std::lround(y)), paths, settle_);
     settle();
 }
 

@@ -38,14 +38,17 @@ public:
 
     /// Waits until a window is there and shows something, and gives it the keyboard focus. To be
     /// called before everything else, and again for the window of the next program.
-    void wait_for_window(std::chrono::duration<double> limit = std::chrono::seconds(30));
+    /// @param is_seen  whether it draws pictures
+    void wait_for_window(std::chrono::duration<double> limit = std::chrono::seconds(30),
+                         bool is_seen = true);
 
     /// Waits until the program has seen everything done so far and then drawn `frames` frames; at
     /// once if its window is gone.
     void wait_for_frames(int frames);
 
     /// What an action waits for at its end, instead of two frames, and between the press and the
-    /// release of a key or button, instead of fewer. It must be short: ImGui repeats keys held for
+    /// release of a key or button, instead of fewer; a drag for each of its steps. Called once the
+    /// program can see what was done. It must be short: ImGui repeats keys held for
     /// 0.25 s, and the second click of a double click must begin within 0.3 s of the first. By
     /// default, neither fails above eight frames per second.
     void settle_by(std::function<void()> settle) { settle_ = std::move(settle); }

@@ -14,7 +14,14 @@ namespace {
 
 constexpr std::chrono::seconds kAnswer{60};
 
-std::vector<std::string> with_window(std::vector<std::string> arguments, const WindowSize &size) {
+constexpr double kQuickly_s = 6.0;     ///< of the frames' time, in about a second
+constexpr double kLook_s = 2.0 / 60.0; ///< of the frames' time, see ReportRequests
+
+std::vector<std::string> with_window(std::vector<std::string> arguments, const WindowSize &size,
+                                     Pace pace) {
+    if (pace == Pace::looks) {
+        arguments.insert(arguments.begin(), {"--lockstep", "--unseen"});
+    }
     if (size.is_typed) {
         arguments.insert(arguments.begin(),
                          {"--width", std::to_string(size.width), "--height",
@@ -68,15 +75,27 @@ double Report::column(const std::string &name) const {
 }
 
 ShownWindow::ShownWindow(std::vector<std::string> arguments, const WindowSize &size,
-                         const std::filesystem::path &folder)
-    : display_(size.width, size.height),
-      program_(display_, with_window(std::move(arguments), size), folder), person_(display_) {
-    person_.wait_for_window();
+                         const std::filesystem::path &folder, Pace pace)
+    : pace_(pace), display_(size.width, size.height),
+      program_(display_, with_window(std::move(arguments), size, pace), folder), person_(display_) {
+    if (pace_ == Pace::looks) {
+        person_.settle_by([this] { (void)report(); });
+    }
+    person_.wait_for_window(std::chrono::seconds(30), pace_ == Pace::clock);
+}
+
+std::optional<std::string> ShownWindow::report() {
+    if (has_ended_) {
+        return {};
+    }
+    program_.send_line("report");
+    std::optional<std::string> line = program_.read_line(kAnswer);
+    has_ended_ = !line;
+    return line;
 }
 
 Report ShownWindow::look() {
-    program_.send_line("report");
-    const std::optional<std::string> line = program_.read_line(kAnswer);
+    const std::optional<std::string> line = report();
     if (!line) {
         throw std::runtime_error("the window does not report: " + program_.error());
     }
@@ -86,17 +105,32 @@ Report ShownWindow::look() {
 Report ShownWindow::wait_until(const std::function<bool(const Report &)> &holds,
                                const std::string &what, double limit_s) {
     const auto start = std::chrono::steady_clock::now();
-    for (;;) {
+    for (double frames_s = 0.0;; frames_s += kLook_s) {
         Report report = look();
         if (holds(report)) {
             return report;
         }
-        if (std::chrono::steady_clock::now() - start > std::chrono::duration<double>(limit_s)) {
+        const bool is_late =
+            std::chrono::steady_clock::now() - start > std::chrono::duration<double>(limit_s);
+        if (is_late && (pace_ == Pace::clock || frames_s > limit_s)) {
             ADD_FAILURE() << "not within " << limit_s << " s: " << what << "; the window shows\n"
                           << report.texts();
             return report;
         }
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        // What other threads do is waited for by the clock.
+        if (pace_ == Pace::clock || frames_s > kQuickly_s) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+    }
+}
+
+void ShownWindow::let_pass(double duration_s) {
+    if (pace_ == Pace::clock) {
+        std::this_thread::sleep_for(std::chrono::duration<double>(duration_s));
+        return;
+    }
+    for (double frames_s = 0.0; frames_s < duration_s; frames_s += kLook_s) {
+        (void)report();
     }
 }
 

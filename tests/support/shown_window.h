@@ -42,6 +42,12 @@ struct WindowSize {
     bool is_typed = true;
 };
 
+/// By what the time of frames and servo goes on.
+enum class Pace {
+    looks, ///< each look and each action takes two frames, and there are no others; none is drawn
+    clock, ///< the computer's, and all frames are drawn
+};
+
 /// In the names of tests with parameters.
 inline void PrintTo(const WindowSize &size, std::ostream *out) {
     *out << size.width << " x " << size.height << " at scale " << size.scale;
@@ -49,16 +55,20 @@ inline void PrintTo(const WindowSize &size, std::ostream *out) {
 
 class ShownWindow {
 public:
-    /// Starts `demo --report` with these arguments, and waits until its window is shown.
+    /// Starts `demo --report` with these arguments, and waits until its window is there.
     explicit ShownWindow(std::vector<std::string> arguments = {}, const WindowSize &size = {},
-                         const std::filesystem::path &folder = {});
+                         const std::filesystem::path &folder = {}, Pace pace = Pace::looks);
 
     /// What the window shows now, after all that the person did.
     [[nodiscard]] Report look();
 
-    /// Looks until `holds`; the last report. Fails the test after `limit_s`, saying `what`.
+    /// Looks until `holds`; the last report. Fails the test after `limit_s` of both the clock's and
+    /// the frames' time, saying `what`.
     Report wait_until(const std::function<bool(const Report &)> &holds, const std::string &what,
                       double limit_s = 20.0);
+
+    /// Of the frames' time; with Pace::clock of the computer's.
+    void let_pass(double duration_s);
 
     /// Waits until the motors run.
     void wait_until_running();
@@ -76,6 +86,10 @@ public:
     [[nodiscard]] const VirtualDisplay &display() const { return display_; }
 
 private:
+    std::optional<std::string> report(); ///< nothing once the program has ended
+
+    Pace pace_;
+    bool has_ended_ = false;
     VirtualDisplay display_;
     RunningProgram program_;
     Person person_;

@@ -70,7 +70,7 @@ class Storm {
 public:
     explicit Storm(double seconds)
         : seconds_(seconds), folder_(testing::fresh_folder("kiosk_storm")),
-          window_(arguments(), {1280, 720, 1.0, false}, folder_) {
+          window_(arguments(), {1280, 720, 1.0, false}, folder_, testing::Pace::clock) {
         std::ofstream(folder_ / "own.csv") << "t,x,y,z\n0,0,0.05,0\n1,0,0.05,0\n";
         std::ofstream(folder_ / "broken.gltf") << "{";
     }

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app {
@@ -61,6 +62,25 @@ void expect_all_fits(const Report &report, const std::string &where) {
     }
 }
 
+/// Once what is shown has stayed the same for a look: a table that has just appeared, with what was
+/// computed in the background, fits a frame later.
+Report settled(ShownWindow &window) {
+    const auto ids_of = [](const Report &report) {
+        std::vector<std::string> ids;
+        for (const auto &item : report.all().at("items")) {
+            ids.push_back(item.at("id"));
+        }
+        return ids;
+    };
+    std::vector<std::string> before;
+    return window.wait_until(
+        [&](const Report &report) {
+            std::vector<std::string> now = ids_of(report);
+            return now == std::exchange(before, now);
+        },
+        "all is there");
+}
+
 class Layout : public ::testing::TestWithParam<testing::WindowSize> {};
 
 TEST_P(Layout, NoPanelClipsOrOverlapsItsContents) {
@@ -77,7 +97,7 @@ TEST_P(Layout, NoPanelClipsOrOverlapsItsContents) {
     EXPECT_FALSE(closed_tabs.empty());
     for (const std::string &tab : closed_tabs) {
         window.click(tab);
-        expect_all_fits(window.look(), tab);
+        expect_all_fits(settled(window), tab);
     }
 }
 

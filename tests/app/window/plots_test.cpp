@@ -79,14 +79,6 @@ ShownPlot first_plot(ShownWindow &window) {
     return plots.empty() ? ShownPlot{} : plots.front();
 }
 
-/// Waits until the servo is so much further.
-void let_pass(ShownWindow &window, double time_s) {
-    const double start_s = window.look().column("time_s");
-    window.wait_until(
-        [&](const Report &report) { return report.column("time_s") > start_s + time_s; },
-        "the servo goes on");
-}
-
 void expect_same_x(const ShownPlot &a, const ShownPlot &b) {
     EXPECT_EQ(a.x_from, b.x_from);
     EXPECT_EQ(a.x_to, b.x_to);
@@ -95,7 +87,7 @@ void expect_same_x(const ShownPlot &a, const ShownPlot &b) {
 void expect_it_stays(ShownWindow &window, const std::string &what) {
     const ShownPlot before = first_plot(window);
     EXPECT_FALSE(before.is_live) << what;
-    let_pass(window, 0.1);
+    window.let_pass(0.1);
     const ShownPlot after = first_plot(window);
     EXPECT_FALSE(after.is_live) << what;
     expect_same_x(before, after);
@@ -257,11 +249,11 @@ TEST(PlotsInTheWindow, AHeldViewStaysAndALiveOneMoves) {
     EXPECT_GT(held.x_to, 0.0);
     expect_it_stays(window, "held by the button");
     const Columns first = exported_csv(window, folder);
-    let_pass(window, 1.0); // so that the files have different names
+    window.let_pass(1.0); // so that the files have different names
     EXPECT_EQ(exported_csv(window, folder).at("time_s"), first.at("time_s"));
     window.click("Plots/hold");
     EXPECT_TRUE(first_plot(window).is_live);
-    let_pass(window, 1.0);
+    window.let_pass(1.0);
     EXPECT_GT(exported_csv(window, folder).at("time_s").back(), first.at("time_s").back() + 1.0);
     // A new span keeps the end of a held view.
     window.click("Plots/hold");
@@ -448,7 +440,7 @@ TEST(PlotsInTheWindow, AMapKeepsItsNameAndItsPastWhenTheOtherIsUsed) {
     const auto before = legend();
     EXPECT_EQ(before.at("Plots/plot 1/transpose_measured_rad"), "transpose, measured");
     EXPECT_EQ(before.at("Plots/plot 1/inverse_error_rad"), "inverse, ideal");
-    let_pass(window, 0.3);
+    window.let_pass(0.3);
     window.choose("Gains/map", "inverse (18)");
     window.wait_until(
         [](const Report &report) {
@@ -456,7 +448,7 @@ TEST(PlotsInTheWindow, AMapKeepsItsNameAndItsPastWhenTheOtherIsUsed) {
         },
         "the tip touches with the inverse map");
     EXPECT_EQ(legend(), before);
-    let_pass(window, 0.3);
+    window.let_pass(0.3);
     const Columns shown = exported_csv(window, folder);
     int of_transpose = 0;
     int of_inverse = 0;
@@ -513,7 +505,7 @@ TEST(PlotsInTheWindow, TheTriggerStopsAtAContactAndCanBeArmedAgain) {
     expect_stop_at_contact(window, folder);
     const ShownPlot first = first_plot(window);
     expect_it_stays(window, "stopped by the trigger");
-    let_pass(window, 1.0);
+    window.let_pass(1.0);
     arm_on_contact(window);
     EXPECT_TRUE(first_plot(window).is_live);
     expect_stop_at_contact(window, folder);
@@ -548,7 +540,7 @@ TEST(PlotsInTheWindow, CursorsShowTheValuesThereAndTheirDifference) {
     ShownWindow window(touching(folder), {1600, 720}, folder); // room for values in the legend
     window.wait_until([](const Report &report) { return report.column("touching") != 0.0; },
                       "the tip touches");
-    let_pass(window, 0.3);
+    window.let_pass(0.3);
     window.click("Plots/hold");
     window.choose("Plots/span", "1 s");
     window.click("Plots/cursors");
@@ -606,7 +598,7 @@ TEST(PlotsInTheWindow, ExportsWhatTheRecordHoldsBitForBit) {
     }
     window.wait_until([](const Report &report) { return report.column("touching") != 0.0; },
                       "the tip touches");
-    let_pass(window, 0.2);
+    window.let_pass(0.2);
     window.click("Plots/hold");
     const Columns shown = exported_csv(window, folder);
     window.person().close_window();
@@ -656,7 +648,7 @@ TEST(PlotsInTheWindow, PicturesAreFilesThatOthersReadAndWhatFailsIsSaid) {
                       "the tip touches");
     for (const char *set : {"force and its direction", "figure 6, live"}) {
         window.choose("Plots/sets", set);
-        let_pass(window, 1.0); // so that the files have different names
+        window.let_pass(1.0); // so that the files have different names
         const std::string svg = testing::contents_of(exported(window, folder, "SVG", ".svg"));
         testing::XmlCheck check(svg);
         EXPECT_EQ(check.complaint(), "") << set;
@@ -682,7 +674,6 @@ TEST(PlotsInTheWindow, PicturesAreFilesThatOthersReadAndWhatFailsIsSaid) {
     std::filesystem::remove_all(folder);
     for (const char *entry : {"CSV, what is shown", "SVG", "PNG"}) {
         window.choose("Plots/export", entry);
-        window.person().wait_for_frames(2);
         const Report report = window.look(); // what is too long for its place is in a tooltip
         EXPECT_TRUE(report.shows("cannot be written") || report.shows("…")) << entry;
     }
@@ -724,7 +715,7 @@ class PlotSets : public ::testing::TestWithParam<WindowSize> {};
 
 /// Of a menu; the entries of its list are clipped.
 void expect_within_window(ShownWindow &window, const std::string &scope) {
-    window.person().wait_for_frames(2); // it finds its place
+    (void)window.look(); // it finds its place
     const Report report = window.look();
     const auto &size = report.all().at("window");
     int items = 0;

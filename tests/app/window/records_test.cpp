@@ -164,6 +164,7 @@ TEST(KeepingInTheWindow, AKeptSessionIsReplayedTomorrow) {
         window.wait_until([](const Report &report) { return report.column("time_s") > 3.0; },
                           "the tip touches");
         window.enter("Gains/dR_Ohm/typed", "0.4");
+        window.let_pass(0.5); // the change is over
         window.click("Servo/Notes");
         window.click("Notes/notes");
         window.person().type("softer than steel");

@@ -66,6 +66,7 @@ TEST(SceneInTheWindow, TheSentenceCanBePutAwayAndBroughtBack) {
 
 TEST(SceneInTheWindow, GoesFromSceneToScene) {
     ShownWindow window({"--scene", scene_of("slope")});
+    window.wait_until_running(); // until then a message takes room
     window.click("lesson/next"); // in the order of the tour
     const Report next = window.wait_until(
         [](const Report &report) { return report.shows("From hard to soft"); }, "the next scene");

@@ -5,11 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <random>
 #include <string>
-#include <thread>
 
 namespace springdrive::app {
 namespace {
@@ -45,7 +43,7 @@ TEST(TouchInTheWindow, APressTouchesADragSlidesAndTheReleaseLiftsOff) {
     // and friction take some.
     const Report held =
         window.wait_until([](const Report &report) { return force_N(report) > 1.0; }, "it presses");
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    window.let_pass(0.5);
     EXPECT_LT(force_N(window.look()), 2.0);
     // To the right, on the surface all the way.
     const double x_m = window.look().column("proxy_x_m");
@@ -104,7 +102,7 @@ TEST(TouchInTheWindow, NoPressAndNoSlideOnACurvedSurfaceStopsTheDevice) {
                                   static_cast<float>(bottom) - 60.0F + 50.0F * share(random)};
         window.person().move_to(from.x, from.y);
         window.person().press();
-        std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+        window.let_pass(1.2);
         touched += is_touching(window.look()) ? 1 : 0;
         for (int step = 1; step <= 6; ++step) {
             window.person().move_to(from.x + 10.0F * static_cast<float>(step) * share(random),
