@@ -9,6 +9,7 @@
 #include "base/file_names.h"
 #include "base/new_file.h"
 #include "device/core/calibration_file.h"
+#include "device/core/device_file.h"
 
 #include <fmt/format.h>
 

@@ -3,6 +3,7 @@
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
+#include "device/core/device_file.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/drive_comparison.h"
 #include "engine/servo/servo.h"

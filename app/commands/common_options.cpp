@@ -4,6 +4,7 @@
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/print.h"
+#include "device/core/device_file.h"
 #include "device/core/motor/winding_guard.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning_file.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/factory/device_factory.h"
 #include "device/simulated/simulation_options.h"
 #include "device/usb/emulator/emulator_faults.h"

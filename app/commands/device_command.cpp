@@ -6,6 +6,7 @@
 #include "base/input_error.h"
 #include "base/one_line.h"
 #include "base/print.h"
+#include "device/core/device_file.h"
 #include "device/factory/device_factory.h"
 #include "device/simulated/stop_tour.h"
 #include "device/usb/emulator/emulated_board.h"

@@ -7,6 +7,7 @@
 #include "app/figures/gnuplot.h"
 #include "app/host/asset_folder.h"
 #include "base/input_error.h"
+#include "device/core/device_file.h"
 #include "engine/lab/limits/locked_device.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
 #include "engine/lab/rig/configuration.h"

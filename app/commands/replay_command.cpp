@@ -6,6 +6,7 @@
 #include "base/one_line.h"
 #include "base/print.h"
 #include "base/sha256.h"
+#include "device/core/device_file.h"
 #include "engine/record/record_reader.h"
 #include "engine/record/replay.h"
 #include "engine/session/journal_check.h"

@@ -2,6 +2,7 @@
 
 #include "app/commands/common_options.h"
 #include "base/input_error.h"
+#include "device/core/device_file.h"
 #include "engine/lab/rig/configuration.h"
 
 #include <CLI/CLI.hpp>

@@ -1,7 +1,7 @@
 // The report of `springdrive stiffness`: levels, corner frequencies, stability, and a table.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/lab/loops/stiffness_sweep.h"
 
 #include <ostream>

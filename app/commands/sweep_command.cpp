@@ -9,6 +9,7 @@
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/print.h"
+#include "device/core/device_file.h"
 #include "engine/commissioning/sweep.h"
 #include "engine/servo/real_time.h"
 

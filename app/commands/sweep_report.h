@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/new_file.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/commissioning/sweep.h"
 
 #include <filesystem>

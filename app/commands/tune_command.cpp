@@ -5,6 +5,7 @@
 #include "app/commands/progress_line.h"
 #include "app/commands/tune_report.h"
 #include "base/input_error.h"
+#include "device/core/device_file.h"
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/servo/servo.h"
 

@@ -2,6 +2,7 @@
 
 #include "app/host/user_folder.h"
 #include "base/input_error.h"
+#include "device/core/device_file.h"
 #include "engine/session/windings_file.h"
 
 #include <CLI/CLI.hpp>

@@ -1,5 +1,7 @@
 #include "app/demo/tip_inside.h"
 
+#include "engine/contact/mesh/triangle_soup.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 // The tour of an exhibit: its scenes in their order, and how a scripted hand shows each.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/simulated/hand_path.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/scene/scene.h"

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "app/figures/gnuplot.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/limits/locked_device.h"
 

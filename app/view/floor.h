@@ -6,7 +6,7 @@
 #include "app/view/scene_meshes.h"
 #include "app/view/shadow_mask.h"
 #include "app/view/solid_painter.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 
 #include <span>
 

@@ -4,7 +4,7 @@
 #include "app/view/shown_things.h"
 #include "app/view/solids.h"
 #include "app/view/touch_values.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/core/phantom/kinematics.h"
 
 #include <optional>

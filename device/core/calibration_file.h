@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/strict_toml.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 
 #include <array>
 #include <string>

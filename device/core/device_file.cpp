@@ -3,14 +3,12 @@
 #include "base/degrees.h"
 #include "base/strict_toml.h"
 #include "device/core/calibration_file.h"
-#include "device/core/phantom/kinematics.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <optional>
 
 namespace springdrive::device {
 
@@ -177,15 +175,6 @@ AmplifierParameters read_amplifier(StrictTomlTable table,
     table.refuse_unknown_keys();
     return amplifier;
 }
-
-} // namespace
-
-bool can_reach(const DeviceDescription &device, const Vector3 &tip_m) {
-    const std::optional<Vector3> q_rad = joint_angles_rad(device.geometry, tip_m);
-    return q_rad && device.joint_limits.allow(*q_rad);
-}
-
-namespace {
 
 DeviceDescription read_device(StrictTomlTable file) {
     DeviceDescription device;

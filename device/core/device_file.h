@@ -1,111 +1,12 @@
-// Description of a haptic device, as read from assets/devices/*.toml: data are kept there, not in
-// code.
+// Reads a device's description from assets/devices/*.toml.
 #pragma once
 
-#include "base/vector.h"
-#include "device/core/calibration.h"
-#include "device/core/motor/motor.h"
-#include "device/core/phantom/geometry.h"
+#include "device/core/device_description.h"
 
-#include <array>
 #include <filesystem>
-#include <numbers>
-#include <optional>
 #include <string>
 
 namespace springdrive::device {
-
-/// A box in which the device moves comfortably; scenes are fitted into it.
-struct Workspace {
-    Vector3 centre_m{Vector3::Zero()};
-    Vector3 size_m{Vector3::Zero()};
-};
-
-/// Limits that the safety monitor enforces, in addition to those of the motors. No panel or option
-/// raises them.
-struct DeviceLimits {
-    double tip_force_N = 0.0; ///< of the rendered force
-    double tip_speed_m_per_s = 0.0;
-    double beyond_stops_rad = 0.0;   ///< how far stops may yield; more means an encoder error
-    double generated_energy_J = 0.0; ///< that the hand may receive beyond what it put in
-    double late_s = 0.0;             ///< how long consecutive missed deadlines may last
-    double stale_s = 0.0;            ///< how long no new measurement may arrive
-    double window_silence_s = 0.0;   ///< how long the window's heartbeat may be absent
-};
-
-/// A soft wall before the joints' stops: a spring and a damper at each joint.
-struct WorkspaceEdge {
-    double margin_rad = 0.0; ///< distance before a stop at which it begins
-    double stiffness_Nm_per_rad = 0.0;
-    double damping_Nms_per_rad = 0.0;
-};
-
-/// Friction of joints and transmission, at each joint.
-struct JointFriction {
-    double viscous_Nms_per_rad = 0.0;
-    Vector3 coulomb_Nm{Vector3::Zero()}; ///< the same at rest and in motion
-};
-
-/// The joints' range of travel between their stops.
-struct JointLimits {
-    Vector3 min_rad{Vector3::Zero()};
-    Vector3 max_rad{Vector3::Zero()};
-    double min_q3_minus_q2_rad = 0.0; ///< the links fold no further
-    double max_q3_minus_q2_rad = 0.0;
-
-    [[nodiscard]] bool allow(const Vector3 &q_rad) const {
-        const double fold_rad = q_rad[2] - q_rad[1];
-        return (q_rad.array() >= min_rad.array()).all() &&
-               (q_rad.array() <= max_rad.array()).all() && fold_rad >= min_q3_minus_q2_rad &&
-               fold_rad <= max_q3_minus_q2_rad;
-    }
-};
-
-/// Compliance between transmission and tip.
-struct StructuralCompliance {
-    double stiffness_N_per_m = 0.0;
-    double damping_Ns_per_m = 0.0;
-};
-
-/// How the winding currents are measured: by the amplifiers, for (6), and by a converter, for the
-/// servo.
-struct CurrentSensing {
-    double resolution_A = 0.0; ///< of the converter
-    double noise_A = 0.0;      ///< r.m.s. of the converter, each period's independent
-    double max_offset_A = 0.0; ///< either way, constant
-    double gain_tolerance = 0.0;
-    bool is_shared = true; ///< one sensor for amplifier and converter: their errors are the same
-};
-
-struct DeviceDescription {
-    std::string name;
-    PhantomGeometry geometry;
-    LinkageInertia inertia;
-    JointFriction friction;
-    JointLimits joint_limits;
-    StructuralCompliance structure;
-    std::array<MotorParameters, 3> motor;
-    AmplifierParameters amplifier;
-    CurrentSensing current_sensing;
-    int encoder_counts_per_turn = 0; ///< of the motor shaft, after ×4 decoding
-    Workspace workspace;
-    WorkspaceEdge edge;
-    DeviceLimits limits;
-    std::optional<Calibration> calibration; ///< of one device; without, only its kind is known
-
-    /// By which share R of a motor, as its amplifier sees it, may differ from the file's.
-    [[nodiscard]] double resistance_tolerance(std::size_t motor_index) const {
-        return motor[motor_index].resistance_tolerance + current_sensing.gain_tolerance;
-    }
-
-    /// One encoder count, in motor angle.
-    [[nodiscard]] double rad_per_count() const {
-        return 2.0 * std::numbers::pi / encoder_counts_per_turn;
-    }
-};
-
-/// Whether the tip can be at `tip_m`, within reach and joint limits. RT-safe.
-[[nodiscard]] bool can_reach(const DeviceDescription &device, const Vector3 &tip_m);
 
 /// Reads a device file.
 /// @throw InputError naming the file, the line, the key, the value and its allowed range: for a

@@ -9,7 +9,7 @@
 #include "base/vector.h"
 #include "device/core/bench.h"
 #include "device/core/board_faults.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/core/link_status.h"
 
 #include <array>

@@ -1,7 +1,7 @@
 // The path of a simulated hand that moves the tip about in free space, for a device's calibration.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/simulated/hand_path.h"
 
 namespace springdrive::simulated {

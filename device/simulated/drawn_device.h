@@ -2,7 +2,7 @@
 // the device file.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // Builds the parts that SimulatedPhantom runs from a device's description and options.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/simulated/drawn_device.h"
 #include "device/simulated/linkage_step.h"
 #include "device/simulated/simulation_options.h"

@@ -2,7 +2,7 @@
 // from within the workspace, for a device's self-test.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/simulated/hand_path.h"
 
 namespace springdrive::simulated {

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "device/core/bench.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/commissioning/finding.h"
 
 #include <array>

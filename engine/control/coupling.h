@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/core/motor/motor.h"
 #include "engine/control/tuning.h"
 #include "engine/control/velocity_filter.h"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 
 #include <algorithm>
 #include <array>

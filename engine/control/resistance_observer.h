@@ -30,7 +30,7 @@
 // believed any more until `restart`.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/core/motor/winding_temperature.h"
 #include "engine/control/observed_motor.h"
 

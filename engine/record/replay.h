@@ -11,7 +11,7 @@
 // again, and the last command is held.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/control/haptic_law.h"
 #include "engine/servo/servo_sample.h"
 

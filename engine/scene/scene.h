@@ -2,7 +2,8 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
+#include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/scene/lesson.h"

@@ -20,7 +20,7 @@
 // make of another level. A hand that moves a dead encoder's motor slower than this is not noticed.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/control/resistance_observer.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Limits that the safety monitor enforces. The device file sets them; the operator may lower them.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 
 #include <array>
 #include <cstddef>

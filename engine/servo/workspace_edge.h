@@ -4,7 +4,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 
 namespace springdrive::servo {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/servo_sample.h"
 #include "engine/session/run_folder.h"

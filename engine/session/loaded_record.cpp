@@ -2,6 +2,7 @@
 
 #include "base/input_error.h"
 #include "base/wanted.h"
+#include "device/core/device_file.h"
 #include "engine/record/record_format.h"
 #include "engine/record/record_reader.h"
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "base/background.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/record/channel_store.h"
 #include "engine/record/record_header.h"
 #include "engine/session/telemetry_channels.h"

@@ -1,5 +1,6 @@
 #include "engine/session/session.h"
 
+#include "device/core/device_file.h"
 #include "engine/control/motion_control.h"
 #include "engine/servo/real_time.h"
 #include "engine/session/session_parts.h"

@@ -2,6 +2,7 @@
 #include "base/assertions.h"
 #include "base/input_error.h"
 #include "device/core/calibration_file.h"
+#include "device/core/device_file.h"
 #include "engine/control/motion_control.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/session/session_parts.h"

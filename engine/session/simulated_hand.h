@@ -1,7 +1,7 @@
 // The hand that holds a simulated or emulated device: its target, by a path or by request.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/simulated/hand_control.h"
 #include "device/simulated/hand_path.h"
 

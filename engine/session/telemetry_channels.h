@@ -3,7 +3,7 @@
 //   ServoSample ──► ChannelRow ──► a row of a ChannelStore ──► sample_at ──► the same ServoSample
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/record/channel_store.h"
 #include "engine/servo/servo_sample.h"
 

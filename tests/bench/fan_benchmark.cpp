@@ -1,5 +1,6 @@
 // The cost of the proxy where many triangles meet in one vertex or edge, as one Markdown table on
 // standard output. docs/proxy.md describes the columns.
+#include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/contact/proxy/proxy.h"
 #include "tests/bench/stopwatch.h"

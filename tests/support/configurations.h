@@ -1,7 +1,7 @@
 // Random configurations over a device's workspace.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/core/phantom/kinematics.h"
 #include "tests/support/random_vector.h"
 

@@ -1,5 +1,6 @@
 #include "tests/support/exchange_judge.h"
 
+#include "device/core/device_file.h"
 #include "engine/control/velocity_filter.h"
 #include "engine/record/record_reader.h"
 #include "engine/record/replay.h"

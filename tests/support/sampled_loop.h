@@ -2,7 +2,7 @@
 // sampled_loop_test.cpp, and the reference for the loops of a whole device.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/core/motor/rotor_load.h"
 #include "device/core/phantom/dynamics.h"
 #include "engine/control/velocity_filter.h"

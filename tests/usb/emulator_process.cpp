@@ -1,5 +1,6 @@
 #include "tests/usb/emulator_process.h"
 
+#include "device/core/device_file.h"
 #include "device/usb/emulator/gadget.h"
 #include "tests/support/devices.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/view/view_state.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/servo/servo_sample.h"
 

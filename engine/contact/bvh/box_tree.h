@@ -10,7 +10,6 @@
 #include "base/vector.h"
 #include "engine/contact/bvh/box_node.h"
 #include "engine/contact/bvh/box_search.h"
-#include "engine/contact/bvh/box_tree_build.h"
 
 #include <Eigen/Geometry>
 
@@ -33,12 +32,18 @@ struct SearchBudget {
 /// Of visiting a node, with the cache misses that usually come with it.
 inline constexpr int kNodeEffort = 4;
 
+struct BoxTreeLayout {
+    std::vector<BoxNode> nodes;       ///< the root first; none if there are no boxes
+    std::vector<std::uint32_t> order; ///< item i is boxes[order[i]]
+};
+
 /// Built once, then only read, from any thread.
 class BoxTree {
 public:
     BoxTree() = default;
 
-    /// Builds in `threads` threads, at least one: the same tree for any number of them.
+    /// Builds in `threads` threads, at least one: the same tree for any number of them. In
+    /// box_tree_build.cpp: a search does not need it.
     /// @pre boxes are finite and not empty [m]; fewer than 2^30
     explicit BoxTree(std::span<const Eigen::AlignedBox3d> boxes, unsigned threads);
 
@@ -51,7 +56,10 @@ public:
     }
 
     /// Memory that the tree holds [bytes].
-    [[nodiscard]] std::size_t bytes() const noexcept;
+    [[nodiscard]] std::size_t bytes() const noexcept {
+        return sizeof *this + layout_.nodes.capacity() * sizeof(BoxNode) +
+               layout_.order.capacity() * sizeof(std::uint32_t);
+    }
 
     /// Visits the items whose boxes, grown by `reach_m` on all sides, the motion enters, mostly in
     /// the order in which it enters them. Round-off may add a visit, but never loses one. RT-safe.

@@ -502,4 +502,7 @@ BoxTreeLayout lay_out_boxes(std::span<const Eigen::AlignedBox3d> boxes, unsigned
     return boxes.empty() ? BoxTreeLayout{} : Builder(boxes, threads).take();
 }
 
+BoxTree::BoxTree(std::span<const Eigen::AlignedBox3d> boxes, unsigned threads)
+    : layout_(lay_out_boxes(boxes, threads)) {}
+
 } // namespace springdrive::contact

@@ -4,13 +4,13 @@
 #pragma once
 
 #include "engine/contact/bvh/box_node.h"
+#include "engine/contact/bvh/box_tree.h"
 
 #include <Eigen/Geometry>
 
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
 
 namespace springdrive::contact {
 
@@ -41,11 +41,6 @@ public:
 
 private:
     Bounds bounds_;
-};
-
-struct BoxTreeLayout {
-    std::vector<BoxNode> nodes;       ///< the root first; none if there are no boxes
-    std::vector<std::uint32_t> order; ///< item i is boxes[order[i]]
 };
 
 /// In `threads` threads; the same for any number of them.

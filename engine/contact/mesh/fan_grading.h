@@ -8,6 +8,7 @@
 #pragma once
 
 #include "engine/contact/mesh/facet.h"
+#include "engine/contact/mesh/mesh_report.h"
 #include "engine/contact/mesh/mesh_triangle.h"
 
 #include <cstddef>
@@ -29,12 +30,6 @@ inline constexpr double kCoarseGradingError_m = 1e-6;
 
 /// The largest fans are graded first, until they have become this many facets.
 inline constexpr std::size_t kMaxGradedFacets = 1'000'000;
-
-/// Numbers of graded fans.
-struct GradedFans {
-    std::size_t all = 0;
-    std::size_t coarse = 0; ///< with an error of more than kGradingError_m
-};
 
 /// Grades the fans of at least kMinGradedFan triangles of one material and the same sides,
 /// connected over their common edges, where that leads to fewer triangles at the vertex. Others

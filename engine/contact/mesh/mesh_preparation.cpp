@@ -5,6 +5,7 @@
 #include "engine/contact/mesh/edge_splitting.h"
 #include "engine/contact/mesh/edge_table.h"
 #include "engine/contact/mesh/enclosed_volume.h"
+#include "engine/contact/mesh/fan_grading.h"
 #include "engine/contact/mesh/mesh_topology.h"
 #include "engine/contact/mesh/preparation_allowance.h"
 #include "engine/contact/mesh/repeated_triangles.h"

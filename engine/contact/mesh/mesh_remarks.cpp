@@ -1,5 +1,7 @@
 #include "engine/contact/mesh/mesh_remarks.h"
 
+#include "engine/contact/mesh/fan_grading.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

@@ -1,7 +1,8 @@
 // The results of mesh preparation as text for the user.
 #pragma once
 
-#include "engine/contact/mesh/mesh_preparation.h"
+#include "engine/contact/mesh/mesh_report.h"
+#include "engine/contact/mesh/surface_material.h"
 
 #include <string>
 #include <vector>

@@ -5,8 +5,8 @@
 #include "base/vector.h"
 #include "engine/contact/bvh/box_tree.h"
 #include "engine/contact/mesh/facet.h"
-#include "engine/contact/mesh/mesh_preparation.h"
-#include "engine/contact/mesh/triangle_soup.h"
+#include "engine/contact/mesh/mesh_report.h"
+#include "engine/contact/mesh/surface_material.h"
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/neighbourhood.h"
 #include "engine/contact/proxy/shape_slide.h"
@@ -17,6 +17,8 @@
 #include <vector>
 
 namespace springdrive::contact {
+
+struct TriangleSoup;
 
 /// Where a motion from a to b has to end, at a + stop.fraction (b − a), and which obstacle stops
 /// it.
@@ -43,7 +45,8 @@ class HapticSurface {
 public:
     HapticSurface() = default;
 
-    /// Prepares triangles and builds the search structure, in as many threads as there are cores.
+    /// Prepares triangles and builds the search structure, in as many threads as there are cores:
+    /// in surface_preparation.cpp, apart from the queries.
     /// @throw std::invalid_argument as `prepare_mesh` does, for a shape without a material, or for
     ///        too many shapes
     explicit HapticSurface(TriangleSoup soup, std::vector<AnalyticShape> shapes = {});

@@ -1,7 +1,7 @@
 // A speed-accuracy chart: its setting, its points and its CSV file.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/rig/timing.h"
 

@@ -2,7 +2,7 @@
 // surface, at any place of the workspace and for any orientation of the surface.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/tuning.h"
 

@@ -12,7 +12,7 @@
 // device.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/loops/link_plane.h"
 

@@ -9,7 +9,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/core/motor/winding_temperature.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning.h"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/contact/contact.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/tuning.h"

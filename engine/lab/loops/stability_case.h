@@ -2,7 +2,7 @@
 // hands that hold it.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/core/motor/amplifier.h"
 #include "device/core/motor/rotor_load.h"
 #include "device/core/phantom/kinematics.h"

@@ -12,7 +12,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/control/tuning.h"
 
 #include <functional>

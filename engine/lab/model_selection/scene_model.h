@@ -1,7 +1,7 @@
 // The cheapest model of a scene that its tolerance allows, found by measuring on this machine.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/lab/model_selection/model_selection.h"
 #include "engine/scene/scene.h"
 

@@ -1,7 +1,7 @@
 // Whether a device can be held at given joint angles, to be measured there.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 
 namespace springdrive::rig {
 

@@ -3,7 +3,7 @@
 // closed loop is servo_rig.h.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/velocity_filter.h"

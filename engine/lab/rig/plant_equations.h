@@ -12,7 +12,7 @@
 // measured is the integrator's.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/core/haptic_device.h"
 #include "device/core/phantom/dynamics.h"
 #include "device/simulated/simulation_options.h"

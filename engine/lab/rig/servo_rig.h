@@ -3,7 +3,7 @@
 // loop is law_rig.h.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/lab/rig/faulty_device.h"

@@ -1,7 +1,7 @@
 // What a stimulus asks of the device, by statics: before anything is simulated.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/study_setting.h"
 

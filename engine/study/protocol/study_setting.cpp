@@ -5,6 +5,7 @@
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
+#include "device/core/device_file.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/control/motion_control.h"
 #include "engine/lab/rig/scenario/touch_scene.h"

@@ -1,7 +1,7 @@
 // What a protocol's names stand for: its device, and the scene and spot of each condition.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/study/protocol/protocol.h"
 

@@ -13,7 +13,7 @@
 // from angle to angle. So F_p is the force on a hand that does not move, whatever the hand does.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/servo/servo_sample.h"
 #include "engine/study/stimuli/stimulus.h"
 #include "engine/study/stimuli/stimulus_measures.h"

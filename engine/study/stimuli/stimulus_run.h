@@ -22,7 +22,7 @@
 // K_P, the coupling's lead, and the force would be no longer what was asked for.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "engine/servo/rest_detector.h"
 #include "engine/servo/servo_inputs.h"
 #include "engine/servo/servo_sample.h"

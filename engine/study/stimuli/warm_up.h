@@ -36,7 +36,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/core/motor/winding_temperature.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/servo_inputs.h"

@@ -3,6 +3,7 @@
 #include "app/assistant/calibration_words.h"
 #include "base/complaint.h"
 #include "device/core/calibration_file.h"
+#include "device/core/device_file.h"
 #include "device/simulated/drawn_device.h"
 #include "engine/control/resistance_observer.h"
 #include "tests/app/assistant/walker.h"

@@ -2,6 +2,7 @@
 #include "device/core/calibration_file.h"
 
 #include "base/input_error.h"
+#include "device/core/device_file.h"
 #include "tests/support/complaint.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"

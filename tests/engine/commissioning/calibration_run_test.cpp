@@ -4,6 +4,7 @@
 
 #include "base/input_error.h"
 #include "device/core/calibration_file.h"
+#include "device/core/device_file.h"
 #include "device/factory/board_factory.h"
 #include "device/factory/in_process_port.h"
 #include "device/simulated/calibration_tour.h"

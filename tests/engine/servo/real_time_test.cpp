@@ -2,6 +2,7 @@
 // allocates nothing, locks nothing and makes no system call. For the thread that ticks, see
 // servo_real_time_test.cpp.
 #include "device/simulated/plant_model.h"
+#include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/servo_rig.h"

@@ -4,6 +4,7 @@
 
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/drawn_device.h"
+#include "engine/contact/mesh/triangle_soup.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/tuning_file.h"
 #include "engine/lab/limits/locked_device.h"

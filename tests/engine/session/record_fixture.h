@@ -1,6 +1,7 @@
 // Records of simulated presses, for tests of what is computed from records.
 #pragma once
 
+#include "device/core/device_file.h"
 #include "engine/lab/rig/servo_rig.h"
 #include "engine/record/record_writer.h"
 #include "engine/session/loaded_record.h"

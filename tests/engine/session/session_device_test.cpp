@@ -1,6 +1,7 @@
 // Covers engine/session/session_device.cpp, and set_servo_rate: one exchange at a time, and what
 // remains unchanged.
 #include "base/input_error.h"
+#include "device/core/device_file.h"
 #include "engine/record/record_reader.h"
 #include "engine/session/session_report.h"
 #include "tests/engine/session/session_fixture.h"

@@ -3,6 +3,7 @@
 #include "engine/session/session.h"
 
 #include "base/input_error.h"
+#include "device/core/device_file.h"
 #include "engine/lab/model_selection/selection_cache.h"
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/devices.h"

@@ -1,5 +1,6 @@
 // Covers engine/session/session_plant.cpp: changes of the simulated device while it runs.
 #include "base/input_error.h"
+#include "device/core/device_file.h"
 #include "engine/lab/loops/hand_family.h"
 #include "engine/record/record_reader.h"
 #include "tests/engine/session/session_fixture.h"

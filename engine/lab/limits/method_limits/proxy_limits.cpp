@@ -1,6 +1,7 @@
 #include "engine/lab/limits/method_limits/proxy_limits.h"
 
 #include "base/degrees.h"
+#include "engine/contact/mesh/mesh_preparation.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/limits/method_limits/failing_shapes.h"
 #include "engine/lab/limits/method_limits/pressed_plate.h"

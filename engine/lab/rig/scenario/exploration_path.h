@@ -2,7 +2,7 @@
 // on.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/simulated/hand_path.h"
 #include "engine/contact/proxy/haptic_surface.h"
 

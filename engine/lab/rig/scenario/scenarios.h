@@ -2,7 +2,7 @@
 // model selection, benchmarks and tests run these.
 #pragma once
 
-#include "device/core/device_file.h"
+#include "device/core/device_description.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/hand_path.h"
 #include "device/simulated/simulation_options.h"

@@ -1,6 +1,7 @@
 // Covers engine/contact/mesh/mesh_remarks.cpp.
 #include "engine/contact/mesh/mesh_remarks.h"
 
+#include "engine/contact/mesh/mesh_preparation.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/surfaces.h"
 
