@@ -1,6 +1,7 @@
 #include "app/commands/common_options.h"
 
 #include "app/host/asset_folder.h"
+#include "app/stage/load_lines.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/print.h"
@@ -8,6 +9,7 @@
 #include "device/core/motor/winding_guard.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning_file.h"
+#include "engine/lab/rig/scenario/touch_scene.h"
 #include "engine/servo/servo.h"
 
 #include <CLI/CLI.hpp>
@@ -19,6 +21,7 @@
 #include <cmath>
 #include <iostream>
 #include <set>
+#include <unistd.h>
 
 namespace springdrive::app {
 
@@ -270,6 +273,15 @@ void check_range(const std::string &what, double value, double minimum, double m
         throw InputError(
             fmt::format("{} is {:g}; it must be from {:g} to {:g}", what, value, minimum, maximum));
     }
+}
+
+scene::Scene load_scene_with_lines(const std::string &name, const device::Workspace &workspace) {
+    scene::LoadProgress progress;
+    std::optional<LoadLines> lines;
+    if (isatty(STDERR_FILENO) != 0) {
+        lines.emplace(std::filesystem::path(name).filename().string(), progress, std::cerr);
+    }
+    return rig::touch_scene(name, workspace, &progress);
 }
 
 } // namespace springdrive::app

@@ -7,6 +7,7 @@
 #include "device/simulated/simulation_options.h"
 #include "device/usb/emulator/emulator_faults.h"
 #include "engine/control/tuning.h"
+#include "engine/scene/scene.h"
 
 #include <array>
 #include <cstdint>
@@ -135,5 +136,9 @@ void check_dR(const device::DeviceDescription &device, const control::Tuning &tu
 
 /// @throw InputError, naming `what`, for a value beyond its range or not a number.
 void check_range(const std::string &what, double value, double minimum, double maximum);
+
+/// `touch_scene`, with `LoadLines` on standard error if that is a terminal.
+[[nodiscard]] scene::Scene load_scene_with_lines(const std::string &name,
+                                                 const device::Workspace &workspace);
 
 } // namespace springdrive::app

@@ -4,9 +4,8 @@
 #include "app/commands/inspect_report.h"
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
-#include "app/stage/load_lines.h"
 #include "device/core/device_file.h"
-#include "engine/lab/rig/scenario/touch_scene.h"
+#include "engine/scene/scene_surface.h"
 #include "engine/session/model_measurement.h"
 
 #include <CLI/CLI.hpp>
@@ -60,7 +59,7 @@ void run(const TypedInspect &typed) {
     InspectReport report;
     report.load_s = seconds_since(start);
     const auto loaded = std::chrono::steady_clock::now();
-    const contact::HapticSurface surface = rig::haptic_surface_of(scene);
+    const contact::HapticSurface surface = scene::haptic_surface_of(scene);
     report.preparation_s = seconds_since(loaded);
     report.name = typed.scene;
     report.scene = &scene;

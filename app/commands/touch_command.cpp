@@ -4,12 +4,11 @@
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
 #include "app/commands/touch_report.h"
-#include "app/stage/load_lines.h"
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "device/simulated/hand_path.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
-#include "engine/lab/rig/scenario/touch_scene.h"
+#include "engine/scene/scene_surface.h"
 #include "engine/servo/servo.h"
 
 #include <CLI/CLI.hpp>
@@ -127,7 +126,7 @@ TouchReport touch(TypedTouch typed) {
     report.servo_hz = typed.servo_hz;
     report.radius_m = typed.how.radius_m;
     const auto start = std::chrono::steady_clock::now();
-    const contact::HapticSurface surface = rig::haptic_surface_of(scene);
+    const contact::HapticSurface surface = scene::haptic_surface_of(scene);
     report.preparation_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report.mesh = surface.report();

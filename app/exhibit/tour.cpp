@@ -1,8 +1,8 @@
 #include "app/exhibit/tour.h"
 
 #include "app/host/asset_folder.h"
-#include "engine/lab/rig/scenario/scenarios.h"
-#include "engine/lab/rig/scenario/surface_probe.h"
+#include "engine/scene/scripted_touch.h"
+#include "engine/scene/surface_probe.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,7 +44,7 @@ public:
     Hand(const device::DeviceDescription &device, const scene::Scene &scene,
          const contact::HapticSurface &surface, const Vector3 &from_m)
         : device_(device), scene_(scene), probe_(surface, {scene.lower_m, scene.upper_m}, 0.0),
-          above_m_(rig::start_above(device, scene.lower_m, scene.upper_m)), stylus_(from_m) {}
+          above_m_(scene::start_above(device, scene.lower_m, scene.upper_m)), stylus_(from_m) {}
 
     /// Up, or past the side of what is above the tip, and to above the scene.
     void go_above() {
@@ -209,7 +209,7 @@ private:
 
     const device::DeviceDescription &device_;
     const scene::Scene &scene_;
-    rig::SurfaceProbe probe_;
+    scene::SurfaceProbe probe_;
     Vector3 above_m_;
     Stylus stylus_;
 };

@@ -1,11 +1,6 @@
 #include "app/stage/load_lines.h"
 
-#include "engine/lab/rig/scenario/touch_scene.h"
-
-#include <filesystem>
-#include <iostream>
-#include <optional>
-#include <unistd.h>
+#include <ostream>
 #include <utility>
 
 namespace springdrive::app {
@@ -29,15 +24,6 @@ void LoadLines::print_each_period() {
     while (!ended_.wait_for(lock, period_, [this] { return has_ended_; })) {
         out_ << "springdrive: " << file_ << ": " << progress_.text() << std::endl;
     }
-}
-
-scene::Scene load_scene_with_lines(const std::string &name, const device::Workspace &workspace) {
-    scene::LoadProgress progress;
-    std::optional<LoadLines> lines;
-    if (isatty(STDERR_FILENO) != 0) {
-        lines.emplace(std::filesystem::path(name).filename().string(), progress, std::cerr);
-    }
-    return rig::touch_scene(name, workspace, &progress);
 }
 
 } // namespace springdrive::app

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "engine/scene/load_progress.h"
-#include "engine/scene/scene.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -36,9 +35,5 @@ private:
     bool has_ended_ = false;
     std::thread thread_;
 };
-
-/// `touch_scene`, with such lines on standard error if that is a terminal.
-[[nodiscard]] scene::Scene load_scene_with_lines(const std::string &name,
-                                                 const device::Workspace &workspace);
 
 } // namespace springdrive::app

@@ -4,7 +4,7 @@
 #include "app/view/linkage_solids.h"
 #include "app/view/pick.h"
 #include "app/widgets/widgets.h"
-#include "engine/lab/rig/scenario/scenarios.h"
+#include "engine/scene/scripted_touch.h"
 
 #include <algorithm>
 #include <vector>
@@ -39,7 +39,7 @@ std::vector<Vector3> framed_points(const session::Session &session, const ViewSt
     const device::DeviceDescription &device = session.description();
     std::vector<Vector3> points_m = shown_points(scene, state);
     ViewState start = state;
-    start.tip_m = rig::start_above(device, scene.lower_m, scene.upper_m);
+    start.tip_m = scene::start_above(device, scene.lower_m, scene.upper_m);
     if (const auto q_rad = device::joint_angles_rad(device.geometry, start.tip_m)) {
         start.linkage = device::linkage_pose(device.geometry, *q_rad);
         const std::vector<Vector3> at_start_m = shown_points(scene, start);

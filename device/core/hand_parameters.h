@@ -1,6 +1,8 @@
 // The hand that holds the tip.
 #pragma once
 
+#include "base/vector.h"
+
 namespace springdrive::device {
 
 /// A hand that holds the tip: a mass, pulled towards a moving target by a spring and a damper. The
@@ -11,6 +13,12 @@ struct HandParameters {
     double stiffness_N_per_m = 300.0;
     double max_force_N = 5.0;       ///< of the spring: a hand's force is limited
     double max_speed_m_per_s = 0.4; ///< of a target moved by `set_hand_target`
+};
+
+/// Where a hand's target is at a time; a path is a line through such points.
+struct PathPoint {
+    double time_s = 0.0;
+    Vector3 position_m{Vector3::Zero()};
 };
 
 } // namespace springdrive::device

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/vector.h"
+#include "device/core/hand_parameters.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -17,10 +18,7 @@ struct HandTarget {
 /// Linear between its points; at rest before the first and after the last.
 class HandPath {
 public:
-    struct Point {
-        double time_s = 0.0;
-        Vector3 position_m{Vector3::Zero()};
-    };
+    using Point = device::PathPoint;
 
     /// @throw InputError unless there is a point, all are finite and their times increase.
     explicit HandPath(std::vector<Point> points);

@@ -3,8 +3,8 @@
 #include "base/sha256.h"
 #include "base/wanted.h"
 #include "engine/contact/mesh/mesh_remarks.h"
-#include "engine/lab/rig/scenario/touch_scene.h"
 #include "engine/scene/gltf.h"
+#include "engine/scene/scene_surface.h"
 
 #include <algorithm>
 #include <exception>
@@ -19,7 +19,7 @@ std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
     const GivenUpBy given_up(&progress.is_given_up());
     scene::Scene scene = scene::load_gltf(file, workspace, &progress);
     progress.begin(scene::LoadProgress::Stage::preparing, false);
-    contact::HapticSurface surface = rig::haptic_surface_of(scene);
+    contact::HapticSurface surface = scene::haptic_surface_of(scene);
     std::ranges::move(contact::remarks_on(surface.report(), scene.surface.materials),
                       std::back_inserter(scene.remarks));
     return std::make_unique<LoadedScene>(

@@ -4,7 +4,7 @@
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
 #include "engine/control/motion_control.h"
-#include "engine/lab/rig/scenario/scenarios.h"
+#include "engine/scene/scripted_touch.h"
 #include "engine/session/session_parts.h"
 #include "engine/session/windings_file.h"
 
@@ -76,7 +76,7 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
     const std::optional<model_selection::ModelSelection> before =
         servo_ ? scene.choice : std::nullopt;
     models_->apply_to(scene, before, true, simulation, tuning);
-    request.start_tip_m = rig::start_above(request.description, lower_m, upper_m);
+    request.start_tip_m = scene::start_above(request.description, lower_m, upper_m);
     if (choice.kind == factory::DeviceKind::emulated) {
         request.emulation = options_.emulation;
         simulation.effects = options_.effects;
@@ -85,9 +85,8 @@ Session::Prepared Session::prepare(const DeviceChoice &choice, const std::string
         simulation.path = simulated::HandPath::read_csv(options_.path);
         request.start_tip_m = simulation.path->points().front().position_m;
     } else if (options_.plays_script) {
-        simulation.path = rig::scripted_touch_scenario({request.description, tuning},
-                                                       rig::placed(scene.surface, lower_m, upper_m))
-                              .simulation.path;
+        simulation.path = simulated::HandPath(
+            scene::scripted_touch(request.description, scene.surface, lower_m, upper_m));
     }
     factory::OpenDevice device = factory::open_device(request);
     std::string whole_text = text;

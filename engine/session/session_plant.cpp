@@ -2,7 +2,7 @@
 // hand, which an emulated device has, too.
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/lab/rig/scenario/scenarios.h"
+#include "engine/scene/scripted_touch.h"
 #include "engine/session/session_parts.h"
 
 #include <fmt/core.h>
@@ -193,13 +193,9 @@ void Session::move_emulated() {
 
 void Session::follow_script() {
     static_cast<void>(hand_control());
-    const scene::Scene &scene = scenes_->now().scene;
-    const simulated::SimulationOptions script =
-        rig::scripted_touch_scenario(
-            {description(), servo_->inputs().tuning},
-            rig::placed(scenes_->now().surface, scene.lower_m, scene.upper_m))
-            .simulation;
-    follow_path(script.path.value());
+    const LoadedScene &shown = scenes_->now();
+    follow_path(simulated::HandPath(scene::scripted_touch(
+        description(), shown.surface, shown.scene.lower_m, shown.scene.upper_m)));
 }
 
 } // namespace springdrive::session

@@ -3,6 +3,7 @@
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/lab/rig/scenario/touch_scene.h"
+#include "engine/scene/scene_surface.h"
 #include "tests/bench/touch_path.h"
 #include "tests/support/devices.h"
 
@@ -21,11 +22,11 @@ rig::Scenario in_scene(const rig::ScenarioSetting &setting, const std::string &n
                        double depth_m) {
     const scene::Scene scene = rig::touch_scene(
         (testing::assets() / "scenes" / (name + ".gltf")).string(), setting.device.workspace);
-    rig::ScriptedTouch how;
+    scene::ScriptedTouch how;
     how.depth_m = depth_m;
     return rig::scripted_touch_scenario(
         setting,
-        {std::make_shared<contact::HapticSurface>(rig::haptic_surface_of(scene)), scene.lower_m,
+        {std::make_shared<contact::HapticSurface>(scene::haptic_surface_of(scene)), scene.lower_m,
          scene.upper_m},
         how);
 }
@@ -33,7 +34,7 @@ rig::Scenario in_scene(const rig::ScenarioSetting &setting, const std::string &n
 /// From above onto the top, then along a figure that comes by everywhere in reach.
 rig::Scenario on_sphere(const rig::ScenarioSetting &setting, contact::HapticSurface surface) {
     const Vector3 corner_m = Vector3::Constant(rig::kTestSphereRadius_m);
-    const rig::ScriptedTouch how;
+    const scene::ScriptedTouch how;
     rig::Scenario scenario = rig::scripted_touch_scenario(
         setting,
         {std::make_shared<contact::HapticSurface>(std::move(surface)), -corner_m, corner_m}, how);
@@ -65,7 +66,7 @@ rig::Scenario scenario_named(const rig::ScenarioSetting &setting, const std::str
                              {contact::AnalyticShape(contact::Sphere{rig::kTestSphereRadius_m},
                                                      Eigen::Isometry3d::Identity(), 0)}));
     }
-    return in_scene(setting, name, rig::ScriptedTouch{}.depth_m);
+    return in_scene(setting, name, scene::ScriptedTouch{}.depth_m);
 }
 
 void check(const RecordedTouch &touch, const std::string &name) {

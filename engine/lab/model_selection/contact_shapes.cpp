@@ -2,7 +2,7 @@
 
 #include "base/input_error.h"
 #include "engine/lab/model_selection/simplified_surface.h"
-#include "engine/lab/rig/scenario/touch_scene.h"
+#include "engine/scene/scene_surface.h"
 #include "engine/scene/shape_fit.h"
 
 #include <optional>
@@ -117,7 +117,7 @@ contact::HapticSurface haptic_surface_of(const scene::Scene &scene, const Contac
     case ContactShape::Kind::given:
         break;
     }
-    return rig::haptic_surface_of(scene);
+    return scene::haptic_surface_of(scene);
 }
 
 } // namespace springdrive::model_selection

@@ -8,7 +8,8 @@
 #include "device/core/device_file.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/control/motion_control.h"
-#include "engine/lab/rig/scenario/touch_scene.h"
+#include "engine/scene/gltf.h"
+#include "engine/scene/scene_surface.h"
 
 #include <fmt/core.h>
 
@@ -48,10 +49,10 @@ struct LoadedStudyScene {
 LoadedStudyScene load(const std::filesystem::path &file, const device::Workspace &workspace) {
     LoadedStudyScene loaded;
     loaded.problem = complaint_of([&] {
-        const scene::Scene scene = rig::touch_scene(file.string(), workspace);
+        const scene::Scene scene = scene::load_gltf(file, workspace);
         loaded.lesson = scene.lesson;
         loaded.surface =
-            std::make_shared<const contact::HapticSurface>(rig::haptic_surface_of(scene));
+            std::make_shared<const contact::HapticSurface>(scene::haptic_surface_of(scene));
     });
     return loaded;
 }

@@ -4,8 +4,8 @@
 #include "app/demo/layout.h"
 #include "app/view/gl_vector.h"
 #include "app/view/linkage_solids.h"
-#include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/scene/gltf.h"
+#include "engine/scene/scripted_touch.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
@@ -177,7 +177,7 @@ TEST(Framing, ShowsDeviceAndSceneWholeInEveryWindow) {
     ASSERT_GT(files.size(), 5U);
     for (const std::filesystem::path &file : files) {
         const scene::Scene scene = scene::load_gltf(file, device.workspace);
-        const Vector3 start_m = rig::start_above(device, scene.lower_m, scene.upper_m);
+        const Vector3 start_m = scene::start_above(device, scene.lower_m, scene.upper_m);
         const auto q_rad = device::joint_angles_rad(device.geometry, start_m);
         ASSERT_TRUE(q_rad.has_value());
         const double floor_m = device.workspace.centre_m.y() - device.workspace.size_m.y() / 2.0;

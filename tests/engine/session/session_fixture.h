@@ -1,7 +1,7 @@
 // Sessions in lockstep on the project's scenes, for tests of exchanges.
 #pragma once
 
-#include "engine/lab/rig/scenario/scenarios.h"
+#include "engine/scene/scripted_touch.h"
 #include "engine/session/session.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
@@ -71,10 +71,9 @@ inline bool run_into_contact(session::Session &session) {
 /// driven, and presses.
 inline bool press(session::Session &session) {
     const session::LoadedScene &scene = session.scenes().now();
-    rig::Scenario touch = rig::scripted_touch_scenario(
-        {session.description(), {}},
-        rig::placed(scene.surface, scene.scene.lower_m, scene.scene.upper_m));
-    const Vector3 above_m = touch.start_m;
+    simulated::HandPath touch(scene::scripted_touch(session.description(), scene.surface,
+                                                    scene.scene.lower_m, scene.scene.upper_m));
+    const Vector3 above_m = touch.points().front().position_m;
     session.hand().move_to(above_m);
     const auto stands = [&] {
         return (session.latest().tip_m - above_m).norm() < 5e-3 &&
@@ -83,7 +82,7 @@ inline bool press(session::Session &session) {
     if (!run_until(session, stands, 20.0)) {
         return false;
     }
-    session.hand().move_to(touch.simulation.path->at(2.0).position_m);
+    session.hand().move_to(touch.at(2.0).position_m);
     return run_into_contact(session);
 }
 

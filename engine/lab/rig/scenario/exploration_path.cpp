@@ -1,7 +1,7 @@
 #include "engine/lab/rig/scenario/exploration_path.h"
 
 #include "base/wanted.h"
-#include "engine/lab/rig/scenario/surface_probe.h"
+#include "engine/scene/surface_probe.h"
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +42,7 @@ private:
 };
 
 /// How high the surface is below (x, z) as seen from above; the floor where nothing is.
-double height_m(const SurfaceProbe &probe, const Vector3 &point_m) {
+double height_m(const scene::SurfaceProbe &probe, const Vector3 &point_m) {
     const Eigen::AlignedBox3d &box = probe.box();
     constexpr double kRoom_m = 0.005;
     const Vector3 above_m(point_m.x(), box.max().y() + kRoom_m, point_m.z());
@@ -59,8 +59,8 @@ double depth_m(const Exploration &how, double time_s) {
 }
 
 /// The points after the rest, for a figure of that size.
-std::vector<simulated::HandPath::Point> points_of(const SurfaceProbe &probe, const Figure &figure,
-                                                  const Exploration &how) {
+std::vector<simulated::HandPath::Point> points_of(const scene::SurfaceProbe &probe,
+                                                  const Figure &figure, const Exploration &how) {
     std::vector<simulated::HandPath::Point> points;
     double phase = 0.0;
     double y_m = height_m(probe, figure.at(0.0));
@@ -92,7 +92,7 @@ simulated::HandPath exploration_path(const device::DeviceDescription &device,
                                      const contact::HapticSurface &surface,
                                      const Eigen::AlignedBox3d &box, const Vector3 &start_m,
                                      const Exploration &how) {
-    const SurfaceProbe probe(surface, box, 0.0);
+    const scene::SurfaceProbe probe(surface, box, 0.0);
     Vector3 middle_m = box.center();
     Vector3 half_m = 0.35 * box.sizes();
     if (how.planar) {

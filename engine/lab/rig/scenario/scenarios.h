@@ -10,6 +10,7 @@
 #include "engine/control/tuning.h"
 #include "engine/lab/rig/constraint.h"
 #include "engine/lab/rig/scenario/exploration_path.h"
+#include "engine/scene/scripted_touch.h"
 
 #include <array>
 #include <limits>
@@ -57,23 +58,10 @@ struct Scenario {
     double duration_s = 0.0; ///< until the end of the measurement
 };
 
-/// A place in free space for a tip to start: just above the box, within the workspace.
-[[nodiscard]] Vector3 start_above(const device::DeviceDescription &device, const Vector3 &lower_m,
-                                  const Vector3 &upper_m);
-
-/// How the scripted hand moves.
-struct ScriptedTouch {
-    double wait_s = 1.2;         ///< at the start: the servo waits for rest, then raises its gains
-    double approach_s = 0.8;     ///< from the start to above the surface, then into it
-    double depth_m = 0.005;      ///< how far below the first contact it goes
-    double speed_m_per_s = 0.06; ///< while sliding
-    double duration_s = 60.0;
-};
-
 /// Over a surface, down into it, and in circles under it.
 [[nodiscard]] Scenario scripted_touch_scenario(const ScenarioSetting &setting,
                                                const PlacedSurface &place,
-                                               const ScriptedTouch &how = {});
+                                               const scene::ScriptedTouch &how = {});
 
 /// A hand that presses and lets go all over a surface.
 [[nodiscard]] Scenario exploration_scenario(const ScenarioSetting &setting,

@@ -1,7 +1,7 @@
 #include "engine/lab/rig/scenario/touch_path.h"
 
-#include "engine/lab/rig/scenario/surface_probe.h"
 #include "engine/lab/rig/scenario/tip_pen.h"
+#include "engine/scene/surface_probe.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +51,8 @@ private:
 };
 
 /// Along the great circle from one direction to the other, outside, in chords of 60° at most.
-void go_round(TipPen &pen, const SurfaceProbe &probe, const Vector3 &from, const Vector3 &to) {
+void go_round(TipPen &pen, const scene::SurfaceProbe &probe, const Vector3 &from,
+              const Vector3 &to) {
     const double angle = std::acos(std::clamp(from.dot(to), -1.0, 1.0));
     const int chords = static_cast<int>(std::ceil(angle / (std::numbers::pi / 3.0)));
     const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(from, to);
@@ -61,7 +62,7 @@ void go_round(TipPen &pen, const SurfaceProbe &probe, const Vector3 &from, const
     }
 }
 
-void press(TipPen &pen, const SurfaceProbe &probe, RandomDraws &draws, double depth_m) {
+void press(TipPen &pen, const scene::SurfaceProbe &probe, RandomDraws &draws, double depth_m) {
     const Eigen::AlignedBox3d &box = probe.box();
     Vector3 from = draws.direction();
     pen.leap_to(probe.outside(from));
@@ -88,7 +89,8 @@ void press(TipPen &pen, const SurfaceProbe &probe, RandomDraws &draws, double de
 /// Slides under the surface along directions from the middle of the box, as long as `next` gives
 /// another.
 template <typename NextDirection, typename Depth>
-void slide_along(TipPen &pen, const SurfaceProbe &probe, NextDirection &&next, Depth &&depth_m) {
+void slide_along(TipPen &pen, const scene::SurfaceProbe &probe, NextDirection &&next,
+                 Depth &&depth_m) {
     pen.leap_to(probe.outside(next()));
     bool has_entered = false;
     Vector3 last_touch_m = Vector3::Zero();
@@ -117,11 +119,11 @@ void slide_along(TipPen &pen, const SurfaceProbe &probe, NextDirection &&next, D
     }
 }
 
-double angle_between_places(const SurfaceProbe &probe) {
+double angle_between_places(const scene::SurfaceProbe &probe) {
     return kSpacing_m / std::max(kSpacing_m, 0.5 * probe.box().diagonal().norm());
 }
 
-void slide(TipPen &pen, const SurfaceProbe &probe, RandomDraws &draws, double depth_m) {
+void slide(TipPen &pen, const scene::SurfaceProbe &probe, RandomDraws &draws, double depth_m) {
     const double step = angle_between_places(probe);
     Vector3 direction = draws.direction();
     Vector3 axis = direction.unitOrthogonal();
@@ -140,7 +142,7 @@ void slide(TipPen &pen, const SurfaceProbe &probe, RandomDraws &draws, double de
         [&] { return depth_m; });
 }
 
-void lissajous(TipPen &pen, const SurfaceProbe &probe, RandomDraws &draws, double depth_m) {
+void lissajous(TipPen &pen, const scene::SurfaceProbe &probe, RandomDraws &draws, double depth_m) {
     const double step = angle_between_places(probe);
     const Vector3 rate(1.0, std::numbers::phi,
                        std::numbers::sqrt3); // incommensurable: it never repeats
@@ -159,7 +161,7 @@ void lissajous(TipPen &pen, const SurfaceProbe &probe, RandomDraws &draws, doubl
         [&] { return depth_m * (1.0 + std::sin(7.0 * t) / 3.0); });
 }
 
-std::vector<Vector3> rain(const SurfaceProbe &probe, RandomDraws &draws,
+std::vector<Vector3> rain(const scene::SurfaceProbe &probe, RandomDraws &draws,
                           const TouchPathOptions &options) {
     constexpr double kGravity_m_per_s2 = 9.81;
     constexpr double kRest_s = 0.02;
@@ -187,7 +189,7 @@ std::vector<Vector3> rain(const SurfaceProbe &probe, RandomDraws &draws,
     return tips_m;
 }
 
-std::vector<Vector3> random_walk(const SurfaceProbe &probe, RandomDraws &draws,
+std::vector<Vector3> random_walk(const scene::SurfaceProbe &probe, RandomDraws &draws,
                                  const TouchPathOptions &options) {
     constexpr double kGrown = 1.2;
     constexpr unsigned kOneLeapIn = 1000;
@@ -219,7 +221,7 @@ std::optional<TouchPathKind> touch_path_named(std::string_view name) {
 
 std::vector<Vector3> touch_path(const contact::HapticSurface &surface,
                                 const Eigen::AlignedBox3d &box, const TouchPathOptions &options) {
-    const SurfaceProbe probe(surface, box, options.radius_m);
+    const scene::SurfaceProbe probe(surface, box, options.radius_m);
     RandomDraws draws(options.seed);
     TipPen pen(options.speed_m_per_s * options.period_s, options.steps);
     switch (options.kind) {

@@ -1,7 +1,6 @@
 // What to touch, by name: a glTF file or a surface whose true shape is known.
 #pragma once
 
-#include "engine/contact/proxy/haptic_surface.h"
 #include "engine/scene/load_progress.h"
 #include "engine/scene/scene.h"
 
@@ -15,11 +14,5 @@ namespace springdrive::rig {
 /// @param progress receives the progress, if given
 [[nodiscard]] scene::Scene touch_scene(const std::string &name, const device::Workspace &workspace,
                                        scene::LoadProgress *progress = nullptr);
-
-/// Prepares the haptic surface of a scene.
-/// @throw InputError naming the file, if none of its triangles can be touched, or for what takes
-/// too
-///        many steps or too much memory.
-[[nodiscard]] contact::HapticSurface haptic_surface_of(const scene::Scene &scene);
 
 } // namespace springdrive::rig

@@ -4,6 +4,7 @@
 #include "engine/lab/rig/crossing_finder.h"
 #include "engine/lab/rig/plain_triangles.h"
 #include "engine/lab/rig/scenario/touch_scene.h"
+#include "engine/scene/scene_surface.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/cases.h"
 #include "tests/support/devices.h"
@@ -46,7 +47,7 @@ class LongWalk : public ::testing::TestWithParam<std::string> {};
 TEST_P(LongWalk, CrossesNothing) {
     const int steps = testing::cases(20'000, 1'000'000);
     const scene::Scene scene = touch_scene(GetParam(), testing::phantom_1_0().workspace);
-    const contact::HapticSurface surface = haptic_surface_of(scene);
+    const contact::HapticSurface surface = scene::haptic_surface_of(scene);
     const std::vector<PlainTriangle> triangles =
         plain_triangles(contact::prepare_mesh(scene.surface).facets);
     const CrossingFinder finder(triangles);

@@ -1,8 +1,8 @@
-// Covers engine/lab/rig/scenario/touch_path.cpp, tip_pen.h and surface_probe.cpp.
+// Covers engine/lab/rig/scenario/touch_path.cpp, tip_pen.h and engine/scene/surface_probe.cpp.
 #include "engine/lab/rig/scenario/touch_path.h"
 
-#include "engine/lab/rig/scenario/surface_probe.h"
 #include "engine/lab/rig/scenario/tip_pen.h"
+#include "engine/scene/surface_probe.h"
 #include "tests/engine/contact/mesh/soups.h"
 
 #include <gtest/gtest.h>
@@ -175,7 +175,7 @@ TEST(TouchPath, KeepsTheProxysRadiusInMind) {
 }
 
 TEST(SurfaceProbe, FindsWhatIsFirstOnTheWay) {
-    const SurfaceProbe probe(sphere(), kBox, 0.0);
+    const scene::SurfaceProbe probe(sphere(), kBox, 0.0);
     std::mt19937_64 random(3);
     for (int i = 0; i < 300; ++i) {
         const Vector3 direction = testing::random_direction(random);

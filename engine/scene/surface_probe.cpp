@@ -1,10 +1,10 @@
-#include "engine/lab/rig/scenario/surface_probe.h"
+#include "engine/scene/surface_probe.h"
 
 #include "engine/contact/proxy/proxy.h"
 
 #include <algorithm>
 
-namespace springdrive::rig {
+namespace springdrive::scene {
 
 namespace {
 
@@ -36,4 +36,4 @@ std::optional<Vector3> SurfaceProbe::touch_from(const Vector3 &direction) const 
     return first_touch(outside(direction), middle_m());
 }
 
-} // namespace springdrive::rig
+} // namespace springdrive::scene

@@ -1,17 +1,17 @@
-// Covers engine/lab/rig/scenario/touch_scene.cpp.
-#include "engine/lab/rig/scenario/touch_scene.h"
+// Covers engine/scene/scene_surface.cpp.
+#include "engine/scene/scene_surface.h"
 
 #include "tests/engine/contact/mesh/dense_soups.h"
 #include "tests/support/complaint.h"
 
 #include <gtest/gtest.h>
 
-namespace springdrive::rig {
+namespace springdrive::scene {
 namespace {
 
-TEST(TouchScene, NamesTheFileWhoseSurfaceIsTooMuchWork) {
+TEST(SceneSurface, NamesTheFileWhoseSurfaceIsTooMuchWork) {
     std::mt19937_64 random(1);
-    scene::Scene scene;
+    Scene scene;
     scene.file = "folder/line.glb";
     scene.surface = testing::soup_in_a_line(random, 6000);
     EXPECT_TRUE(testing::complaint_of([&] {
@@ -20,4 +20,4 @@ TEST(TouchScene, NamesTheFileWhoseSurfaceIsTooMuchWork) {
 }
 
 } // namespace
-} // namespace springdrive::rig
+} // namespace springdrive::scene

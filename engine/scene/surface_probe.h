@@ -8,7 +8,7 @@
 
 #include <optional>
 
-namespace springdrive::rig {
+namespace springdrive::scene {
 
 class SurfaceProbe {
 public:
@@ -39,4 +39,4 @@ private:
     double far_m_;
 };
 
-} // namespace springdrive::rig
+} // namespace springdrive::scene

@@ -1,0 +1,32 @@
+// The touch of a scene without anybody at it: where the tip starts, and how a scripted hand moves.
+#pragma once
+
+#include "device/core/device_description.h"
+#include "device/core/hand_parameters.h"
+#include "engine/contact/proxy/haptic_surface.h"
+
+#include <vector>
+
+namespace springdrive::scene {
+
+/// A place in free space for a tip to start: just above the box, within the workspace.
+[[nodiscard]] Vector3 start_above(const device::DeviceDescription &device, const Vector3 &lower_m,
+                                  const Vector3 &upper_m);
+
+/// How the scripted hand moves.
+struct ScriptedTouch {
+    double wait_s = 1.2;         ///< at the start: the servo waits for rest, then raises its gains
+    double approach_s = 0.8;     ///< from the start to above the surface, then into it
+    double depth_m = 0.005;      ///< how far below the first contact it goes
+    double speed_m_per_s = 0.06; ///< while sliding
+    double duration_s = 60.0;
+};
+
+/// A path that presses into `mesh` from above, near the middle of its bounding box, and slides in
+/// circles. Where nothing lies below, it circles over the middle of the box; where the device does
+/// not reach there, it stays at the start, which is `start_above` the box.
+[[nodiscard]] std::vector<device::PathPoint>
+scripted_touch(const device::DeviceDescription &device, const contact::HapticSurface &mesh,
+               const Vector3 &lower_m, const Vector3 &upper_m, const ScriptedTouch &how = {});
+
+} // namespace springdrive::scene
