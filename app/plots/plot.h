@@ -5,9 +5,9 @@
 
 #include "app/plots/axis.h"
 #include "app/plots/canvas.h"
-#include "engine/lab/signals/spectrum.h"
-#include "engine/lab/signals/trigger.h"
-#include "engine/lab/signals/value_histogram.h"
+#include "app/plots/spectrum.h"
+#include "app/plots/trigger.h"
+#include "app/plots/value_histogram.h"
 #include "engine/record/channel_store.h"
 
 #include <array>

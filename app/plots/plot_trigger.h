@@ -3,7 +3,7 @@
 #pragma once
 
 #include "app/plots/plot_view.h"
-#include "engine/lab/signals/trigger.h"
+#include "app/plots/trigger.h"
 
 #include <array>
 #include <cstdint>

@@ -2,7 +2,7 @@
 // and two cursors.
 #pragma once
 
-#include "engine/lab/signals/trigger.h"
+#include "app/plots/trigger.h"
 #include "engine/record/channel_store.h"
 
 #include <array>

@@ -1,5 +1,5 @@
-// Covers engine/lab/signals/spectrum.cpp.
-#include "engine/lab/signals/spectrum.h"
+// Covers app/plots/spectrum.cpp.
+#include "app/plots/spectrum.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/lab/signals/spectrum.h"
+#include "app/plots/spectrum.h"
 
 #include "base/assertions.h"
 

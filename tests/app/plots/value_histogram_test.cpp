@@ -1,5 +1,5 @@
-// Covers engine/lab/signals/value_histogram.cpp.
-#include "engine/lab/signals/value_histogram.h"
+// Covers app/plots/value_histogram.cpp.
+#include "app/plots/value_histogram.h"
 
 #include <gtest/gtest.h>
 

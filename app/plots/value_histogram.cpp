@@ -1,4 +1,4 @@
-#include "engine/lab/signals/value_histogram.h"
+#include "app/plots/value_histogram.h"
 
 #include "base/assertions.h"
 

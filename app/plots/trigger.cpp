@@ -1,4 +1,4 @@
-#include "engine/lab/signals/trigger.h"
+#include "app/plots/trigger.h"
 
 #include "base/assertions.h"
 

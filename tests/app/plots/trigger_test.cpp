@@ -1,5 +1,5 @@
-// Covers engine/lab/signals/trigger.cpp.
-#include "engine/lab/signals/trigger.h"
+// Covers app/plots/trigger.cpp.
+#include "app/plots/trigger.h"
 
 #include <gtest/gtest.h>
 
