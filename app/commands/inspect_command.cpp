@@ -5,8 +5,8 @@
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
 #include "device/core/device_file.h"
+#include "engine/lab/model_selection/selection_cache.h"
 #include "engine/scene/scene_surface.h"
-#include "engine/session/model_measurement.h"
 
 #include <CLI/CLI.hpp>
 
@@ -42,13 +42,15 @@ model_selection::ModelSelection model_of_scene(const TypedInspect &typed, const 
     std::ifstream stream(typed.device_file, std::ios::binary);
     const std::string device_text{std::istreambuf_iterator<char>(stream), {}};
     const model_selection::ModelQuestion question{&scene, device, {}, 1e-3, 0.0};
-    const session::ModelMemory memory{device_text, SPRINGDRIVE_VERSION};
+    const model_selection::ModelMemory memory{device_text, SPRINGDRIVE_VERSION};
     ProgressLine line;
     const model_selection::ModelProgress show = [&line](const std::string &what, double share) {
         line.show("springdrive: measuring models: " + what + ',', share);
     };
-    return typed.fresh ? session::measured_selection(question, memory, show)
-                       : session::known_selection(question, memory, show);
+    const std::shared_ptr<const model_selection::ModelChooser> chooser =
+        model_selection::cached_chooser();
+    return typed.fresh ? chooser->measured(question, memory, show)
+                       : chooser->known(question, memory, show);
 }
 
 void run(const TypedInspect &typed) {

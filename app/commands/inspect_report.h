@@ -1,8 +1,8 @@
 // The report of `springdrive inspect` on a scene, as JSON or text.
 #pragma once
 
-#include "engine/lab/model_selection/model_selection.h"
 #include "engine/scene/scene.h"
+#include "engine/session/model/model_selection.h"
 
 #include <cstddef>
 #include <cstdint>

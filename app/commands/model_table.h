@@ -1,7 +1,7 @@
 // A model choice as text: the measurements of each candidate, the selection and its reason.
 #pragma once
 
-#include "engine/lab/model_selection/model_selection.h"
+#include "engine/session/model/model_selection.h"
 
 #include <ostream>
 

@@ -4,6 +4,7 @@
 #include "app/host/user_folder.h"
 #include "base/input_error.h"
 #include "device/core/device_file.h"
+#include "engine/lab/model_selection/selection_cache.h"
 #include "engine/servo/servo.h"
 
 #include <CLI/CLI.hpp>
@@ -39,6 +40,7 @@ void ModelTyped::add_to(CLI::App &command) {
 
 session::ModelOptions ModelTyped::options(const TuningOptions &tuning) const {
     session::ModelOptions options;
+    options.chooser = model_selection::cached_chooser();
     options.automatic = use == "auto";
     options.takes_controller =
         tuning.file.empty() && tuning.map.empty() && tuning.alpha_mode.empty();

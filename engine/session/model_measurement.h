@@ -1,10 +1,10 @@
-// The choice of a scene's model: read from the cache, or measured, immediately or in the
-// background.
+// Measures in the background which model a scene would get.
 #pragma once
 
 #include "base/background.h"
-#include "engine/lab/model_selection/scene_model.h"
+#include "engine/session/model/model_chooser.h"
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -13,31 +13,13 @@ namespace springdrive::session {
 /// A scene without its visual data: all that a choice needs, and small enough to be copied.
 [[nodiscard]] scene::Scene without_looks(const scene::Scene &scene);
 
-/// The key of a cached choice, in addition to its question.
-struct ModelMemory {
-    std::string device_text; ///< text of the device file
-    std::string program_version;
-};
-
-/// The cached choice for exactly this question on this machine and program version, if any.
-[[nodiscard]] std::optional<model_selection::ModelSelection>
-stored_selection(const model_selection::ModelQuestion &question, const ModelMemory &memory);
-
-/// Measures now, even if a choice is cached, and caches the result.
-[[nodiscard]] model_selection::ModelSelection
-measured_selection(const model_selection::ModelQuestion &question, const ModelMemory &memory,
-                   const model_selection::ModelProgress &progress = {});
-
-/// The cached choice, or else a measured one.
-[[nodiscard]] model_selection::ModelSelection
-known_selection(const model_selection::ModelQuestion &question, const ModelMemory &memory,
-                const model_selection::ModelProgress &progress);
-
 /// Measures in the background, one scene at a time. For use by one thread.
 class ModelMeasurement {
 public:
     /// Starts a measurement; cancels one that is running.
-    void begin(const model_selection::ModelQuestion &question, const ModelMemory &memory);
+    void begin(std::shared_ptr<const model_selection::ModelChooser> chooser,
+               const model_selection::ModelQuestion &question,
+               const model_selection::ModelMemory &memory);
 
     [[nodiscard]] bool is_running() const { return measuring_.is_busy(); }
 

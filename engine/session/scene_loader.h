@@ -3,9 +3,9 @@
 
 #include "base/background.h"
 #include "engine/contact/proxy/haptic_surface.h"
-#include "engine/lab/model_selection/model_selection.h"
 #include "engine/scene/load_progress.h"
 #include "engine/scene/scene.h"
+#include "engine/session/model/model_selection.h"
 
 #include <filesystem>
 #include <functional>

@@ -1,6 +1,6 @@
 #include "engine/session/scene_models.h"
 
-#include "engine/lab/model_selection/contact_shapes.h"
+#include "base/assertions.h"
 
 #include <utility>
 
@@ -13,6 +13,11 @@ model_selection::ModelQuestion question_on(const scene::Scene &scene, const Mode
     return {&scene, ground.device, tuning, ground.period_s, ground.delay_periods};
 }
 
+const model_selection::ModelChooser &chooser_of(const ModelOptions &wanted) {
+    SPRINGDRIVE_ASSERT(wanted.chooser != nullptr);
+    return *wanted.chooser;
+}
+
 /// Uses the surface set by option, or else that of the choice.
 void take_surface(LoadedScene &loaded, const ModelOptions &wanted) {
     std::optional<model_selection::ContactShape> shape;
@@ -23,7 +28,7 @@ void take_surface(LoadedScene &loaded, const ModelOptions &wanted) {
         shape = wanted.surface;
     }
     if (shape && *shape != model_selection::ContactShape{}) {
-        loaded.surface = model_selection::haptic_surface_of(loaded.scene, *shape);
+        loaded.surface = chooser_of(wanted).surface_of(loaded.scene, *shape);
     }
 }
 
@@ -56,11 +61,11 @@ SceneLoader::Finish SceneModels::finish(const control::Tuning &tuning) const {
         if (wanted.automatic) {
             progress.begin(scene::LoadProgress::Stage::measuring, true);
             loaded.choice =
-                known_selection(question_on(loaded.scene, ground, tuning), ground.memory,
-                                [&](const std::string &what, double share) {
-                                    talk.report(what, share);
-                                    progress.advance_to(share);
-                                });
+                chooser_of(wanted).known(question_on(loaded.scene, ground, tuning), ground.memory,
+                                         [&](const std::string &what, double share) {
+                                             talk.report(what, share);
+                                             progress.advance_to(share);
+                                         });
         }
         take_surface(loaded, wanted);
     };
@@ -96,12 +101,12 @@ void SceneModels::measure(const scene::Scene &scene, const control::Tuning &tuni
     const model_selection::ModelQuestion asked = question(scene, tuning);
     std::optional<model_selection::ModelSelection> remembered;
     if (!fresh) {
-        remembered = stored_selection(asked, ground_.memory);
+        remembered = chooser_of(wanted_).stored(asked, ground_.memory);
     }
     if (remembered) {
         choice_ = std::move(remembered);
     } else {
-        measurement_.begin(asked, ground_.memory);
+        measurement_.begin(wanted_.chooser, asked, ground_.memory);
     }
 }
 

@@ -14,7 +14,7 @@ namespace springdrive::session {
 /// The conditions for which a model is measured, in addition to the scene and the gains.
 struct ModelGround {
     device::DeviceDescription device;
-    ModelMemory memory;
+    model_selection::ModelMemory memory;
     double period_s = 1e-3;
     double delay_periods = 0.0;
 };

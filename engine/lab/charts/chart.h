@@ -1,9 +1,9 @@
 // A speed-accuracy chart: its setting, its points and its CSV file.
 #pragma once
 
+#include "base/timing.h"
 #include "device/core/device_description.h"
 #include "engine/control/tuning.h"
-#include "engine/lab/rig/timing.h"
 
 #include <functional>
 #include <ostream>
@@ -22,7 +22,7 @@ struct ChartSetting {
 struct ChartPoint {
     std::string method;  ///< the line that it belongs to
     std::string setting; ///< "100 µs", "1280 triangles"
-    rig::Cost cost;
+    Cost cost;
     double error = 0.0; ///< against a reference that shares no code with the method
     bool stable = true; ///< false: it diverged, and `error` is meaningless
 };

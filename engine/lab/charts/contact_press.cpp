@@ -1,6 +1,6 @@
 #include "engine/lab/charts/contact_press.h"
 
-#include "engine/lab/rig/timing.h"
+#include "base/timing.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -47,8 +47,8 @@ PressRecord run_press(const rig::Scenario &press, const NewPlant &new_plant) {
     return record;
 }
 
-rig::Cost press_cost(const rig::Scenario &press, const PressRecord &record,
-                     const NewPlant &new_plant, int sub_steps, int repeats) {
+Cost press_cost(const rig::Scenario &press, const PressRecord &record, const NewPlant &new_plant,
+                int sub_steps, int repeats) {
     constexpr int kMinSubSteps = 5120; // below, the clock would be too coarse
     const int rounds = std::max(1, kMinSubSteps / (periods_of(press) * std::max(1, sub_steps)));
     std::vector<std::unique_ptr<PressedPlant>> plants; // one for each press
@@ -66,9 +66,9 @@ rig::Cost press_cost(const rig::Scenario &press, const PressRecord &record,
         }
     };
     constexpr double kMillisecond_s = 1e-3;
-    return rig::cost_of(
-        repeats, rounds * periods_of(press) * press.simulation.servo_period_s / kMillisecond_s,
-        work);
+    return cost_of(repeats,
+                   rounds * periods_of(press) * press.simulation.servo_period_s / kMillisecond_s,
+                   work);
 }
 
 double force_error_N(const PressRecord &record, const PressRecord &reference) {

@@ -54,8 +54,8 @@ using NewPlant = std::function<std::unique_ptr<PressedPlant>()>;
 /// The plant's time for a millisecond of the press [ns], with the commands of a run before: neither
 /// the control law nor the construction of a plant is timed.
 /// @param sub_steps  approximate number per period: a short press is timed repeatedly
-[[nodiscard]] rig::Cost press_cost(const rig::Scenario &press, const PressRecord &record,
-                                   const NewPlant &new_plant, int sub_steps, int repeats);
+[[nodiscard]] Cost press_cost(const rig::Scenario &press, const PressRecord &record,
+                              const NewPlant &new_plant, int sub_steps, int repeats);
 
 /// The root mean square over all periods of the norm of the force's error [N]. Infinite where the
 /// run diverged: forces not finite, or ten times the largest of the reference.

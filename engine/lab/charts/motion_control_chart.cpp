@@ -2,12 +2,12 @@
 
 #include "base/degrees.h"
 #include "base/input_error.h"
+#include "base/timing.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/charts/motion_trial.h"
-#include "engine/lab/rig/timing.h"
 
 #include <fmt/core.h>
 
@@ -57,8 +57,8 @@ void check_static_stiffness(const control::Tuning &tuning) {
 }
 
 /// The whole law, tick by tick, each at another place.
-rig::Cost cost_of_tick(const ChartSetting &setting, const MotionMethod &method,
-                       const std::vector<Vector3> &places_rad) {
+Cost cost_of_tick(const ChartSetting &setting, const MotionMethod &method,
+                  const std::vector<Vector3> &places_rad) {
     const control::HapticLaw law(setting.device);
     const Vector3 rate_rad_per_s(1.0, -2.0, 1.5);
     std::vector<Vector3> theta_rad;
@@ -69,7 +69,7 @@ rig::Cost cost_of_tick(const ChartSetting &setting, const MotionMethod &method,
     contact::Contact contact;
     contact.allowed_motion -= Vector3::UnitY() * Vector3::UnitY().transpose();
     const double ticks = kRounds * static_cast<double>(theta_rad.size());
-    return rig::cost_of(setting.repeats, ticks, [&] {
+    return cost_of(setting.repeats, ticks, [&] {
         for (int round = 0; round < kRounds; ++round) {
             for (const Vector3 &theta : theta_rad) {
                 const control::Configuration now = law.configuration(theta, rate_rad_per_s);
@@ -79,7 +79,7 @@ rig::Cost cost_of_tick(const ChartSetting &setting, const MotionMethod &method,
                 const control::MotorSetPoint set_point =
                     motor_set_point(setting.device, method, now, target)
                         .value_or(control::no_force(now));
-                rig::keep(control::drift_compensation_V(law.k_T(), setting.tuning, now, set_point));
+                keep(control::drift_compensation_V(law.k_T(), setting.tuning, now, set_point));
             }
         }
     });
@@ -148,8 +148,8 @@ std::string setting_text(const ChartSetting &setting, const MotionMethod &method
     return alpha_text(minimum) + " to " + std::to_string(std::lround(maximum));
 }
 
-ChartPoint stiffness_point(const ChartSetting &setting, const NamedMethod &named,
-                           const rig::Cost &cost, const std::vector<Vector3> &places_rad) {
+ChartPoint stiffness_point(const ChartSetting &setting, const NamedMethod &named, const Cost &cost,
+                           const std::vector<Vector3> &places_rad) {
     return {named.name, setting_text(setting, named.method, places_rad), cost,
             mean_give_m_per_N(setting, named.method, places_rad),
             is_stable_everywhere(setting, named.method, places_rad)};
@@ -168,7 +168,7 @@ SpeedAccuracyChart motion_direction_chart(const ChartSetting &setting,
     chart.error_label = "angle from normal to force, 99th percentile (degrees)";
     double done = 0.0;
     for (const NamedMethod &named : methods(setting)) {
-        const rig::Cost cost = cost_of_tick(setting, named.method, places_rad);
+        const Cost cost = cost_of_tick(setting, named.method, places_rad);
         const bool stable = is_stable_everywhere(setting, named.method, places_rad);
         for (const int counts : kCountsPerTurn) {
             const double error_rad =
@@ -192,7 +192,7 @@ SpeedAccuracyChart motion_stiffness_chart(const ChartSetting &setting,
     chart.error_label = "mean compliance of a wall (m/N)";
     double done = 0.0;
     for (NamedMethod named : methods(setting)) {
-        const rig::Cost cost = cost_of_tick(setting, named.method, places_rad);
+        const Cost cost = cost_of_tick(setting, named.method, places_rad);
         if (named.method.alpha_mode == control::AlphaMode::by_hand) {
             for (const double alpha : kAlphas_rad2_per_m2) {
                 named.method.alpha_rad2_per_m2 = alpha;

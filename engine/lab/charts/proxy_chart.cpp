@@ -1,9 +1,9 @@
 #include "engine/lab/charts/proxy_chart.h"
 
 #include "base/degrees.h"
+#include "base/timing.h"
 #include "engine/lab/charts/rendered_touch.h"
 #include "engine/lab/charts/touch_trial.h"
-#include "engine/lab/rig/timing.h"
 
 #include <string>
 #include <utility>
@@ -32,8 +32,8 @@ ChartPoint trial_point(const ChartSetting &setting, const TouchTrial &trial, Jud
                        const Render &render) {
     std::vector<RenderedTouch> touches(trial.tips.size());
     ChartPoint point;
-    point.cost = rig::cost_of(setting.repeats, static_cast<double>(trial.tips.size()),
-                              [&] { render(touches); });
+    point.cost =
+        cost_of(setting.repeats, static_cast<double>(trial.tips.size()), [&] { render(touches); });
     const TouchErrors errors = touch_errors(trial.tips, touches);
     point.error =
         judged == Judged::depth ? errors.depth_m : errors.direction_rad * kDegreesPerRadian;

@@ -2,6 +2,7 @@
 
 #include "base/degrees.h"
 #include "base/input_error.h"
+#include "base/timing.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/perception.h"
 #include "engine/control/tuning.h"
@@ -11,7 +12,6 @@
 #include "engine/lab/loops/stiffness_sweep.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/servo_rig.h"
-#include "engine/lab/rig/timing.h"
 
 #include <fmt/core.h>
 
@@ -34,7 +34,7 @@ constexpr int kFrequencies = 12; ///< of the sweep at each rate
 constexpr double kMinJudged_Hz = 2.0;
 constexpr double kMaxJudged_Hz = 100.0;
 
-rig::Cost per_millisecond(const rig::Cost &tick, int rate_Hz) {
+Cost per_millisecond(const Cost &tick, int rate_Hz) {
     const double ticks = 1e-3 * rate_Hz;
     return {ticks * tick.min_ns, ticks * tick.median_ns, ticks * tick.max_ns};
 }
@@ -113,15 +113,15 @@ bool is_stable_on_all_motors(const device::DeviceDescription &device, const cont
     return loops::is_stable(each);
 }
 
-rig::Cost cost_of_servo_tick(const ChartSetting &setting) {
+Cost cost_of_servo_tick(const ChartSetting &setting) {
     const rig::ScenarioSetting of_setting{setting.device, setting.tuning};
     rig::ServoRig rig(rig::scripted_touch_scenario(of_setting, rig::placed_sphere()));
     rig.inputs.global_alpha_rad2_per_m2 = control::global_alpha_bound(setting.device);
     const std::vector<device::Measurement> states = recorded_states(rig);
-    return rig::cost_of(setting.repeats, static_cast<double>(states.size()), [&] {
+    return cost_of(setting.repeats, static_cast<double>(states.size()), [&] {
         servo::ServoLoop loop(rig.phantom(), kPeriod_s);
         for (const device::Measurement &state : states) {
-            rig::keep(loop.update(state, rig.inputs));
+            keep(loop.update(state, rig.inputs));
         }
     });
 }
@@ -133,7 +133,7 @@ SpeedAccuracyChart servo_rate_stiffness_chart(const ChartSetting &setting,
     chart.title = "Servo rate: rendered stiffness against (12), " + setting.device.name;
     chart.cost_label = kCostLabel;
     chart.error_label = "relative error of K_θ from 2 to 100 Hz, rms";
-    const rig::Cost tick = cost_of_servo_tick(setting);
+    const Cost tick = cost_of_servo_tick(setting);
     double done = 0.0;
     for (const int delay : {0, 1, 2}) {
         const std::string method =
@@ -161,7 +161,7 @@ SpeedAccuracyChart servo_rate_direction_chart(const ChartSetting &setting,
     chart.cost_label = kCostLabel;
     chart.error_label = fmt::format("largest angle from normal to force at {:g} Hz (degrees)",
                                     control::kPerceived_Hz);
-    const rig::Cost tick = cost_of_servo_tick(setting);
+    const Cost tick = cost_of_servo_tick(setting);
     double done = 0.0;
     for (const double factor : {1.0 / 3.0, 1.0, 3.0}) {
         control::Tuning tuning = setting.tuning;

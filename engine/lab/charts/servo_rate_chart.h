@@ -38,6 +38,6 @@ namespace springdrive::charts {
 /// A tick of the whole servo, from encoder counts to voltages, while the simulated hand slides over
 /// a sphere of 20,480 triangles. The simulated device is not timed.
 /// @throw InputError where the safety monitor trips.
-[[nodiscard]] rig::Cost cost_of_servo_tick(const ChartSetting &setting);
+[[nodiscard]] Cost cost_of_servo_tick(const ChartSetting &setting);
 
 } // namespace springdrive::charts

@@ -1,8 +1,6 @@
 #include "engine/lab/model_selection/choose.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -139,13 +137,6 @@ private:
 };
 
 } // namespace
-
-double share_of_tolerance(const ModelError &error, const scene::ModelTolerance &tolerance) {
-    const double share =
-        std::max(error.force_N / tolerance.force_N, error.direction_rad / tolerance.direction_rad);
-    const bool is_number = !std::isnan(error.force_N) && !std::isnan(error.direction_rad);
-    return is_number ? share : std::numeric_limits<double>::infinity();
-}
 
 ChosenModel choose_model(std::vector<ModelAxis> axes, const scene::ModelTolerance &tolerance,
                          const std::function<ModelError(const Picks &)> &error_of) {

@@ -2,38 +2,13 @@
 // independent of what is chosen and how it is measured.
 #pragma once
 
-#include "engine/lab/model_selection/model_run.h"
-#include "engine/lab/rig/timing.h"
-#include "engine/scene/model_tolerance.h"
+#include "engine/session/model/model_selection.h"
 
 #include <cstddef>
 #include <functional>
-#include <string>
 #include <vector>
 
 namespace springdrive::model_selection {
-
-/// One alternative for modelling one aspect of a scene.
-struct Candidate {
-    std::string name;
-    rig::Cost cost;   ///< per servo tick, of the part that this axis decides
-    ModelError error; ///< with all other axes at their fullest
-};
-
-/// A cheaper candidate that was tried instead of the chosen one, all other axes as chosen, and
-/// missed the tolerance.
-struct CheaperTrial {
-    std::size_t candidate = 0;
-    ModelError error;
-};
-
-/// An aspect that can be modelled in several ways.
-struct ModelAxis {
-    std::string name;
-    std::vector<Candidate> candidates; ///< the last is the fullest
-    std::size_t chosen = 0;
-    std::vector<CheaperTrial> cheaper; ///< the next cheaper one, and each that meets on its own
-};
 
 /// For each axis the index of a candidate.
 using Picks = std::vector<std::size_t>;
@@ -46,14 +21,6 @@ struct ChosenModel {
 
 /// Costs that differ by less count as equal: the scatter of repeated timings.
 inline constexpr double kSameCost = 0.10;
-
-/// The larger of the two errors relative to its tolerance: 1 just meets. NaN counts as infinite.
-[[nodiscard]] double share_of_tolerance(const ModelError &error,
-                                        const scene::ModelTolerance &tolerance);
-
-[[nodiscard]] inline bool meets(const ModelError &error, const scene::ModelTolerance &tolerance) {
-    return share_of_tolerance(error, tolerance) <= 1.0;
-}
 
 /// The rule:
 ///

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "engine/contact/proxy/haptic_surface.h"
-#include "engine/lab/model_selection/model.h"
 #include "engine/scene/scene.h"
+#include "engine/session/model/model.h"
 
 #include <vector>
 

@@ -1,9 +1,9 @@
 #include "engine/lab/model_selection/model_cost.h"
 
+#include "base/timing.h"
 #include "base/wanted.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/contact/proxy/proxy.h"
-#include "engine/lab/rig/timing.h"
 
 #include <algorithm>
 #include <chrono>
@@ -42,9 +42,9 @@ public:
         sums_ns_.push_back(sum_ns);
     }
 
-    [[nodiscard]] rig::Cost cost() const {
+    [[nodiscard]] Cost cost() const {
         const auto timed = static_cast<double>(min_ns_.size() * kPieceTicks);
-        rig::Cost cost = rig::cost_of_times(sums_ns_);
+        Cost cost = cost_of_times(sums_ns_);
         cost.min_ns = std::accumulate(min_ns_.begin(), min_ns_.end(), 0.0) / timed;
         cost.median_ns /= timed;
         cost.max_ns /= timed;
@@ -98,14 +98,14 @@ private:
 
 /// Calls `run(candidate, clock)` for each candidate in turn, repeatedly.
 template <typename Run>
-std::vector<rig::Cost> costs_of(std::size_t candidates, std::size_t ticks, const Run &run) {
+std::vector<Cost> costs_of(std::size_t candidates, std::size_t ticks, const Run &run) {
     std::vector<TickClock> clocks(candidates, TickClock(ticks));
     for (int repeat = 0; repeat < kRepeats; ++repeat) {
         for (std::size_t i = 0; i < candidates; ++i) {
             run(i, clocks[i]);
         }
     }
-    std::vector<rig::Cost> costs;
+    std::vector<Cost> costs;
     costs.reserve(clocks.size());
     for (const TickClock &clock : clocks) {
         costs.push_back(clock.cost());
@@ -115,36 +115,36 @@ std::vector<rig::Cost> costs_of(std::size_t candidates, std::size_t ticks, const
 
 } // namespace
 
-std::vector<rig::Cost> plant_costs(const ModelSetting &setting, const std::vector<Model> &models,
-                                   const ModelRun &run) {
+std::vector<Cost> plant_costs(const ModelSetting &setting, const std::vector<Model> &models,
+                              const ModelRun &run) {
     const std::size_t ticks = std::min(kPlantTicks, run.commands.size());
     return costs_of(models.size(), ticks, [&](std::size_t model, TickClock &clock) {
         const std::unique_ptr<simulated::SimulatedPhantom> device =
             simulated_device(setting, models[model]);
-        clock.repeat([&](std::size_t i) { rig::keep(device->advance(run.commands[i])); });
+        clock.repeat([&](std::size_t i) { keep(device->advance(run.commands[i])); });
     });
 }
 
-std::vector<rig::Cost> contact_costs(const std::vector<const contact::HapticSurface *> &surfaces,
-                                     const ModelRun &run) {
-    return costs_of(
-        surfaces.size(), run.configurations.size(), [&](std::size_t surface, TickClock &clock) {
-            contact::Proxy proxy;
-            proxy.reset(run.configurations.front().tip_m);
-            clock.repeat([&](std::size_t i) {
-                rig::keep(proxy.update(*surfaces[surface], run.configurations[i].tip_m));
-            });
-        });
+std::vector<Cost> contact_costs(const std::vector<const contact::HapticSurface *> &surfaces,
+                                const ModelRun &run) {
+    return costs_of(surfaces.size(), run.configurations.size(),
+                    [&](std::size_t surface, TickClock &clock) {
+                        contact::Proxy proxy;
+                        proxy.reset(run.configurations.front().tip_m);
+                        clock.repeat([&](std::size_t i) {
+                            keep(proxy.update(*surfaces[surface], run.configurations[i].tip_m));
+                        });
+                    });
 }
 
-std::vector<rig::Cost> control_costs(const ModelSetting &setting,
-                                     const std::vector<MotionController> &controllers,
-                                     const ModelRun &run) {
+std::vector<Cost> control_costs(const ModelSetting &setting,
+                                const std::vector<MotionController> &controllers,
+                                const ModelRun &run) {
     return costs_of(controllers.size(), run.configurations.size(),
                     [&](std::size_t controller, TickClock &clock) {
                         const OneMap map(setting, controllers[controller]);
                         clock.repeat([&](std::size_t i) {
-                            rig::keep(map.e_W_V(run.configurations[i], run.contacts[i]));
+                            keep(map.e_W_V(run.configurations[i], run.contacts[i]));
                         });
                     });
 }

@@ -7,9 +7,8 @@
 #include "engine/contact/contact.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/motion_control.h"
-#include "engine/lab/model_selection/model.h"
 #include "engine/lab/rig/scenario/scenarios.h"
-#include "engine/scene/model_tolerance.h"
+#include "engine/session/model/model_selection.h"
 
 #include <memory>
 #include <vector>
@@ -41,12 +40,6 @@ simulated_device(const ModelSetting &setting, const Model &model);
 /// @param surface  of the model's shape
 [[nodiscard]] ModelRun run_model(const ModelSetting &setting, const Model &model,
                                  const contact::HapticSurface &surface);
-
-/// The difference between the rendered and the reference force.
-struct ModelError {
-    double force_N = 0.0;       ///< rms of the difference over the whole path
-    double direction_rad = 0.0; ///< rms of the angle, while both touch with 0.2 N or more
-};
 
 /// Between two runs along the same path, both passed through a first-order low-pass. Infinite for a
 /// run that diverged.

@@ -1,6 +1,7 @@
 #include "engine/lab/model_selection/scene_model.h"
 
 #include "base/wanted.h"
+#include "engine/lab/model_selection/choose.h"
 #include "engine/lab/model_selection/contact_shapes.h"
 #include "engine/lab/model_selection/model_cost.h"
 #include "engine/lab/rig/scenario/scenarios.h"
@@ -112,8 +113,8 @@ private:
     }
 
     /// Of the part that the aspect decides, with each of the picks.
-    [[nodiscard]] std::vector<rig::Cost> costs(ModelAspect aspect,
-                                               const std::vector<Picks> &candidates) const {
+    [[nodiscard]] std::vector<Cost> costs(ModelAspect aspect,
+                                          const std::vector<Picks> &candidates) const {
         std::vector<Model> models;
         std::vector<const contact::HapticSurface *> surfaces;
         std::vector<MotionController> controllers;
@@ -145,7 +146,7 @@ private:
             candidates[i][static_cast<std::size_t>(aspect)] = i;
         }
         report_progress("what " + axis_name + " costs");
-        const std::vector<rig::Cost> cost = costs(aspect, candidates);
+        const std::vector<Cost> cost = costs(aspect, candidates);
         for (std::size_t i = 0; i < size; ++i) {
             report_progress(axis_name + " " + name(i));
             const bool is_fullest = i + 1 == size;

@@ -5,6 +5,7 @@
 #include "base/new_file.h"
 #include "base/sha256.h"
 #include "engine/control/tuning.h"
+#include "engine/lab/model_selection/contact_shapes.h"
 #include "engine/lab/model_selection/selection_json.h"
 
 #include <cstdlib>
@@ -73,6 +74,32 @@ bool write_all(const std::filesystem::path &file, const std::string &text) {
     stream.close();
     return static_cast<bool>(stream);
 }
+
+class CachedChooser : public ModelChooser {
+public:
+    [[nodiscard]] std::optional<ModelSelection> stored(const ModelQuestion &question,
+                                                       const ModelMemory &memory) const override {
+        return read_model_selection(model_cache_folder(), key_of(question, memory));
+    }
+
+    [[nodiscard]] ModelSelection measured(const ModelQuestion &question, const ModelMemory &memory,
+                                          const ModelProgress &progress) const override {
+        ModelSelection choice = choose_scene_model(question, progress);
+        write_model_selection(model_cache_folder(), key_of(question, memory), choice);
+        return choice;
+    }
+
+    [[nodiscard]] contact::HapticSurface surface_of(const scene::Scene &scene,
+                                                    const ContactShape &shape) const override {
+        return haptic_surface_of(scene, shape);
+    }
+
+private:
+    [[nodiscard]] static std::string key_of(const ModelQuestion &question,
+                                            const ModelMemory &memory) {
+        return model_selection_key(question, memory.device_text, memory.program_version);
+    }
+};
 
 } // namespace
 
@@ -145,5 +172,7 @@ bool write_model_selection(const std::filesystem::path &folder, const std::strin
     }
     return false;
 }
+
+std::shared_ptr<const ModelChooser> cached_chooser() { return std::make_shared<CachedChooser>(); }
 
 } // namespace springdrive::model_selection

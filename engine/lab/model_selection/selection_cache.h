@@ -4,6 +4,7 @@
 #include "engine/lab/model_selection/scene_model.h"
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -28,6 +29,9 @@ inline constexpr int kModelMeasureVersion = 1;
 /// damaged.
 [[nodiscard]] std::optional<ModelSelection>
 read_model_selection(const std::filesystem::path &folder, const std::string &key);
+
+/// Reads choices from the cache, or else measures them by `choose_scene_model` and writes them.
+[[nodiscard]] std::shared_ptr<const ModelChooser> cached_chooser();
 
 /// Atomic, even with concurrent writers. False where writing failed.
 bool write_model_selection(const std::filesystem::path &folder, const std::string &key,

@@ -1,7 +1,7 @@
 // Model choices as JSON: for `springdrive inspect` and for the cache files.
 #pragma once
 
-#include "engine/lab/model_selection/model_selection.h"
+#include "engine/session/model/model_selection.h"
 
 #include <nlohmann/json.hpp>
 

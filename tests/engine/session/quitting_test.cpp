@@ -2,6 +2,8 @@
 // leaks.
 #include "tests/engine/session/session_fixture.h"
 
+#include "engine/lab/model_selection/selection_cache.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -156,6 +158,7 @@ TEST_F(Quitting, AtAnyMomentEndsCleanly) {
     for (int round = 0; round < 60; ++round) {
         SessionOptions options = testing::scripted(round % 2 == 0 ? "plate" : "organic");
         options.lockstep = round % 3 != 0;
+        options.model.chooser = model_selection::cached_chooser();
         Clock::time_point start;
         std::string done;
         {

@@ -39,6 +39,7 @@ protected:
         options.lockstep = true;
         options.plays_script = true;
         options.program_version = kVersion;
+        options.model.chooser = model_selection::cached_chooser();
         return options;
     }
 
@@ -300,7 +301,7 @@ TEST_F(SessionModel, AnotherSceneClearsTheErrorOfTheLast) {
     impossible.device = session.description();
     impossible.delay_periods = simulated::SimulationOptions::kLongestDelay + 1;
     ModelMeasurement measurement;
-    measurement.begin(impossible, {});
+    measurement.begin(model_selection::cached_chooser(), impossible, {});
     while (measurement.is_running()) {
         EXPECT_FALSE(measurement.take());
         std::this_thread::yield();

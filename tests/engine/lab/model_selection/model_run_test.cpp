@@ -163,13 +163,13 @@ TEST(ModelCost, IsReportedForEachCandidateInOrder) {
     Model often;
     often.steps = 4;
     const ModelRun run = run_model(setting, once, surface);
-    const std::vector<std::vector<rig::Cost>> all = {
+    const std::vector<std::vector<Cost>> all = {
         plant_costs(setting, {once, often}, run), contact_costs({&surface, &surface}, run),
         control_costs(setting, {kMotionControllers.begin(), kMotionControllers.end()}, run)};
     EXPECT_EQ(all[0].size(), 2U);
     EXPECT_EQ(all[2].size(), kMotionControllers.size());
-    for (const std::vector<rig::Cost> &costs : all) {
-        for (const rig::Cost &cost : costs) {
+    for (const std::vector<Cost> &costs : all) {
+        for (const Cost &cost : costs) {
             EXPECT_GT(cost.min_ns, 0.0);
             EXPECT_LE(cost.min_ns, cost.median_ns); // each piece's minimum, compared with a whole
                                                     // repeat

@@ -1,6 +1,6 @@
-// Covers engine/lab/model_selection/model_selection.cpp; reading names is covered by
+// Covers engine/session/model/model_selection.cpp; reading names is covered by
 // selection_cache_test.cpp.
-#include "engine/lab/model_selection/model_selection.h"
+#include "engine/session/model/model_selection.h"
 
 #include <gtest/gtest.h>
 

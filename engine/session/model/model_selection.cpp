@@ -1,13 +1,15 @@
-#include "engine/lab/model_selection/model_selection.h"
+#include "engine/session/model/model_selection.h"
 
 #include "base/degrees.h"
 #include "base/input_error.h"
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
 
 namespace springdrive::model_selection {
@@ -54,6 +56,13 @@ Model model_of(const ModelSelection &choice) {
     model.shape = *contact_shape;
     model.controller = *motion_controller;
     return model;
+}
+
+double share_of_tolerance(const ModelError &error, const scene::ModelTolerance &tolerance) {
+    const double share =
+        std::max(error.force_N / tolerance.force_N, error.direction_rad / tolerance.direction_rad);
+    const bool is_number = !std::isnan(error.force_N) && !std::isnan(error.direction_rad);
+    return is_number ? share : std::numeric_limits<double>::infinity();
 }
 
 std::string verdict(const ModelError &error, const scene::ModelTolerance &tolerance) {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace springdrive::rig {
+namespace springdrive {
 
 /// A time measured repeatedly: its minimum, median and maximum.
 struct Cost {
@@ -50,4 +50,4 @@ template <typename Work> [[nodiscard]] Cost cost_of(int repeats, double per, con
     return cost_of_times(std::move(times_ns));
 }
 
-} // namespace springdrive::rig
+} // namespace springdrive

@@ -1,4 +1,4 @@
-#include "engine/lab/model_selection/model.h"
+#include "engine/session/model/model.h"
 
 #include "base/assertions.h"
 

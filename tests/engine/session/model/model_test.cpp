@@ -1,5 +1,5 @@
-// Covers engine/lab/model_selection/model.cpp.
-#include "engine/lab/model_selection/model.h"
+// Covers engine/session/model/model.cpp.
+#include "engine/session/model/model.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-// Covers engine/lab/rig/timing.h.
-#include "engine/lab/rig/timing.h"
+// Covers base/timing.h.
+#include "base/timing.h"
 
 #include <gtest/gtest.h>
 
-namespace springdrive::rig {
+namespace springdrive {
 namespace {
 
 TEST(Timing, LeastMedianAndGreatestOfTimes) {
@@ -25,4 +25,4 @@ TEST(Timing, RunsOnceMoreThanItRepeats) {
 }
 
 } // namespace
-} // namespace springdrive::rig
+} // namespace springdrive
