@@ -1,7 +1,7 @@
 #include "base/degrees.h"
 #include "device/core/motor/amplifier.h"
 #include "engine/control/tuning.h"
-#include "engine/lab/limits/method_limits/motor_limits.h"
+#include "engine/lab/limits/method_limits/limit_trials.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "engine/lab/limits/method_limits/cancellation_limits.h"
+#include "engine/lab/limits/method_limits/limit_trials.h"
 
 #include "device/core/motor/amplifier.h"
 #include "device/core/motor/winding_guard.h"

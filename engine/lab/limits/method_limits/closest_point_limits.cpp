@@ -1,4 +1,4 @@
-#include "engine/lab/limits/method_limits/closest_point_limits.h"
+#include "engine/lab/limits/method_limits/limit_trials.h"
 
 #include "engine/lab/limits/method_limits/pressed_plate.h"
 #include "engine/lab/rig/closest_point.h"

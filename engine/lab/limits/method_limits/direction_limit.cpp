@@ -1,4 +1,4 @@
-#include "engine/lab/limits/method_limits/direction_limit.h"
+#include "engine/lab/limits/method_limits/limit_trials.h"
 
 #include "base/bisection.h"
 #include "base/degrees.h"

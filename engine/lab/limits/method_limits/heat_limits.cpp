@@ -1,6 +1,6 @@
 #include "base/bisection.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/lab/limits/method_limits/motor_limits.h"
+#include "engine/lab/limits/method_limits/limit_trials.h"
 #include "engine/lab/limits/thermal_hold.h"
 #include "engine/servo/safety_monitor.h"
 

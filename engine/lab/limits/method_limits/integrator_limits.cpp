@@ -1,10 +1,12 @@
-#include "engine/lab/limits/method_limits/integrator_limits.h"
+#include "engine/lab/limits/method_limits/limit_trials.h"
 
 #include "base/bisection.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/lab/limits/method_limits/contact_mode.h"
+#include "device/simulated/simulation_options.h"
+#include "engine/lab/loops/stability_case.h"
 #include "engine/lab/rig/integrators.h"
+#include "engine/lab/rig/plant_equations.h"
 
 #include <cmath>
 #include <complex>
@@ -13,6 +15,85 @@
 namespace springdrive::limits {
 
 namespace {
+
+/// The contact mode of the plant: a rotor with its load against the inductive stiffness K_L (4) of
+/// a winding with a constant set-point.
+///
+///   J θ̈ = k_T i − b θ̇        L di/dt = −dR i − k_T θ̇
+/// Base joint and winding of a plant without hand or command.
+struct ContactMode {
+    static constexpr double kNet_Ohm = 0.1;  ///< small enough for the mode to oscillate
+    static constexpr double kStart_A = 1e-3; ///< in the winding, at rest
+
+    explicit ContactMode(const loops::StabilityCase &which);
+
+    [[nodiscard]] const device::MotorParameters &motor() const { return device.motor[0]; }
+    /// The decay rates of current and speed on their own.
+    [[nodiscard]] double winding_per_s() const { return kNet_Ohm / motor().inductance_H; }
+    [[nodiscard]] double rotor_per_s() const { return damping_Nms_per_rad / inertia_kg_m2; }
+    /// K_L/J.
+    [[nodiscard]] double omega_squared() const {
+        return device::inductive_stiffness_Nm_per_rad(motor()) / inertia_kg_m2;
+    }
+    /// Eigenvalue of y' = A y with y = (θ̇, i), the one with the positive imaginary part.
+    [[nodiscard]] std::complex<double> eigenvalue() const;
+
+    [[nodiscard]] rig::PlantState start() const;
+    [[nodiscard]] double energy_J(const rig::PlantState &y) const;
+    [[nodiscard]] rig::PlantEquations equations() const;
+
+    device::DeviceDescription device;
+    Vector3 q_rad;
+    simulated::SimulationOptions options;
+    device::DeviceCommand command;
+    double inertia_kg_m2 = 0.0; ///< of the base's motor with its load
+    double damping_Nms_per_rad = 0.0;
+};
+
+ContactMode::ContactMode(const loops::StabilityCase &which)
+    : device(which.device), q_rad(which.q_rad) {
+    loops::StabilityCase one = which;
+    one.rotor.reset();
+    one.freedom = loops::Freedom::one_motor;
+    const loops::DrivenLoad load = loops::driven_load(one, {0, loops::no_hand()});
+    inertia_kg_m2 = load.inertia_kg_m2(0, 0);
+    damping_Nms_per_rad = load.damping_Nms_per_rad(0, 0);
+    options.hand = {0.0, 0.0, 0.0, 0.0, 1.0};
+    options.effects = simulated::PlantEffects::none();
+    options.effects.viscous_friction = true;
+    options.quantised_encoders = false;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        command.cancelled_resistance_Ohm[j] =
+            device.motor[static_cast<std::size_t>(j)].resistance_Ohm - kNet_Ohm;
+    }
+}
+
+std::complex<double> ContactMode::eigenvalue() const {
+    const double middle = 0.5 * (winding_per_s() + rotor_per_s());
+    const double product = winding_per_s() * rotor_per_s() + omega_squared();
+    return -middle + std::sqrt(std::complex<double>(middle * middle - product));
+}
+
+rig::PlantState ContactMode::start() const {
+    rig::PlantState y = rig::PlantState::Zero();
+    y.head<3>() = q_rad;
+    y[6] = kStart_A;
+    return y;
+}
+
+double ContactMode::energy_J(const rig::PlantState &y) const {
+    const double rate = device.geometry.transmission_ratio[0] * y[3];
+    return 0.5 * (inertia_kg_m2 * rate * rate + motor().inductance_H * y[6] * y[6]);
+}
+
+rig::PlantEquations ContactMode::equations() const {
+    rig::PlantEquations of(device, options);
+    rig::PlantInputs inputs;
+    inputs.command = command;
+    inputs.target.position_m = device::tip_position_m(device.geometry, q_rad);
+    of.set_inputs(inputs);
+    return of;
+}
 
 constexpr double kMicro = 1e6;
 constexpr double kShortest_s = 1e-6;

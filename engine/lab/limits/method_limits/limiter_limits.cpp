@@ -2,7 +2,7 @@
 #include "device/core/motor/winding_guard.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"
-#include "engine/lab/limits/method_limits/motor_limits.h"
+#include "engine/lab/limits/method_limits/limit_trials.h"
 #include "engine/servo/command_limiter.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/velocity_filter.h"
-#include "engine/lab/limits/method_limits/direction_limit.h"
+#include "engine/lab/limits/method_limits/limit_trials.h"
 #include "engine/lab/limits/stability_limits.h"
 
 #include <cmath>

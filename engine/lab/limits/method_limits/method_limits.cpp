@@ -1,16 +1,8 @@
 #include "engine/lab/limits/method_limits/method_limits.h"
 
 #include "base/print.h"
-#include "engine/lab/limits/method_limits/cancellation_limits.h"
-#include "engine/lab/limits/method_limits/closest_point_limits.h"
-#include "engine/lab/limits/method_limits/direction_limit.h"
-#include "engine/lab/limits/method_limits/integrator_limits.h"
-#include "engine/lab/limits/method_limits/kinematics_limits.h"
+#include "engine/lab/limits/method_limits/limit_trials.h"
 #include "engine/lab/limits/method_limits/loop_limits.h"
-#include "engine/lab/limits/method_limits/motor_limits.h"
-#include "engine/lab/limits/method_limits/proxy_limits.h"
-#include "engine/lab/limits/method_limits/release_limits.h"
-#include "engine/lab/limits/method_limits/servo_limits.h"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-#include "engine/lab/limits/method_limits/proxy_limits.h"
+#include "engine/lab/limits/method_limits/limit_trials.h"
 
 #include "base/degrees.h"
 #include "engine/contact/mesh/mesh_preparation.h"

@@ -1,4 +1,4 @@
-#include "engine/lab/limits/method_limits/release_limits.h"
+#include "engine/lab/limits/method_limits/limit_trials.h"
 
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"

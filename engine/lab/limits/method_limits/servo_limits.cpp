@@ -1,4 +1,4 @@
-#include "engine/lab/limits/method_limits/servo_limits.h"
+#include "engine/lab/limits/method_limits/limit_trials.h"
 
 #include "engine/lab/limits/method_limits/late_ticks.h"
 #include "engine/lab/limits/method_limits/pressed_corner.h"
