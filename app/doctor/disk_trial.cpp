@@ -1,4 +1,4 @@
-#include "app/doctor/disk_trial.h"
+#include "app/doctor/trial.h"
 
 #include <fcntl.h>
 #include <sys/statvfs.h>

@@ -1,4 +1,4 @@
-#include "app/doctor/picture_trial.h"
+#include "app/doctor/trial.h"
 
 #include <GLFW/glfw3.h>
 

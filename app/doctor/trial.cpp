@@ -2,8 +2,6 @@
 
 #include "app/doctor/check.h"
 #include "app/doctor/child_answer.h"
-#include "app/doctor/disk_trial.h"
-#include "app/doctor/picture_trial.h"
 #include "base/input_error.h"
 #include "base/real_time_thread.h"
 #include "device/usb/driver/board_survey.h"

@@ -5,6 +5,7 @@
 #include "device/usb/driver/board_survey.h"
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -62,5 +63,14 @@ inline constexpr std::chrono::milliseconds kTrialTime{2300};
 /// All trials at once, which takes as long as the slowest, at most kTrialTime. Call while the
 /// process has no other thread: it forks.
 [[nodiscard]] Trials try_all(const Purpose &purpose);
+
+// The trials of the processes, one by one.
+
+/// Writes for some 0.4 s to a file without a name, which goes with this process.
+/// @param second_bytes  of a record: written before each synchronisation
+[[nodiscard]] DiskTrial try_disk(const std::filesystem::path &folder, std::size_t second_bytes);
+
+/// Opens a hidden window. For a process of its own: graphics drivers may end it.
+[[nodiscard]] PictureTrial try_picture();
 
 } // namespace springdrive::app::doctor

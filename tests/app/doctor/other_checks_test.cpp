@@ -2,9 +2,9 @@
 // doctor_report.cpp.
 #include "tests/app/doctor/laid_out_computer.h"
 
-#include "app/doctor/disk_trial.h"
 #include "app/doctor/doctor_report.h"
 #include "app/doctor/second_opinion.h"
+#include "app/doctor/trial.h"
 #include "base/input_error.h"
 
 #include <nlohmann/json.hpp>
