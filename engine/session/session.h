@@ -11,7 +11,6 @@
 #include "device/core/calibration.h"
 #include "device/factory/device_factory.h"
 #include "engine/session/recording.h"
-#include "engine/session/remarks.h"
 #include "engine/session/run_folder.h"
 #include "engine/session/scene_models.h"
 #include "engine/session/scenes.h"
@@ -19,14 +18,41 @@
 #include "engine/session/session_options.h"
 #include "engine/session/simulated_hand.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace springdrive::session {
+
+/// Remarks for the user, each one once.
+class Remarks {
+public:
+    /// One line, with a remedy after a semicolon. Ignored if it was added before.
+    void add(const std::string &text) {
+        if (std::ranges::find(all_, text) == all_.end()) {
+            all_.push_back(text);
+        }
+    }
+
+    [[nodiscard]] const std::vector<std::string> &all() const { return all_; }
+
+    /// The remarks not yet taken, for printing.
+    [[nodiscard]] std::vector<std::string> take_new() {
+        const auto first = all_.begin() + static_cast<std::ptrdiff_t>(taken_);
+        taken_ = all_.size();
+        return {first, all_.end()};
+    }
+
+private:
+    std::vector<std::string> all_;
+    std::size_t taken_ = 0;
+};
 
 /// For use by one thread; servo and recorder have their own.
 class Session {

@@ -1,5 +1,4 @@
-// Covers engine/session/scene_models.cpp and model_measurement.cpp. Measures models of several
-// scenes: some seconds each.
+// Covers engine/session/scene_models.cpp. Measures models of several scenes: some seconds each.
 #include "engine/session/session.h"
 
 #include "base/input_error.h"
