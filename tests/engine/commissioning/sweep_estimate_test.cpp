@@ -1,4 +1,4 @@
-// Covers engine/commissioning/sweep_block.cpp and sweep_estimate.cpp: on synthetic measurements
+// Covers engine/commissioning/sweep_estimate.cpp: on synthetic measurements
 // whose stiffness is known in closed form.
 #include "engine/commissioning/sweep_estimate.h"
 
