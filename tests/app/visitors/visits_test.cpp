@@ -1,4 +1,4 @@
-// Covers app/visitors/{visits,visitor_port,presence}: whole visits on the simulated device, in
+// Covers app/visitors/{visits,visitor_port}: whole visits on the simulated device, in
 // lockstep, with visitors and a window that are made up. See visitors_window_test.cpp for the real
 // window.
 #include "app/visitors/visits.h"

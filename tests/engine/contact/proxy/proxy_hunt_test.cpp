@@ -2,20 +2,22 @@
 // to the tip: every step in contact, on generated meshes of the kinds on which proxies fail,
 // against independent brute force.
 #include "engine/contact/mesh/mesh_preparation.h"
+#include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/brute_force_proxy.h"
 #include "engine/lab/rig/crossing_finder.h"
 #include "engine/lab/rig/plain_triangles.h"
 #include "tests/support/cases.h"
 #include "tests/support/hard_meshes.h"
-#include "tests/support/shrink.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <fstream>
 #include <numbers>
 #include <ostream>
 #include <random>
@@ -32,6 +34,49 @@ inline void PrintTo(const HardMeshKind &kind, std::ostream *out) { *out << kind.
 namespace springdrive::contact {
 
 namespace {
+
+/// The soup without triangles `first` to `last`, the end excluded.
+[[nodiscard]] TriangleSoup without(TriangleSoup soup, std::size_t first, std::size_t last) {
+    const auto erase = [&](auto &list) {
+        list.erase(list.begin() + static_cast<std::ptrdiff_t>(first),
+                   list.begin() + static_cast<std::ptrdiff_t>(last));
+    };
+    erase(soup.triangles);
+    erase(soup.material_of_triangle);
+    return soup;
+}
+
+/// Leaves out triangles, first many at once, then fewer, as long as `fails(soup)` remains true: of
+/// the result, no single triangle can be left out. Vertices stay.
+template <typename Fails> [[nodiscard]] TriangleSoup shrunk(TriangleSoup soup, const Fails &fails) {
+    for (std::size_t at_once = soup.triangles.size() / 2; at_once > 0;) {
+        bool has_shrunk = false;
+        for (std::size_t first = 0; first < soup.triangles.size();) {
+            const std::size_t last = std::min(first + at_once, soup.triangles.size());
+            TriangleSoup smaller = without(soup, first, last);
+            if (!smaller.triangles.empty() && fails(smaller)) {
+                soup = std::move(smaller);
+                has_shrunk = true;
+            } else {
+                first = last;
+            }
+        }
+        at_once = has_shrunk && at_once == 1 ? 1 : at_once / 2;
+    }
+    return soup;
+}
+
+/// Wavefront OBJ, to look at.
+void write_obj(const std::string &path, const TriangleSoup &soup) {
+    std::ofstream out(path);
+    out.precision(17);
+    for (const Vector3 &vertex_m : soup.vertices_m) {
+        out << "v " << vertex_m.transpose() << '\n';
+    }
+    for (const auto &[a, b, c] : soup.triangles) {
+        out << "f " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << '\n';
+    }
+}
 
 /// A proxy sticks if brute force, which ignores ridges lower than its slack of 2 pm, comes nearer
 /// to the tip by more than this [m]: a tenth of the clearance, which is what two solutions on
@@ -151,11 +196,10 @@ protected:
             if (crosses || lag_m > kNearer_m) {
                 const std::string file =
                     ::testing::TempDir() + mesh.name.substr(0, 4) + std::to_string(seed) + ".obj";
-                const TriangleSoup smallest =
-                    testing::shrunk(mesh.soup, [&](const TriangleSoup &soup) {
-                        return fails_at_the_end(soup, tips_m);
-                    });
-                testing::write_obj(file, smallest);
+                const TriangleSoup smallest = shrunk(mesh.soup, [&](const TriangleSoup &soup) {
+                    return fails_at_the_end(soup, tips_m);
+                });
+                write_obj(file, smallest);
                 FAIL() << mesh.name << ", seed " << seed << ", step " << step << ": "
                        << (crosses ? "crosses the mesh"
                                    : "could be nearer by " + std::to_string(1e6 * lag_m) + " µm")
@@ -321,7 +365,7 @@ TEST(Shrink, LeavesTheTrianglesThatItTakes) {
     std::mt19937_64 random(1);
     const TriangleSoup soup = testing::scan(random);
     const auto needed = {soup.triangles[3], soup.triangles[40], soup.triangles.back()};
-    const TriangleSoup smallest = testing::shrunk(soup, [&](const TriangleSoup &smaller) {
+    const TriangleSoup smallest = shrunk(soup, [&](const TriangleSoup &smaller) {
         return std::ranges::all_of(needed, [&](const auto &triangle) {
             return std::ranges::find(smaller.triangles, triangle) != smaller.triangles.end();
         });
