@@ -11,6 +11,9 @@ namespace springdrive::simulated {
 
 namespace {
 
+// With two joints that move, the base is at rest and the tip moves in the links' plane: outward and
+// up.
+
 /// Torques on the joints, affine in their mean rates: τ − B q̄̇.
 template <int joints> struct LinkageForces {
     device::JointMatrix<joints> tip_m_per_rad;       ///< J̄
