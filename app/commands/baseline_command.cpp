@@ -8,7 +8,6 @@
 #include "engine/lab/limits/drive_comparison.h"
 #include "engine/servo/servo.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -76,23 +75,23 @@ void run(const TypedBaseline &typed) {
 
 } // namespace
 
-void add_baseline_command(CLI::App &app) {
-    CLI::App &baseline = *app.add_subcommand(
+void add_baseline_command(Command &app) {
+    Command baseline = app.add_subcommand(
         "baseline", "spring drive against current drive, each at its stable optimum");
     const auto typed = std::make_shared<TypedBaseline>();
     add_device_file_option(baseline, typed->device_file);
     baseline.add_option("--servo-hz", typed->servo_hz, "one rate [250, 1000, 4000 and 10000]")
-        ->type_name("HZ");
+        .type_name("HZ");
     baseline
         .add_option("--delay", typed->delay_periods,
                     "one delay in periods, a real number 0 to 8 [0 and 1]")
-        ->type_name("D");
+        .type_name("D");
     baseline.add_option("--dR", typed->dR_Ohm, "one dR of the spring drive [0.2 and 0.5]")
-        ->type_name("Ω");
+        .type_name("Ω");
     baseline
         .add_option("--margin", typed->margin,
                     "factor by which all gains may still grow, 1 to 10 [1.3]")
-        ->type_name("FACTOR");
+        .type_name("FACTOR");
     add_output_option(baseline, "--csv", typed->csv, "CSV");
     add_force_option(baseline, typed->existing);
     baseline.footer(

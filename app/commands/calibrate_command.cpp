@@ -14,8 +14,6 @@
 #include "device/simulated/calibration_tour.h"
 #include "engine/commissioning/calibration_run.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/format.h>
 
 #include <array>
@@ -189,7 +187,7 @@ void calibrate(const TypedCalibration &typed) {
     if (!report.is_complete) {
         print(std::cout, "not calibrated: {}\n", report.problem);
         show_link(*board.device);
-        throw CLI::RuntimeError(kNotCalibrated);
+        end_with_status(kNotCalibrated);
     }
     const device::DeviceDescription &device = board.device->description();
     print(std::cout, "{} '{}', {}, {:.0f} s of motion\n", device.name, report.calibration.serial,
@@ -216,8 +214,8 @@ void calibrate(const TypedCalibration &typed) {
 
 } // namespace
 
-void add_calibrate(CLI::App &device) {
-    CLI::App &command = *device.add_subcommand(
+void add_calibrate(Command &device) {
+    Command command = device.add_subcommand(
         "calibrate", "measures R of each winding with the commutator's ripple, k_T and the current "
                      "sensors' offsets, while the device is moved by hand; keeps them in a device "
                      "file or on the board");
@@ -231,22 +229,22 @@ void add_calibrate(CLI::App &device) {
         .add_option("--out", typed->out,
                     "a device file to write: the one that --device-file names, with the "
                     "calibration")
-        ->type_name("FILE.toml");
+        .type_name("FILE.toml");
     add_force_option(command, typed->existing);
     command.add_flag("--to-board", typed->is_to_board,
                      "keep it on the board, which has room for one");
     command
         .add_option("--air-C", typed->options.air_C,
                     "temperature of the air by a thermometer [unknown, 15 to 35]")
-        ->type_name("C");
+        .type_name("C");
     command
         .add_option("--dR", typed->options.dR_Ohm,
                     "residual resistance (7) while it moves, and for which R-hat is reported [0.5]")
-        ->type_name("Ω");
+        .type_name("Ω");
     command
         .add_option("--motion-seconds", typed->options.longest_motion_s,
                     "at most, for moving the device by hand [180]")
-        ->type_name("S");
+        .type_name("S");
     command.footer("The motors resist the hand gently, by some 0.5 N at the tip, and follow it "
                    "otherwise; they never push. Ctrl+C ends it at any time.");
     command.callback([typed] {

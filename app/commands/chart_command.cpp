@@ -11,8 +11,6 @@
 #include "engine/lab/charts/chart.h"
 #include "engine/lab/charts/charts.h"
 
-#include <CLI/CLI.hpp>
-
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -96,27 +94,27 @@ std::vector<std::string> chart_names() {
 
 } // namespace
 
-void add_chart_command(CLI::App &app) {
-    CLI::App *chart = app.add_subcommand(
+void add_chart_command(Command &app) {
+    Command chart = app.add_subcommand(
         "chart", "speed and accuracy of integrators, plant models, motion control, proxies "
                  "and servo rates: each method's cost and error, as SVG and CSV");
     const auto typed = std::make_shared<TypedChart>();
-    chart->add_option("--out", typed->out, "the folder to write to; created if missing")
-        ->type_name("DIR")
-        ->required();
-    chart->add_option("--only", typed->only, "only these charts, separated by commas")
-        ->type_name("NAME,...")
-        ->delimiter(',')
-        ->check(CLI::IsMember(chart_names()));
+    chart.add_option("--out", typed->out, "the folder to write to; created if missing")
+        .type_name("DIR")
+        .required();
+    chart.add_option("--only", typed->only, "only these charts, separated by commas")
+        .type_name("NAME,...")
+        .delimiter(',')
+        .one_of(chart_names());
     chart
-        ->add_option("--repeats", typed->repeats,
-                     "repetitions of each timing, from 1 to " + std::to_string(kMaxRepeats) + " [" +
-                         std::to_string(typed->repeats) + "]")
-        ->type_name("N");
-    add_force_option(*chart, typed->existing);
-    add_device_file_option(*chart, typed->device_file);
-    add_tuning_file_option(*chart, typed->tuning_file);
-    chart->callback([typed] { make_charts(*typed); });
+        .add_option("--repeats", typed->repeats,
+                    "repetitions of each timing, from 1 to " + std::to_string(kMaxRepeats) + " [" +
+                        std::to_string(typed->repeats) + "]")
+        .type_name("N");
+    add_force_option(chart, typed->existing);
+    add_device_file_option(chart, typed->device_file);
+    add_tuning_file_option(chart, typed->tuning_file);
+    chart.callback([typed] { make_charts(*typed); });
 }
 
 } // namespace springdrive::app

@@ -116,21 +116,22 @@ std::unique_ptr<CLI::App> command_tree() {
     app.require_subcommand(0, 1); // with 1, 1 the error would not name the invalid word
     app.footer("Options without a subcommand are those of demo: springdrive --scene FILE.\n"
                "For the options of a subcommand: springdrive stiffness --help.");
-    add_demo_command(app);
-    add_device_command(app);
-    add_doctor_command(app);
-    add_record_command(app);
-    add_replay_command(app);
-    add_export_command(app);
-    add_figures_command(app);
-    add_chart_command(app);
-    add_stiffness_command(app);
-    add_stability_command(app);
-    add_tune_command(app);
-    add_baseline_command(app);
-    add_touch_command(app);
-    add_inspect_command(app);
-    add_study_command(app);
+    Command program(tree.get());
+    add_demo_command(program);
+    add_device_command(program);
+    add_doctor_command(program);
+    add_record_command(program);
+    add_replay_command(program);
+    add_export_command(program);
+    add_figures_command(program);
+    add_chart_command(program);
+    add_stiffness_command(program);
+    add_stability_command(program);
+    add_tune_command(program);
+    add_baseline_command(program);
+    add_touch_command(program);
+    add_inspect_command(program);
+    add_study_command(program);
     return tree;
 }
 

@@ -11,7 +11,6 @@
 #include "device/simulated/stop_tour.h"
 #include "engine/commissioning/self_test.h"
 
-#include <CLI/CLI.hpp>
 #include <poll.h>
 
 #include <array>
@@ -175,7 +174,7 @@ void self_test(const TypedSelfTest &typed) {
         }
     }
     if (const int status = show(test.report(), board.device->is_zeroed()); status != 0) {
-        throw CLI::RuntimeError(status);
+        end_with_status(status);
     }
 }
 
@@ -196,16 +195,16 @@ bool has_typed_line() {
     return has_end;
 }
 
-void add_info(CLI::App &device) {
-    CLI::App &command = *device.add_subcommand(
+void add_info(Command &device) {
+    Command command = device.add_subcommand(
         "info", "what a board says of itself: identity, limits, state, counters");
     const auto typed = std::make_shared<TypedBoard>();
     typed->add_to(command);
     command.callback([typed] { show_info(*typed); });
 }
 
-void add_self_test(CLI::App &device) {
-    CLI::App &command = *device.add_subcommand(
+void add_self_test(Command &device) {
+    Command command = device.add_subcommand(
         "self-test", "pulses on each winding, then motion by hand from stop to stop: names what is "
                      "wrong; exit status 1 if something is");
     const auto typed = std::make_shared<TypedSelfTest>();
@@ -215,14 +214,14 @@ void add_self_test(CLI::App &device) {
                      "the device is held in its zero pose at the start: upper arm level, forearm "
                      "hanging, tip at the origin; without it, the zero is not checked");
     command.add_option("--volts", typed->options.pulse.voltage_V, "of the pulses, 0.3 to 1 [0.8]")
-        ->type_name("V");
+        .type_name("V");
     command.add_flag_callback(
         "--pulses-only", [typed] { typed->options.has_motion = false; },
         "without motion by hand, as for motors that are not on a linkage yet");
     command
         .add_option("--motion-seconds", typed->options.longest_motion_s,
                     "at most, for moving the device by hand [90]")
-        ->type_name("S");
+        .type_name("S");
     command.footer("No motor is driven but for pulses of some milliseconds, whose limits are the "
                    "board's own. The device brakes meanwhile, so it resists like a damper.");
     command.callback([typed] {

@@ -12,8 +12,6 @@
 #include "engine/lab/rig/scenario/touch_scene.h"
 #include "engine/servo/servo.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -34,16 +32,16 @@ bool shapes_the_coupling(const control::Parameter &parameter) {
 
 } // namespace
 
-void TypedEmulation::add_to(CLI::App &command, const std::string &device) {
+void TypedEmulation::add_to(Command &command, const std::string &device) {
     command
         .add_option("--true-device-file", true_device_file,
                     "what the " + device + " is, if it is another one [the device file]")
-        ->type_name("FILE");
+        .type_name("FILE");
     command
         .add_option("--fault", faults,
                     "what fails of the " + device +
                         ", as in springdrive device emulate; may be repeated")
-        ->type_name("FAULT");
+        .type_name("FAULT");
 }
 
 std::optional<device::DeviceDescription> TypedEmulation::truth() const {
@@ -61,20 +59,20 @@ std::vector<emulator::Fault> TypedEmulation::parsed_faults() const {
     return parsed;
 }
 
-void add_device_file_option(CLI::App &command, std::filesystem::path &file) {
+void add_device_file_option(Command &command, std::filesystem::path &file) {
     file = asset_folder() / "devices" / "phantom_1_0.toml";
     command
         .add_option("--device-file", file,
                     "a device, as those in " + (asset_folder() / "devices").string())
-        ->type_name("FILE");
+        .type_name("FILE");
 }
 
-void add_device_option(CLI::App &command, std::string &device) {
+void add_device_option(Command &command, std::string &device) {
     command
         .add_option("--device", device,
                     "sim: the simulated device; usb: the board on USB; usb:SERIAL: one of several; "
                     "emulated: a board in this process, to rehearse with [sim]")
-        ->type_name("sim|usb[:SERIAL]|emulated");
+        .type_name("sim|usb[:SERIAL]|emulated");
 }
 
 NamedDevice device_named(const std::string &device) {
@@ -86,12 +84,12 @@ NamedDevice device_named(const std::string &device) {
     return {*kind, colon == std::string::npos ? "" : device.substr(colon + 1)};
 }
 
-void add_tuning_file_option(CLI::App &command, std::filesystem::path &file) {
+void add_tuning_file_option(Command &command, std::filesystem::path &file) {
     command
         .add_option("--tuning-file", file,
                     "a tuning, your own or one of those in " +
                         (asset_folder() / "tunings").string())
-        ->type_name("FILE");
+        .type_name("FILE");
 }
 
 control::Tuning tuning_of(const std::filesystem::path &file) {
@@ -102,14 +100,14 @@ std::vector<double> default_joint_angles_deg() {
     return {device::kDefaultPose_deg.begin(), device::kDefaultPose_deg.end()};
 }
 
-void add_joint_angles_option(CLI::App &command, std::vector<double> &q_deg) {
+void add_joint_angles_option(Command &command, std::vector<double> &q_deg) {
     command
         .add_option("--q", q_deg,
                     fmt::format("the three joint angles in degrees [{:g}]",
                                 fmt::join(device::kDefaultPose_deg, ",")))
-        ->type_name("A,B,C")
-        ->delimiter(',')
-        ->expected(3);
+        .type_name("A,B,C")
+        .delimiter(',')
+        .expected(3);
 }
 
 Vector3 joint_angles_rad(const std::vector<double> &q_deg) {
@@ -119,36 +117,36 @@ Vector3 joint_angles_rad(const std::vector<double> &q_deg) {
     return kRadiansPerDegree * Vector3(q_deg[0], q_deg[1], q_deg[2]);
 }
 
-void add_motion_map_option(CLI::App &command, const std::string &option, std::string &map,
+void add_motion_map_option(Command &command, const std::string &option, std::string &map,
                            std::string_view remark) {
     command
         .add_option(option, map,
                     fmt::format("{} or {}{}", control::label_of(control::MotionMap::inverse),
                                 control::label_of(control::MotionMap::transpose), remark))
-        ->check(CLI::IsMember(list_of(control::kMotionMapNames)));
+        .one_of(list_of(control::kMotionMapNames));
 }
 
-CLI::Option *add_servo_hz_option(CLI::App &command, double &servo_hz) {
+Option add_servo_hz_option(Command &command, double &servo_hz) {
     return command
         .add_option("--servo-hz", servo_hz,
                     fmt::format("servo rate, {:g} to {:g} [{:g}]", servo::kMinRate_hz,
                                 servo::kMaxRate_hz, servo_hz))
-        ->type_name("HZ");
+        .type_name("HZ");
 }
 
-CLI::Option *add_delay_option(CLI::App &command, double &delay_periods) {
+Option add_delay_option(Command &command, double &delay_periods) {
     return command
         .add_option("--delay", delay_periods,
                     fmt::format("periods from reading θ to applying e_W, a real number 0 to {} [0]",
                                 simulated::SimulationOptions::kLongestDelay))
-        ->type_name("D");
+        .type_name("D");
 }
 
 void check_delay(double delay_periods) {
     check_range("--delay", delay_periods, 0, simulated::SimulationOptions::kLongestDelay);
 }
 
-void TuningOptions::add_to(CLI::App &command, TuningScope scope) {
+void TuningOptions::add_to(Command &command, TuningScope scope) {
     add_tuning_file_option(command, file);
     for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
         const control::Parameter &parameter = control::kParameters[i];
@@ -158,17 +156,17 @@ void TuningOptions::add_to(CLI::App &command, TuningScope scope) {
         command
             .add_option("--" + std::string(parameter.option), value[i],
                         std::string(parameter.help) + " " + std::string(parameter.equation))
-            ->type_name(std::string(parameter.unit));
+            .type_name(std::string(parameter.unit));
     }
     if (scope == TuningScope::coupling) {
         return;
     }
     add_motion_map_option(command, "--map", map, " kinematics");
     command.add_option("--alpha-mode", alpha_mode, "the source of α of (23)")
-        ->check(CLI::IsMember(list_of(control::kAlphaModeNames)));
+        .one_of(list_of(control::kAlphaModeNames));
 }
 
-void EffectOptions::add_to(CLI::App &command) {
+void EffectOptions::add_to(Command &command) {
     std::set<std::string> names{"all"};
     std::string list;
     for (const simulated::PlantEffect &effect : simulated::kPlantEffects) {
@@ -178,22 +176,22 @@ void EffectOptions::add_to(CLI::App &command) {
     command
         .add_option("--without", without,
                     "switch effects of the simulated device off: all, or any of " + list)
-        ->type_name("EFFECT,...")
-        ->delimiter(',')
-        ->check(CLI::IsMember(names));
+        .type_name("EFFECT,...")
+        .delimiter(',')
+        .one_of(list_of(names));
     command
         .add_option("--with", with, "switch them on again; only structural_compliance starts off")
-        ->type_name("EFFECT,...")
-        ->delimiter(',')
-        ->check(CLI::IsMember(names));
+        .type_name("EFFECT,...")
+        .delimiter(',')
+        .one_of(list_of(names));
     command
         .add_option(
             "--device-seed", device_seed,
             "which device of its kind is simulated: motors and current sensors drawn within "
             "the device file's tolerances; 0 is the file's own, with ideal sensors")
-        ->type_name("N")
-        ->check(CLI::Range(0, 1'000'000'000))
-        ->capture_default_str();
+        .type_name("N")
+        .in_range(0, 1'000'000'000)
+        .capture_default_str();
 }
 
 simulated::PlantEffects EffectOptions::effects() const {

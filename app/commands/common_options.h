@@ -1,6 +1,7 @@
 // Options that several subcommands share.
 #pragma once
 
+#include "app/commands/command.h"
 #include "base/vector.h"
 #include "device/core/device_description.h"
 #include "device/factory/device_factory.h"
@@ -17,18 +18,13 @@
 #include <string_view>
 #include <vector>
 
-namespace CLI {
-class App;
-class Option;
-} // namespace CLI
-
 namespace springdrive::app {
 
 /// `--device-file`: `file` starts as the PHANTOM 1.0.
-void add_device_file_option(CLI::App &command, std::filesystem::path &file);
+void add_device_file_option(Command &command, std::filesystem::path &file);
 
 /// `--device`, whatever `device` starts as.
-void add_device_option(CLI::App &command, std::string &device);
+void add_device_option(Command &command, std::string &device);
 
 struct NamedDevice {
     factory::DeviceKind kind = factory::DeviceKind::simulated;
@@ -45,7 +41,7 @@ struct TypedEmulation {
 
     /// The options hold references to this: it must stay where it is until the parse is over.
     /// @param device  "emulated board", in their help
-    void add_to(CLI::App &command, const std::string &device);
+    void add_to(Command &command, const std::string &device);
 
     [[nodiscard]] bool is_empty() const { return true_device_file.empty() && faults.empty(); }
     /// @throw InputError if it is no device file
@@ -55,7 +51,7 @@ struct TypedEmulation {
 };
 
 /// `--tuning-file`, which may stay empty.
-void add_tuning_file_option(CLI::App &command, std::filesystem::path &file);
+void add_tuning_file_option(Command &command, std::filesystem::path &file);
 
 /// The tuning in the file, or the default tuning if `file` is empty.
 /// @throw InputError for a file without a tuning.
@@ -65,26 +61,26 @@ void add_tuning_file_option(CLI::App &command, std::filesystem::path &file);
 [[nodiscard]] std::vector<double> default_joint_angles_deg();
 
 /// `--q`, in degrees; `q_deg` keeps its value unless the option is given.
-void add_joint_angles_option(CLI::App &command, std::vector<double> &q_deg);
+void add_joint_angles_option(Command &command, std::vector<double> &q_deg);
 
 /// @throw InputError for an angle that is not finite.
 [[nodiscard]] Vector3 joint_angles_rad(const std::vector<double> &q_deg);
 
 /// `--map` or `--kinematics`, one of `kMotionMapNames`.
 /// @param remark  ends its help
-void add_motion_map_option(CLI::App &command, const std::string &option, std::string &map,
+void add_motion_map_option(Command &command, const std::string &option, std::string &map,
                            std::string_view remark = "");
 
 /// `--servo-hz`, whatever `servo_hz` starts as.
-CLI::Option *add_servo_hz_option(CLI::App &command, double &servo_hz);
+Option add_servo_hz_option(Command &command, double &servo_hz);
 
 /// `--delay`, which starts as 0.
-CLI::Option *add_delay_option(CLI::App &command, double &delay_periods);
+Option add_delay_option(Command &command, double &delay_periods);
 
 /// @throw InputError for a delay that cannot be simulated.
 void check_delay(double delay_periods);
 
-/// For CLI::IsMember.
+/// For `Option::one_of`.
 template <typename Names> [[nodiscard]] std::vector<std::string> list_of(const Names &names) {
     return {names.begin(), names.end()};
 }
@@ -103,7 +99,7 @@ struct TuningOptions {
     std::string alpha_mode; ///< empty: as in the file
 
     /// The options hold references to this: it must stay where it is until the parse is over.
-    void add_to(CLI::App &command, TuningScope scope = TuningScope::everything);
+    void add_to(Command &command, TuningScope scope = TuningScope::everything);
 
     /// @throw InputError for a file that cannot be used, or a value out of its range.
     [[nodiscard]] control::Tuning tuning() const;
@@ -116,7 +112,7 @@ struct EffectOptions {
     std::uint64_t device_seed = 0;
 
     /// The options hold references to this: it must stay where it is until the parse is over.
-    void add_to(CLI::App &command);
+    void add_to(Command &command);
 
     [[nodiscard]] simulated::PlantEffects effects() const;
 };

@@ -8,8 +8,6 @@
 #include "app/panels/settings.h"
 #include "base/input_error.h"
 
-#include <CLI/CLI.hpp>
-
 #include <cstddef>
 #include <fstream>
 #include <memory>
@@ -27,33 +25,33 @@ struct TypedDemo {
     bool resets_settings = false;
 };
 
-void add_run_options(CLI::App &demo, TypedDemo &typed) {
+void add_run_options(Command &demo, TypedDemo &typed) {
     DemoOptions &options = typed.options;
-    demo.add_option("--frames", options.frames, "end after this many frames")->type_name("N");
-    demo.add_option("--seconds", options.seconds, "end after this time")->type_name("S");
+    demo.add_option("--frames", options.frames, "end after this many frames").type_name("N");
+    demo.add_option("--seconds", options.seconds, "end after this time").type_name("S");
     demo.add_option("--open", options.opened, "show a record, or the folder of a kept session")
-        ->type_name("PATH");
+        .type_name("PATH");
     demo.add_option("file", typed.shown,
                     "a scene, as with --scene; or a record or kept session, as with --open")
-        ->type_name("FILE")
-        ->excludes(demo.get_option("--scene"))
-        ->excludes(demo.get_option("--open"));
+        .type_name("FILE")
+        .excludes(demo.get_option("--scene"))
+        .excludes(demo.get_option("--open"));
     demo.add_option("--screenshot", options.screenshot, "write the last frame as PNG")
-        ->type_name("FILE");
+        .type_name("FILE");
     demo.add_option("--record", typed.session.options.record,
                     "record every servo tick; see springdrive export")
-        ->type_name("FILE");
+        .type_name("FILE");
     add_force_option(demo, options.existing);
     demo.add_option("--width", options.width, "of the window, with --height [1280]")
-        ->type_name("PIXELS");
+        .type_name("PIXELS");
     demo.add_option("--height", options.height, "of the window, with --width [720]")
-        ->type_name("PIXELS");
+        .type_name("PIXELS");
     demo.add_option("--scale", options.scale, "of text and panels [the display's scale]")
-        ->type_name("FACTOR");
+        .type_name("FACTOR");
     demo.add_option("--settings", options.settings,
                     "where the window remembers size, text and recent files "
                     "[~/.config/springdrive/settings; with --frames, --seconds or --report none]")
-        ->type_name("FILE");
+        .type_name("FILE");
     demo.add_flag("--reset-settings", typed.resets_settings,
                   "forget them first: the window is as in a first run");
     demo.add_flag("--assistant", options.assistant,
@@ -64,7 +62,7 @@ void add_run_options(CLI::App &demo, TypedDemo &typed) {
         "ended by Ctrl+Alt+Q or SIGTERM");
     demo.add_option("--log", options.day_log,
                     "of a kiosk's day [~/.local/state/springdrive/kiosk/DATE.log]")
-        ->type_name("FILE");
+        .type_name("FILE");
     demo.add_flag(
         "--report", options.reports,
         "for each line \"report\" on standard input, write what the window shows as a line "
@@ -109,14 +107,14 @@ void choose_settings(DemoOptions &options, bool resets) {
 }
 
 /// Nothing of what the options make remains to a kiosk's visitors.
-void check_kiosk(const TypedDemo &typed, const CLI::App &demo) {
+void check_kiosk(const TypedDemo &typed, const Command &demo) {
     const auto refuse = [&](const char *option, const char *why) {
-        if (demo.count(option) > 0) {
+        if (demo.has_been_given(option)) {
             throw InputError(std::string(option) + ": not with --kiosk, " + why);
         }
     };
     if (!typed.options.kiosk) {
-        if (demo.count("--log") > 0) {
+        if (demo.has_been_given("--log")) {
             throw InputError("--log: is for a kiosk; add --kiosk");
         }
         return;
@@ -169,7 +167,7 @@ void place_shown(TypedDemo &typed) {
     }
 }
 
-void run(TypedDemo typed, const CLI::App &demo) {
+void run(TypedDemo typed, const Command &demo) {
     check_kiosk(typed, demo);
     place_shown(typed);
     DemoOptions options = typed.options;
@@ -188,18 +186,18 @@ void run(TypedDemo typed, const CLI::App &demo) {
     check_outputs(typed.session.files({options.screenshot}), options.existing);
     choose_settings(options, typed.resets_settings);
     if (const int status = run_demo(options); status != 0) {
-        throw CLI::RuntimeError(status);
+        end_with_status(status);
     }
 }
 
 } // namespace
 
-void add_demo_command(CLI::App &app) {
-    CLI::App &demo = *app.add_subcommand("demo", "the window (the default)");
+void add_demo_command(Command &app) {
+    Command demo = app.add_subcommand("demo", "the window (the default)");
     const auto typed = std::make_shared<TypedDemo>();
     typed->session.add_to(demo);
     add_run_options(demo, *typed);
-    demo.callback([typed, &demo] { run(*typed, demo); });
+    demo.callback([typed, demo] { run(*typed, demo); });
 }
 
 } // namespace springdrive::app

@@ -12,8 +12,6 @@
 #include "device/usb/emulator/emulated_board.h"
 #include "device/usb/emulator/gadget.h"
 
-#include <CLI/CLI.hpp>
-
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -113,8 +111,8 @@ void emulate(const TypedEmulator &typed) {
     }
 }
 
-void add_emulate(CLI::App &device) {
-    CLI::App &command = *device.add_subcommand(
+void add_emulate(Command &device) {
+    Command command = device.add_subcommand(
         "emulate", "be a USB device: a board with the simulated PHANTOM behind it");
     const auto typed = std::make_shared<TypedEmulator>();
     add_device_file_option(command, typed->device_file);
@@ -123,41 +121,41 @@ void add_emulate(CLI::App &device) {
         .add_option("--path", typed->path,
                     "the hand's target, a CSV file with columns t,x,y,z [s, m]; its first point is "
                     "where the tip is at power-up")
-        ->type_name("FILE");
+        .type_name("FILE");
     command
         .add_option("--tour", typed->tour_s,
                     "the hand rests in the zero pose for S seconds since power-up, then moves the "
                     "device from stop to stop, as springdrive device self-test asks for")
-        ->type_name("S")
-        ->excludes("--path");
-    command.add_option("--serial", typed->serial, "serial number [emulated]")->type_name("TEXT");
+        .type_name("S")
+        .excludes(command.get_option("--path"));
+    command.add_option("--serial", typed->serial, "serial number [emulated]").type_name("TEXT");
     command
         .add_option("--clock", typed->clock,
                     "wall: real time; frame: a period passes with each packet from the host, so "
                     "that a run is repeatable [wall]")
-        ->check(CLI::IsMember({"wall", "frame"}));
+        .one_of({"wall", "frame"});
     command
         .add_option("--delay", typed->delay_periods,
                     "by the frame clock: d, from a measurement to the command computed from it, in "
                     "periods [0.3]")
-        ->type_name("D");
+        .type_name("D");
     command.add_option("--loop-hz", typed->loop_hz, "rate of the amplifiers' loop [40000]")
-        ->type_name("HZ");
+        .type_name("HZ");
     command.add_option("--speed", typed->speed, "of the connection: high or full [high]")
-        ->check(CLI::IsMember({"high", "full"}));
+        .one_of({"high", "full"});
     command
         .add_option("--controller", typed->controller,
                     "USB device controller, a name in /sys/class/udc [the first]")
-        ->type_name("NAME");
+        .type_name("NAME");
     command
         .add_option(
             "--fault", typed->faults,
             "what fails, NAME[:ARGUMENT...][@BEGIN[-END]], times in seconds since power-up; "
             "may be repeated")
-        ->type_name("FAULT");
+        .type_name("FAULT");
     command.add_option("--seed", typed->seed, "of faults that strike at random [1]");
     command.add_option("--seconds", typed->seconds, "ends after these; 0: by Ctrl+C [0]")
-        ->type_name("S");
+        .type_name("S");
     command.footer("Needs root, and a USB device controller: modprobe dummy_hcd gives a virtual "
                    "one.\nFaults:\n" +
                    emulator::fault_usage());
@@ -166,12 +164,12 @@ void add_emulate(CLI::App &device) {
 
 } // namespace
 
-void add_device_command(CLI::App &app) {
-    CLI::App &device =
-        *app.add_subcommand("device", "devices: list, ask, test and calibrate them, emulate one");
-    device.require_subcommand(1);
+void add_device_command(Command &app) {
+    Command device =
+        app.add_subcommand("device", "devices: list, ask, test and calibrate them, emulate one");
+    device.require_subcommand();
     device.add_subcommand("list", "the devices that are there, as --device names them")
-        ->callback(list_devices);
+        .callback(list_devices);
     add_info(device);
     add_self_test(device);
     add_calibrate(device);

@@ -8,9 +8,7 @@
 #include "base/machine_name.h"
 #include "engine/servo/servo.h"
 
-#include <CLI/CLI.hpp>
-
-#include <cmath>
+#include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -44,14 +42,14 @@ void run(const TypedDoctor &typed) {
         doctor::write_text(std::cout, report);
     }
     if (!report.is_healthy()) {
-        throw CLI::RuntimeError(1);
+        end_with_status(1);
     }
 }
 
 } // namespace
 
-void add_doctor_command(CLI::App &app) {
-    CLI::App &doctor = *app.add_subcommand(
+void add_doctor_command(Command &app) {
+    Command doctor = app.add_subcommand(
         "doctor", "what this computer allows and lacks, each with the line that mends it");
     const auto typed = std::make_shared<TypedDoctor>();
     // A mistyped value is no finding: its exit status is that of every mistyped option.
@@ -59,21 +57,20 @@ void add_doctor_command(CLI::App &app) {
         .add_option(
             "--device", typed->device,
             "sim, usb or usb:SERIAL: what is to be used, by which findings are judged [sim]")
-        ->type_name("sim|usb[:SERIAL]")
-        ->check([](const std::string &text) {
+        .type_name("sim|usb[:SERIAL]")
+        .check([](const std::string &text) {
             const bool is_device =
                 complaint_of([&] { static_cast<void>(device_named(text)); }).empty();
             return is_device ? std::string() : text + " is not sim, usb or usb:SERIAL";
         });
-    add_servo_hz_option(doctor, typed->purpose.servo_hz)->check([](const std::string &text) {
-        double servo_hz = std::nan(""); // which CLI::Range accepts
-        static_cast<void>(CLI::detail::lexical_cast(text, servo_hz));
+    add_servo_hz_option(doctor, typed->purpose.servo_hz).check([](const std::string &text) {
+        const double servo_hz = static_cast<double>(std::strtold(text.c_str(), nullptr));
         return complaint_of([&] { static_cast<void>(servo::servo_period_s(servo_hz)); });
     });
     doctor
         .add_option("--folder", typed->purpose.folder,
                     "where records are to be written: some MB are, for half a second [.]")
-        ->type_name("FOLDER");
+        .type_name("FOLDER");
     doctor.add_flag("--no-window", typed->no_window,
                     "for commands other than demo: neither display nor OpenGL is needed");
     doctor.add_flag("--json", typed->json, "JSON on standard output");

@@ -6,8 +6,6 @@
 #include "engine/record/record_export.h"
 #include "engine/record/record_reader.h"
 
-#include <CLI/CLI.hpp>
-
 #include <iostream>
 #include <memory>
 #include <string>
@@ -95,27 +93,27 @@ void run(const TypedExport &typed) {
 
 } // namespace
 
-void add_export_command(CLI::App &app) {
-    CLI::App &command =
-        *app.add_subcommand("export", "a record as CSV, for Python (NPY) or MATLAB (MAT)");
+void add_export_command(Command &app) {
+    Command command =
+        app.add_subcommand("export", "a record as CSV, for Python (NPY) or MATLAB (MAT)");
     const auto typed = std::make_shared<TypedExport>();
-    command.add_option("file", typed->record, "a record")->type_name("FILE")->required();
+    command.add_option("file", typed->record, "a record").type_name("FILE").required();
     command.add_option("--csv", typed->csv, "comma-separated text; - is standard output")
-        ->type_name("FILE|-");
+        .type_name("FILE|-");
     command.add_option("--npy", typed->npy, "one structured array: np.load(file)[\"tip_x_m\"]")
-        ->type_name("FILE|-");
+        .type_name("FILE|-");
     command.add_option("--mat", typed->mat, "a variable for each column, MATLAB and Octave")
-        ->type_name("FILE");
+        .type_name("FILE");
     add_force_option(command, typed->existing);
     command
         .add_option("--columns", typed->selection.columns,
                     "only these, in this order; tip_* stands for all with this prefix [all]")
-        ->type_name("NAME,...")
-        ->delimiter(',');
+        .type_name("NAME,...")
+        .delimiter(',');
     command.add_option("--from", typed->selection.from_s, "start time [that of the record]")
-        ->type_name("S");
+        .type_name("S");
     command.add_option("--to", typed->selection.to_s, "end time [that of the record]")
-        ->type_name("S");
+        .type_name("S");
     command.add_flag("--list", typed->list, "show the content of the record, and export nothing");
     command.callback([typed] { run(*typed); });
 }

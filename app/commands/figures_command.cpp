@@ -12,8 +12,6 @@
 #include "engine/lab/loops/stiffness_ellipse.h"
 #include "engine/lab/rig/configuration.h"
 
-#include <CLI/CLI.hpp>
-
 #include <cstdint>
 #include <iostream>
 #include <memory>
@@ -87,25 +85,25 @@ void make_figures(const TypedFigures &typed) {
 
 } // namespace
 
-void add_figures_command(CLI::App &app) {
-    CLI::App *figures = app.add_subcommand(
+void add_figures_command(Command &app) {
+    Command figures = app.add_subcommand(
         "figures", "figures 2, 3, 5 and 6 of the paper, measured and predicted, and the direction "
                    "error over frequency, computed, as SVG and CSV");
     const auto typed = std::make_shared<TypedFigures>();
-    figures->add_option("--out", typed->out, "the folder to write to; created if missing")
-        ->type_name("DIR")
-        ->required();
-    add_force_option(*figures, typed->existing);
-    add_device_file_option(*figures, typed->device_file);
-    add_tuning_file_option(*figures, typed->tuning_file);
-    add_joint_angles_option(*figures, typed->q_deg);
+    figures.add_option("--out", typed->out, "the folder to write to; created if missing")
+        .type_name("DIR")
+        .required();
+    add_force_option(figures, typed->existing);
+    add_device_file_option(figures, typed->device_file);
+    add_tuning_file_option(figures, typed->tuning_file);
+    add_joint_angles_option(figures, typed->q_deg);
     figures
-        ->add_option("--device-seed", typed->device_seed,
-                     "which simulated device of its kind is measured in figures 3, 5 and 6")
-        ->type_name("N")
-        ->check(CLI::Range(1, 1'000'000'000))
-        ->capture_default_str();
-    figures->callback([typed] { make_figures(*typed); });
+        .add_option("--device-seed", typed->device_seed,
+                    "which simulated device of its kind is measured in figures 3, 5 and 6")
+        .type_name("N")
+        .in_range(1, 1'000'000'000)
+        .capture_default_str();
+    figures.callback([typed] { make_figures(*typed); });
 }
 
 } // namespace springdrive::app

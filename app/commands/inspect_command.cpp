@@ -8,8 +8,6 @@
 #include "engine/lab/model_selection/selection_cache.h"
 #include "engine/scene/scene_surface.h"
 
-#include <CLI/CLI.hpp>
-
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -81,16 +79,16 @@ void run(const TypedInspect &typed) {
 
 } // namespace
 
-void add_inspect_command(CLI::App &app) {
-    CLI::App &inspect =
-        *app.add_subcommand("inspect", "the content of a scene, what can be touched, and "
-                                       "the model that it would get");
+void add_inspect_command(Command &app) {
+    Command inspect =
+        app.add_subcommand("inspect", "the content of a scene, what can be touched, and "
+                                      "the model that it would get");
     const auto typed = std::make_shared<TypedInspect>();
     inspect
         .add_option("scene", typed->scene,
                     "a glTF file, or sphere:N, bumpy:N, organic:N, scan:N or cad:N, of N triangles")
-        ->type_name("FILE")
-        ->required();
+        .type_name("FILE")
+        .required();
     add_device_file_option(inspect, typed->device_file);
     add_output_option(inspect, "--json", typed->json, "JSON");
     add_force_option(inspect, typed->existing);

@@ -3,15 +3,13 @@
 
 #include "base/input_error.h"
 
-#include <CLI/CLI.hpp>
-
 namespace springdrive::app {
 
-void add_chart_command(CLI::App &app) {
-    CLI::App *command =
+void add_chart_command(Command &app) {
+    Command command =
         app.add_subcommand("chart", "speed and accuracy of every method; not in this build");
-    command->allow_extras();
-    command->callback([] {
+    command.allow_extras();
+    command.callback([] {
         throw InputError(
             "this build has no charts, as CVODE was left out; ./app/run chart installs "
             "it and builds them");

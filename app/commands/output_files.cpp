@@ -3,8 +3,6 @@
 #include "base/input_error.h"
 #include "engine/scene/gltf_named_files.h"
 
-#include <CLI/CLI.hpp>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
@@ -77,14 +75,14 @@ bool are_same_file(const fs::path &output, const fs::path &other) {
 
 } // namespace
 
-CLI::Option *add_output_option(CLI::App &command, const std::string &option, std::string &where,
-                               const std::string &what) {
+Option add_output_option(Command &command, const std::string &option, std::string &where,
+                         const std::string &what) {
     return command
         .add_option(option, where, "write " + what + " to a file, or to standard output with -")
-        ->type_name("FILE|-");
+        .type_name("FILE|-");
 }
 
-void add_force_option(CLI::App &command, Existing &existing) {
+void add_force_option(Command &command, Existing &existing) {
     command.add_flag_callback(
         "--force", [&existing] { existing = Existing::replace; }, "replace existing files");
 }

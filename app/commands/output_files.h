@@ -2,6 +2,7 @@
 // unasked: an input never, another file only with --force.
 #pragma once
 
+#include "app/commands/command.h"
 #include "app/host/output.h"
 
 #include <filesystem>
@@ -9,20 +10,15 @@
 #include <string_view>
 #include <vector>
 
-namespace CLI {
-class App;
-class Option;
-} // namespace CLI
-
 namespace springdrive::app {
 
 /// An option such as `--csv`, which writes `what` to a file or, with -, to standard output. `where`
 /// stays empty unless it is typed.
-CLI::Option *add_output_option(CLI::App &command, const std::string &option, std::string &where,
-                               const std::string &what);
+Option add_output_option(Command &command, const std::string &option, std::string &where,
+                         const std::string &what);
 
 /// `--force`, without which existing files are kept.
-void add_force_option(CLI::App &command, Existing &existing);
+void add_force_option(Command &command, Existing &existing);
 
 /// The files of a run, to be checked before it: names may be empty, and those of outputs "-".
 struct RunFiles {

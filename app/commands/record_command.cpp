@@ -8,8 +8,6 @@
 #include "base/input_error.h"
 #include "engine/session/session_report.h"
 
-#include <CLI/CLI.hpp>
-
 #include <iostream>
 #include <memory>
 #include <string>
@@ -68,20 +66,20 @@ void run(const TypedRecord &typed) {
     }
     const bool recorded = session::record_is_whole(session, std::cerr);
     if (session::was_stopped(session, std::cerr) || !recorded) {
-        throw CLI::RuntimeError(1);
+        end_with_status(1);
     }
 }
 
 } // namespace
 
-void add_record_command(CLI::App &app) {
-    CLI::App &record = *app.add_subcommand(
+void add_record_command(Command &app) {
+    Command record = app.add_subcommand(
         "record", "a session without a window, recording every servo tick to a file");
     const auto typed = std::make_shared<TypedRecord>();
     record.add_option("file", typed->session.options.record, "the record to write")
-        ->type_name("FILE")
-        ->required();
-    record.add_option("--seconds", typed->seconds, "duration [10]")->type_name("S");
+        .type_name("FILE")
+        .required();
+    record.add_option("--seconds", typed->seconds, "duration [10]").type_name("S");
     add_output_option(record, "--json", typed->json, "timing statistics of the servo");
     add_force_option(record, typed->existing);
     typed->session.add_to(record);

@@ -12,8 +12,6 @@
 #include "engine/session/journal_check.h"
 #include "engine/session/run_folder.h"
 
-#include <CLI/CLI.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -117,7 +115,7 @@ void replay_record(const TypedReplay &typed) {
         throw InputError(typed.file.string() + ": has no two consecutive ticks to replay");
     }
     if (!tuning && !replay.is_identical()) {
-        throw CLI::RuntimeError(1);
+        end_with_status(1);
     }
 }
 
@@ -256,7 +254,7 @@ void replay_folder(const TypedReplay &typed) {
         throw InputError(typed.file.string() + ": has no two consecutive ticks to replay");
     }
     if (!replay.is_fine()) {
-        throw CLI::RuntimeError(1);
+        end_with_status(1);
     }
 }
 
@@ -271,14 +269,14 @@ void run(const TypedReplay &typed) {
 
 } // namespace
 
-void add_replay_command(CLI::App &app) {
-    CLI::App &command = *app.add_subcommand(
+void add_replay_command(Command &app) {
+    Command command = app.add_subcommand(
         "replay",
         "recompute a record with the control law, to check that the voltages are the same");
     const auto typed = std::make_shared<TypedReplay>();
     command.add_option("file", typed->file, "a record, or the folder of a kept session")
-        ->type_name("FILE|FOLDER")
-        ->required();
+        .type_name("FILE|FOLDER")
+        .required();
     add_output_option(command, "--csv", typed->csv, "recorded and replayed e_W");
     add_force_option(command, typed->existing);
     typed->tuning.add_to(command);

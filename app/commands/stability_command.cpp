@@ -10,8 +10,6 @@
 #include "engine/control/tuning.h"
 #include "engine/lab/limits/method_limits/method_limits.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/core.h>
 
 #include <iterator>
@@ -77,7 +75,7 @@ void write_stability(const TypedStability &typed) {
                  {{typed.json, [&](std::ostream &out) { write_stability_json(out, report); }}},
                  typed.existing);
     if (!report.is_stable()) {
-        throw CLI::RuntimeError(kUnstable);
+        end_with_status(kUnstable);
     }
 }
 
@@ -197,50 +195,49 @@ void run(const TypedStability &typed) {
 
 } // namespace
 
-void add_stability_command(CLI::App &app) {
-    CLI::App &stability = *app.add_subcommand(
+void add_stability_command(Command &app) {
+    Command stability = app.add_subcommand(
         "stability", "whether a loop is stable, and its limits, predicted and simulated");
     const auto typed = std::make_shared<TypedStability>();
     typed->loop.add_to(stability);
-    CLI::Option *vary = stability
-                            .add_option("--vary", typed->vary,
-                                        "find limits of: " + loops::names_of_stability_parameters())
-                            ->type_name("NAME");
+    Option vary = stability
+                      .add_option("--vary", typed->vary,
+                                  "find limits of: " + loops::names_of_stability_parameters())
+                      .type_name("NAME");
     stability.add_option("--from", typed->from, "lowest value of the range")
-        ->type_name("VALUE")
-        ->needs(vary);
+        .type_name("VALUE")
+        .needs(vary);
     stability.add_option("--to", typed->to, "highest value of the range")
-        ->type_name("VALUE")
-        ->needs(vary);
-    CLI::Option *out =
+        .type_name("VALUE")
+        .needs(vary);
+    Option out =
         stability
             .add_option("--out", typed->out, "the map's picture; its numbers are written beside it")
-            ->type_name("FILE.svg");
-    CLI::Option *map =
-        stability
-            .add_option("--map", typed->map,
-                        "a map over two parameters of --vary, each NAME or NAME=FROM:TO")
-            ->type_name("A,B")
-            ->delimiter(',')
-            ->expected(2)
-            ->needs(out)
-            ->excludes(vary);
-    out->needs(map);
+            .type_name("FILE.svg");
+    Option map = stability
+                     .add_option("--map", typed->map,
+                                 "a map over two parameters of --vary, each NAME or NAME=FROM:TO")
+                     .type_name("A,B")
+                     .delimiter(',')
+                     .expected(2)
+                     .needs(out)
+                     .excludes(vary);
+    out.needs(map);
     stability.add_option("--steps", typed->steps, "values of each parameter in a map [40]")
-        ->type_name("N")
-        ->needs(map);
-    CLI::Option *table =
+        .type_name("N")
+        .needs(map);
+    Option table =
         stability
             .add_flag("--table", typed->table,
                       "where every method fails, predicted and measured, as a Markdown table")
-            ->excludes(vary)
-            ->excludes(map);
+            .excludes(vary)
+            .excludes(map);
     for (const std::string &option : StabilityOptions::options_of_drive_and_servo()) {
-        table->excludes(stability.get_option(option)); // each row has its own
+        table.excludes(stability.get_option(option)); // each row has its own
     }
     add_output_option(stability, "--csv", typed->csv, "the table as CSV, with all digits,")
-        ->needs(table);
-    add_output_option(stability, "--json", typed->json, "JSON")->excludes(map)->excludes(table);
+        .needs(table);
+    add_output_option(stability, "--json", typed->json, "JSON").excludes(map).excludes(table);
     add_force_option(stability, typed->existing);
     stability.footer(
         "Whether it is stable:  springdrive stability --kp 20 --dR 0.2\n"

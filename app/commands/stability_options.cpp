@@ -5,8 +5,6 @@
 #include "device/core/device_file.h"
 #include "engine/lab/rig/configuration.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/core.h>
 
 #include <string_view>
@@ -34,7 +32,7 @@ void check(const std::string &option, const loops::StabilityParameter &parameter
 
 } // namespace
 
-void StabilityOptions::add_to(CLI::App &command) {
+void StabilityOptions::add_to(Command &command) {
     add_device_file_option(command, device_file);
     add_tuning_file_option(command, tuning_file);
     values.resize(loops::stability_parameters().size());
@@ -42,21 +40,21 @@ void StabilityOptions::add_to(CLI::App &command) {
         const loops::StabilityParameter &parameter = loops::stability_parameters()[i];
         if (parameter.name == "T") {
             command.add_option("--servo-hz", servo_hz, "servo rate, 1 to 100000 [1000]")
-                ->type_name("HZ");
+                .type_name("HZ");
             continue;
         }
         command.add_option(option_of(parameter), values[i], std::string(parameter.help))
-            ->type_name(parameter.unit == "–" ? "VALUE" : std::string(parameter.unit));
+            .type_name(parameter.unit == "–" ? "VALUE" : std::string(parameter.unit));
     }
     add_motion_map_option(command, "--kinematics", kinematics, " [as tuned]");
     command
         .add_option("--drive", drive,
                     "spring: the paper's; current: a conventional virtual wall [spring]")
-        ->check(CLI::IsMember({"spring", "current"}));
+        .one_of({"spring", "current"});
     command
         .add_option("--motors", motors,
                     "1: each motor by itself; 3: the whole linkage, its tip held at a point [1]")
-        ->check(CLI::IsMember({1, 3}));
+        .one_of_numbers({1, 3});
     add_joint_angles_option(command, q_deg);
     command.add_flag("--no-hand", no_hand,
                      "without a hand [all must be stable: no hand, and five from light to "

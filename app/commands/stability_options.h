@@ -1,6 +1,7 @@
 // Options that define a loop, for the commands about stability.
 #pragma once
 
+#include "app/commands/command.h"
 #include "app/commands/common_options.h"
 #include "engine/lab/loops/stability_parameters.h"
 
@@ -8,10 +9,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-
-namespace CLI {
-class App;
-}
 
 namespace springdrive::app {
 
@@ -27,7 +24,7 @@ struct StabilityOptions {
     bool no_hand = false;
 
     /// The options hold references to this: it must stay where it is until the parse is over.
-    void add_to(CLI::App &command);
+    void add_to(Command &command);
 
     /// All except those of the device, its configuration and its hands.
     [[nodiscard]] static std::vector<std::string> options_of_drive_and_servo();

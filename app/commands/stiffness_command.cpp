@@ -9,8 +9,6 @@
 #include "engine/lab/loops/stiffness_sweep.h"
 #include "engine/servo/servo.h"
 
-#include <CLI/CLI.hpp>
-
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -34,7 +32,7 @@ struct TypedStiffness {
     double min_hz = 1.0;
     std::optional<double> max_hz; ///< a quarter of the servo rate
     int points = 25;
-    std::vector<CLI::Option *> of_a_sweep; ///< the options above, which a hold cannot use
+    std::vector<Option> of_a_sweep; ///< the options above, which a hold cannot use
     std::optional<double> hold_N;
     std::optional<double> seconds;
     std::string csv; ///< empty: a table for people
@@ -94,9 +92,9 @@ void sweep(const TypedStiffness &typed) {
 }
 
 void hold(const TypedStiffness &typed) {
-    for (const CLI::Option *option : typed.of_a_sweep) {
-        if (option->count() > 0) {
-            throw InputError(option->get_name() + ": belongs to a sweep; omit it with --hold");
+    for (const Option &option : typed.of_a_sweep) {
+        if (option.is_given()) {
+            throw InputError(option.name() + ": belongs to a sweep; omit it with --hold");
         }
     }
     const device::DeviceDescription device = device_of(typed);
@@ -119,47 +117,47 @@ void run(const TypedStiffness &typed) {
     }
 }
 
-void add_sweep_options(CLI::App &stiffness, TypedStiffness &typed) {
+void add_sweep_options(Command &stiffness, TypedStiffness &typed) {
     typed.of_a_sweep = {
         add_servo_hz_option(stiffness, typed.servo_hz),
         add_delay_option(stiffness, typed.delay_periods),
-        stiffness.add_option("--freq-from", typed.min_hz, "lowest frequency [1]")->type_name("HZ"),
+        stiffness.add_option("--freq-from", typed.min_hz, "lowest frequency [1]").type_name("HZ"),
         stiffness
             .add_option("--freq-to", typed.max_hz,
                         "highest frequency, up to half the servo rate [a quarter]")
-            ->type_name("HZ"),
+            .type_name("HZ"),
         stiffness
             .add_option("--points", typed.points,
                         "number of frequencies, logarithmically spaced [25]")
-            ->type_name("N")};
+            .type_name("N")};
 }
 
-void add_hold_options(CLI::App &stiffness, TypedStiffness &typed) {
-    CLI::Option *hold = stiffness
-                            .add_option("--hold", typed.hold_N,
-                                        "instead of a sweep: hold a contact with this force, and "
-                                        "show how the motors heat up, soften and cool")
-                            ->type_name("N");
+void add_hold_options(Command &stiffness, TypedStiffness &typed) {
+    Option hold = stiffness
+                      .add_option("--hold", typed.hold_N,
+                                  "instead of a sweep: hold a contact with this force, and "
+                                  "show how the motors heat up, soften and cool")
+                      .type_name("N");
     stiffness
         .add_option("--seconds", typed.seconds,
                     "duration of the hold, and of cooling after it [600]")
-        ->type_name("S")
-        ->needs(hold);
+        .type_name("S")
+        .needs(hold);
 }
 
 } // namespace
 
-void add_stiffness_command(CLI::App &app) {
-    CLI::App &stiffness = *app.add_subcommand(
+void add_stiffness_command(Command &app) {
+    Command stiffness = app.add_subcommand(
         "stiffness", "the coupling K_θ over frequency: (12), sampled and measured");
     const auto typed = std::make_shared<TypedStiffness>();
     add_device_file_option(stiffness, typed->device_file);
     stiffness
         .add_option("--motor", typed->motor,
                     "resistance, inductance and torque constant in place of the device file's")
-        ->type_name("R,L,kT")
-        ->delimiter(',')
-        ->expected(3);
+        .type_name("R,L,kT")
+        .delimiter(',')
+        .expected(3);
     typed->tuning.add_to(stiffness, TuningScope::coupling);
     add_sweep_options(stiffness, *typed);
     add_hold_options(stiffness, *typed);

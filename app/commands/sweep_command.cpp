@@ -13,8 +13,6 @@
 #include "engine/commissioning/sweep.h"
 #include "engine/servo/real_time.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/format.h>
 
 #include <iostream>
@@ -157,7 +155,7 @@ void sweep_device(const TypedSweep &typed) {
     }
     if (!report.is_complete) {
         print(std::cout, "not completed\n");
-        throw CLI::RuntimeError(1);
+        end_with_status(1);
     }
     if (!typed.csv.empty()) {
         write_output(
@@ -173,31 +171,30 @@ void sweep_device(const TypedSweep &typed) {
     }
 }
 
-void add_frequency_options(CLI::App &command, TypedSweep &typed) {
+void add_frequency_options(Command &command, TypedSweep &typed) {
     add_servo_hz_option(command, typed.options.servo_hz);
-    command.add_option("--freq-from", typed.options.min_hz, "lowest frequency [1]")
-        ->type_name("HZ");
+    command.add_option("--freq-from", typed.options.min_hz, "lowest frequency [1]").type_name("HZ");
     command
         .add_option("--freq-to", typed.max_hz,
                     "highest frequency, up to a quarter of the servo rate [a tenth]")
-        ->type_name("HZ");
+        .type_name("HZ");
     command
         .add_option("--points", typed.options.points,
                     "number of frequencies, logarithmically spaced [12]")
-        ->type_name("N");
+        .type_name("N");
     command.add_option("--motors", typed.motors, "which ones [1,2,3]")
-        ->type_name("N,...")
-        ->delimiter(',');
+        .type_name("N,...")
+        .delimiter(',');
 }
 
-void add_limit_options(CLI::App &command, TypedSweep &typed) {
+void add_limit_options(Command &command, TypedSweep &typed) {
     command
         .add_option("--tip-force", typed.options.tip_force_N,
                     "limit of the force at the tip; the excitation itself stays below a third of "
                     "it [4]")
-        ->type_name("N");
+        .type_name("N");
     command.add_option("--motion", typed.options.motion_m, "largest amplitude of the tip [0.001]")
-        ->type_name("M");
+        .type_name("M");
     command.add_flag_callback(
         "--without-observer", [&typed] { typed.options.observes_resistance = false; },
         "R is taken from the device file, not observed: dR then differs from what was "
@@ -206,13 +203,13 @@ void add_limit_options(CLI::App &command, TypedSweep &typed) {
         .add_option("--tolerance", typed.tolerance,
                     "exit status 1 unless every magnitude is within X % of the sampled form, and "
                     "every phase within X degrees [none]")
-        ->type_name("X");
+        .type_name("X");
 }
 
 } // namespace
 
-void add_sweep(CLI::App &device) {
-    CLI::App &command = *device.add_subcommand(
+void add_sweep(Command &device) {
+    Command command = device.add_subcommand(
         "sweep",
         "the stiffness that the device renders, by a sine sweep of each motor, beside (12) "
         "and the sampled form with the measured d");
@@ -226,7 +223,7 @@ void add_sweep(CLI::App &device) {
     add_limit_options(command, *typed);
     add_output_option(command, "--csv", typed->csv, "CSV");
     command.add_option("--svg", typed->svg, "a chart; its numbers are written beside it, as .csv")
-        ->type_name("FILE.svg");
+        .type_name("FILE.svg");
     add_force_option(command, typed->existing);
     command.footer("The motors hold the tip where it is at the start, and shake it by less than a "
                    "millimetre. Keep a relaxed hand on it. Ctrl+C brakes.\n"

@@ -11,8 +11,6 @@
 #include "engine/scene/scene_surface.h"
 #include "engine/servo/servo.h"
 
-#include <CLI/CLI.hpp>
-
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -44,7 +42,7 @@ struct TypedTouch {
     double servo_hz = 1000.0;
     std::string checks; ///< a number, or "all"; empty: the default
     double slack_m = rig::kMinSlack_m;
-    std::vector<CLI::Option *> of_a_made_path; ///< which do not apply to a file's path
+    std::vector<Option> of_a_made_path; ///< which do not apply to a file's path
     std::string csv;
     std::string json;
     Existing existing = Existing::keep;
@@ -83,10 +81,10 @@ void check(const TypedTouch &typed) {
 
 /// The tip at each servo tick along the hand's path.
 std::vector<Vector3> tips_of_file(const TypedTouch &typed, double period_s) {
-    for (const CLI::Option *option : typed.of_a_made_path) {
-        if (option->count() > 0) {
-            throw InputError(option->get_name() + ": belongs to a generated path; omit it with a "
-                                                  "path from a file");
+    for (const Option &option : typed.of_a_made_path) {
+        if (option.is_given()) {
+            throw InputError(option.name() + ": belongs to a generated path; omit it with a "
+                                             "path from a file");
         }
     }
     if (!std::filesystem::exists(typed.path)) {
@@ -174,52 +172,52 @@ void run(const TypedTouch &typed) {
     if (typed.is_strict && !(found.pop_throughs.empty() && found.stuck.empty())) {
         std::cerr << "springdrive: " << found.pop_throughs.size() << " pop-throughs and "
                   << found.stuck.size() << " stuck steps\n";
-        throw CLI::RuntimeError(EXIT_FAILURE);
+        end_with_status(EXIT_FAILURE);
     }
 }
 
-void add_path_options(CLI::App &touch, TypedTouch &typed) {
+void add_path_options(Command &touch, TypedTouch &typed) {
     touch
         .add_option("--path", typed.path,
                     "press, slide, lissajous, rain or random, or a CSV file with columns t,x,y,z "
                     "[s, m] [slide]")
-        ->type_name("PATH");
+        .type_name("PATH");
     typed.of_a_made_path = {
-        touch.add_option("--speed", typed.how.speed_m_per_s, "of the tip [0.1]")->type_name("M/S"),
+        touch.add_option("--speed", typed.how.speed_m_per_s, "of the tip [0.1]").type_name("M/S"),
         touch.add_option("--depth", typed.how.depth_m, "of the tip below the surface [0.0015]")
-            ->type_name("M"),
-        touch.add_option("--seed", typed.seed, "seed of random paths [1]")->type_name("N")};
+            .type_name("M"),
+        touch.add_option("--seed", typed.seed, "seed of random paths [1]").type_name("N")};
     touch
         .add_option("--steps", typed.steps,
                     "number of servo ticks, up to 1000000 [20000; with a file all of it]")
-        ->type_name("N");
+        .type_name("N");
     add_servo_hz_option(touch, typed.servo_hz);
-    touch.add_option("--radius", typed.how.radius_m, "of the proxy [0]")->type_name("M");
+    touch.add_option("--radius", typed.how.radius_m, "of the proxy [0]").type_name("M");
 }
 
 } // namespace
 
-void add_touch_command(CLI::App &app) {
-    CLI::App &touch = *app.add_subcommand(
+void add_touch_command(Command &app) {
+    Command touch = app.add_subcommand(
         "touch", "the proxy over a scene along a path: time per tick, lag, pop-throughs");
     const auto typed = std::make_shared<TypedTouch>();
     touch
         .add_option("scene", typed->scene,
                     "a glTF file, or sphere:N, bumpy:N or organic:N, of N triangles: 1280, 5120, "
                     "... 1310720; or scan:N or cad:N, of about N triangles: 1000 to 2000000")
-        ->type_name("FILE")
-        ->required();
+        .type_name("FILE")
+        .required();
     add_device_file_option(touch, typed->device_file);
     add_path_options(touch, *typed);
     touch
         .add_option("--check", typed->checks,
                     "steps in contact to check by brute force, evenly spread, besides those that "
                     "look stuck or did not settle [29956: a rate of 1 in 10000 is found with 95 %]")
-        ->type_name("N|all");
+        .type_name("N|all");
     touch
         .add_option("--slack", typed->slack_m,
                     "height of a ridge that is ignored as a cause of lag, 2e-12 to 5e-9 [2e-12]")
-        ->type_name("M");
+        .type_name("M");
     add_output_option(touch, "--csv", typed->csv,
                       "every step (t [s], tip x, y, z and proxy px, py, pz [m], normal, "
                       "constraints, ns of the update, lag [m] if checked, s that the proxy has "

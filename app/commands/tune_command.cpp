@@ -9,8 +9,6 @@
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/servo/servo.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/core.h>
 
 #include <filesystem>
@@ -81,21 +79,21 @@ void run(const TypedTune &typed) {
 
 } // namespace
 
-void add_tune_command(CLI::App &app) {
-    CLI::App &tune = *app.add_subcommand(
+void add_tune_command(Command &app) {
+    Command tune = app.add_subcommand(
         "tune", "the stiffest tuning that is stable with every hand, as a tuning file");
     const auto typed = std::make_shared<TypedTune>();
     add_device_file_option(tune, typed->device_file);
     tune.add_option("--dR", typed->dR_Ohm, "residual resistance (7), fixed in the search [0.5]")
-        ->type_name("Ω");
+        .type_name("Ω");
     add_servo_hz_option(tune, typed->servo_hz);
     add_delay_option(tune, typed->delay_periods);
     tune.add_option("--margin", typed->margin,
                     "factor by which K_P and K_D may still grow, 1 to 10 [1.3]")
-        ->type_name("FACTOR");
+        .type_name("FACTOR");
     add_motion_map_option(tune, "--kinematics", typed->kinematics);
     tune.add_option("--out", typed->out, "the file to write [standard output]")
-        ->type_name("FILE.toml");
+        .type_name("FILE.toml");
     add_force_option(tune, typed->existing);
     tune.footer("Try it:  springdrive tune --out mine.toml, then springdrive demo --tuning-file "
                 "mine.toml");

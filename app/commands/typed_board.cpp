@@ -5,11 +5,9 @@
 #include "device/core/device_file.h"
 #include "engine/session/windings_file.h"
 
-#include <CLI/CLI.hpp>
-
 namespace springdrive::app {
 
-void TypedBoard::add_to(CLI::App &command) {
+void TypedBoard::add_to(Command &command) {
     add_device_option(command, device);
     add_device_file_option(command, device_file);
     emulation.add_to(command, "simulated device");

@@ -1,16 +1,13 @@
 // `--device` of commands that need a board, and what the emulated one is.
 #pragma once
 
+#include "app/commands/command.h"
 #include "app/commands/common_options.h"
 #include "device/factory/board_factory.h"
 
 #include <cstdint>
 #include <filesystem>
 #include <string>
-
-namespace CLI {
-class App;
-} // namespace CLI
 
 namespace springdrive::app {
 
@@ -22,7 +19,7 @@ struct TypedBoard {
     TypedEmulation emulation;
 
     /// The options hold references to this: it must stay where it is until the parse is over.
-    void add_to(CLI::App &command);
+    void add_to(Command &command);
 
     /// To drive nothing but the board's own test pulses.
     /// @throw InputError for options that do not fit the device, or a file that cannot be used

@@ -7,14 +7,12 @@
 #include "engine/lab/model_selection/selection_cache.h"
 #include "engine/servo/servo.h"
 
-#include <CLI/CLI.hpp>
-
 #include <set>
 #include <utility>
 
 namespace springdrive::app {
 
-void ModelTyped::add_to(CLI::App &command) {
+void ModelTyped::add_to(Command &command) {
     std::set<std::string> plants;
     for (const simulated::PlantModel &plant_model : simulated::kPlantModels) {
         plants.emplace(plant_model.name);
@@ -23,19 +21,19 @@ void ModelTyped::add_to(CLI::App &command) {
         .add_option("--model", use,
                     "full: as given by the other options; auto: the cheapest within the scene's "
                     "tolerance, measured first if necessary [full]")
-        ->check(CLI::IsMember({"full", "auto"}));
+        .one_of({"full", "auto"});
     command.add_option("--plant-model", plant, "which effects of the device are simulated")
-        ->check(CLI::IsMember(plants));
+        .one_of(list_of(plants));
     command
         .add_option("--step-us", step_us,
                     "the simulated device's longest sub-step, 1 to 4000 [100]")
-        ->type_name("US");
+        .type_name("US");
     command
         .add_option(
             "--contact-shape", surface,
             "haptic surface: given, flat, primitives or simplified_N, one triangle of N left; "
             "springdrive inspect lists those of a scene")
-        ->type_name("NAME");
+        .type_name("NAME");
 }
 
 session::ModelOptions ModelTyped::options(const TuningOptions &tuning) const {
@@ -61,9 +59,9 @@ session::ModelOptions ModelTyped::options(const TuningOptions &tuning) const {
     return options;
 }
 
-void TypedSession::add_to(CLI::App &command) {
+void TypedSession::add_to(Command &command) {
     options.scene = asset_folder() / "scenes" / "organic.gltf";
-    command.add_option("--scene", options.scene, "a glTF file, .gltf or .glb")->type_name("FILE");
+    command.add_option("--scene", options.scene, "a glTF file, .gltf or .glb").type_name("FILE");
     add_device_option(command, device);
     command.add_flag("--at-zero", options.starts_at_zero,
                      "the device on USB is held in its zero pose at the start, instead of zeroing "
@@ -79,21 +77,21 @@ void TypedSession::add_to(CLI::App &command) {
         .add_option("--delay", delay_periods,
                     "periods from reading θ to applying e_W, simulated, a real number 0 to 8 [0; "
                     "of an emulated board 0.3]")
-        ->type_name("D");
+        .type_name("D");
     command
         .add_option("--path", options.path,
                     "the hand's target, a CSV file with columns t,x,y,z [s, m]")
-        ->type_name("FILE");
+        .type_name("FILE");
     command.add_flag_callback(
         "--without-observer", [this] { options.observes_resistance = false; },
         "set R-hat by the device file's R, not by the one observed while touching");
     command.add_option("--cpu", options.cpu, "the processor to which the servo thread is bound")
-        ->type_name("N");
+        .type_name("N");
     command
         .add_option("--late-limit-ms", late_limit_ms,
                     "stop a device with its own clock when consecutive missed deadlines add up to "
                     "more than this [the device file's]")
-        ->type_name("MS");
+        .type_name("MS");
     command.add_flag("--lockstep", options.lockstep,
                      "run the servo by frame time instead of the clock, which is repeatable");
 }

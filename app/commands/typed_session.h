@@ -1,6 +1,7 @@
 // The options of every command that runs a session: demo and record.
 #pragma once
 
+#include "app/commands/command.h"
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
 #include "engine/session/session_options.h"
@@ -8,10 +9,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-
-namespace CLI {
-class App;
-}
 
 namespace springdrive::app {
 
@@ -22,7 +19,7 @@ struct ModelTyped {
     std::optional<double> step_us;
     std::string surface;
 
-    void add_to(CLI::App &command);
+    void add_to(Command &command);
 
     /// @throw InputError for an unknown part.
     [[nodiscard]] session::ModelOptions options(const TuningOptions &tuning) const;
@@ -39,7 +36,7 @@ struct TypedSession {
     std::string device = "sim";
     std::optional<double> late_limit_ms;
 
-    void add_to(CLI::App &command);
+    void add_to(Command &command);
 
     /// The options of the session.
     /// @throw InputError for options with which no session can run.

@@ -4,8 +4,6 @@
 #include "engine/study/methods/random_key.h"
 #include "engine/study/protocol/analysis_plan.h"
 
-#include <CLI/CLI.hpp>
-
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
@@ -40,20 +38,20 @@ std::optional<Value> fact(const study::Session &session, std::string_view name) 
 
 } // namespace
 
-void add_observer_options(CLI::App &command, TypedObserver &typed) {
+void add_observer_options(Command &command, TypedObserver &typed) {
     command
         .add_option("--threshold", typed.threshold,
                     "of the simulated observer: a level, in its unit [as the protocol expects]")
-        ->type_name("LEVEL");
+        .type_name("LEVEL");
     command
         .add_option("--slope", typed.slope,
                     "of the observer's psychometric function, see docs/study_methods.md "
                     "[as the protocol expects]")
-        ->type_name("NUMBER");
+        .type_name("NUMBER");
     command
         .add_option("--lapse", typed.lapse,
                     "share of the observer's answers that are blind [as the protocol expects]")
-        ->type_name("SHARE");
+        .type_name("SHARE");
 }
 
 study::PsychometricFunction observer_of(const TypedObserver &typed,

@@ -1,6 +1,7 @@
 // Simulated observers, as they are typed and as a study's sessions remember them.
 #pragma once
 
+#include "app/commands/command.h"
 #include "engine/study/methods/psychometric_function.h"
 #include "engine/study/observers/simulated_sitting.h"
 #include "engine/study/protocol/protocol.h"
@@ -10,10 +11,6 @@
 #include <optional>
 #include <string_view>
 #include <vector>
-
-namespace CLI {
-class App;
-}
 
 namespace springdrive::app {
 
@@ -27,7 +24,7 @@ struct TypedObserver {
 };
 
 /// `--threshold`, `--slope` and `--lapse`.
-void add_observer_options(CLI::App &command, TypedObserver &typed);
+void add_observer_options(Command &command, TypedObserver &typed);
 
 /// The psychometric function that was typed.
 /// @throw InputError where neither the options nor the protocol's [expected] say it, and for values

@@ -7,8 +7,6 @@
 #include "engine/study/protocol/protocol_file.h"
 #include "engine/study/store/study_store.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -178,13 +176,13 @@ std::filesystem::path study_to_run(const std::filesystem::path &typed,
     return file;
 }
 
-void add_study_file_argument(CLI::App &command, std::filesystem::path &file) {
+void add_study_file_argument(Command &command, std::filesystem::path &file) {
     command.add_option("study", file, "a study file, as study run makes it")
-        ->type_name("FILE")
-        ->required();
+        .type_name("FILE")
+        .required();
 }
 
-void add_device_kind_option(CLI::App &command, study::DeviceKind &device) {
+void add_device_kind_option(Command &command, study::DeviceKind &device) {
     std::map<std::string, study::DeviceKind> kinds;
     std::string names;
     for (std::size_t i = 0; i < study::kDeviceKindNames.size(); ++i) {
@@ -193,11 +191,10 @@ void add_device_kind_option(CLI::App &command, study::DeviceKind &device) {
         names += (names.empty() ? "{" : ",") + name;
     }
     command
-        .add_option("--device", device,
+        .add_choice("--device", device, kinds,
                     "only trials on this kind of device; those of a simulated or emulated one are "
                     "no person's, and taken only if asked for [usb]")
-        ->type_name("KIND:" + names + "}")
-        ->transform(CLI::CheckedTransformer(kinds).description(""));
+        .type_name("KIND:" + names + "}");
 }
 
 std::string left_out_text(const study::StudyContents &contents, study::DeviceKind taken,

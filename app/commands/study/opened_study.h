@@ -1,6 +1,7 @@
 // What the commands of a study begin with: its file, and the protocol in it.
 #pragma once
 
+#include "app/commands/command.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/store/study_contents.h"
@@ -10,10 +11,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-
-namespace CLI {
-class App;
-}
 
 namespace springdrive::app {
 
@@ -60,10 +57,10 @@ study_to_run(const std::filesystem::path &typed, const std::filesystem::path &st
 [[nodiscard]] study::ProtocolFolders folders_beside(const std::filesystem::path &file);
 
 /// The positional STUDY of a command.
-void add_study_file_argument(CLI::App &command, std::filesystem::path &file);
+void add_study_file_argument(Command &command, std::filesystem::path &file);
 
 /// `--device`: which trials a command takes; those on USB unless it is typed.
-void add_device_kind_option(CLI::App &command, study::DeviceKind &device);
+void add_device_kind_option(Command &command, study::DeviceKind &device);
 
 /// A line on what is left out, if it is anything: "direction.study: 96 trials on the simulated
 /// device are left out; --device simulated takes them"; else empty.

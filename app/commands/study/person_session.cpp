@@ -8,8 +8,6 @@
 #include "engine/session/session_report.h"
 #include "engine/study/protocol/presented.h"
 
-#include <CLI/CLI.hpp>
-
 #include <algorithm>
 #include <iostream>
 
@@ -39,33 +37,33 @@ void say_what_it_is(const session::Session &session) {
 
 } // namespace
 
-void TypedSitting::add_to(CLI::App &command) {
+void TypedSitting::add_to(Command &command) {
     add_device_option(command, device);
     command.add_flag("--at-zero", starts_at_zero,
                      "the device on USB is held in its zero pose at the start: upper arm level, "
                      "forearm hanging, tip at the origin");
     emulation.add_to(command, "emulated board");
     command.add_option("--cpu", cpu, "the processor to which the servo thread is bound")
-        ->type_name("N");
+        .type_name("N");
     command
         .add_option("--participant-screen", window.participant.monitor,
                     "the participant's monitor, by number or a part of its name [the second; a "
                     "window if there is one only]")
-        ->type_name("MONITOR");
+        .type_name("MONITOR");
     command.add_flag("--participant-window", window.participant.is_window,
                      "the participant's screen is a window, not a whole monitor");
     command
         .add_option("--participant-width", window.participant.size.width, "of that window [1280]")
-        ->type_name("PIXELS");
+        .type_name("PIXELS");
     command
         .add_option("--participant-height", window.participant.size.height, "of that window [720]")
-        ->type_name("PIXELS");
+        .type_name("PIXELS");
     command.add_option("--width", window.size.width, "of the experimenter's window [1280]")
-        ->type_name("PIXELS");
+        .type_name("PIXELS");
     command.add_option("--height", window.size.height, "of the experimenter's window [720]")
-        ->type_name("PIXELS");
+        .type_name("PIXELS");
     command.add_option("--scale", window.scale, "of its text and panels [the display's scale]")
-        ->type_name("FACTOR");
+        .type_name("FACTOR");
     command.add_flag_callback(
         "--without-records", [this] { keeps_records = false; },
         "keep no servo record of each trial, which takes about 1 MB a second");

@@ -1,6 +1,7 @@
 // A session with a person: the device, and the windows in which it takes place.
 #pragma once
 
+#include "app/commands/command.h"
 #include "app/commands/common_options.h"
 #include "app/study/experimenter/study_window.h"
 #include "app/study/sitting/sitting.h"
@@ -9,10 +10,6 @@
 
 #include <optional>
 #include <string>
-
-namespace CLI {
-class App;
-}
 
 namespace springdrive::app {
 
@@ -27,7 +24,7 @@ struct TypedSitting {
     bool plays_noise = true;
     study_screen::StudyWindowOptions window;
 
-    void add_to(CLI::App &command);
+    void add_to(Command &command);
 };
 
 /// With the protocol's device and the first condition's scene, tuning and servo.

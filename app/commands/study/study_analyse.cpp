@@ -7,8 +7,6 @@
 #include "app/commands/study/study_pictures.h"
 #include "engine/study/results/results_csv.h"
 
-#include <CLI/CLI.hpp>
-
 #include <iostream>
 #include <memory>
 #include <string>
@@ -90,15 +88,15 @@ void analyse(const TypedAnalysis &typed) {
 
 } // namespace
 
-void add_study_analyse_command(CLI::App &study) {
-    CLI::App &command = *study.add_subcommand(
+void add_study_analyse_command(Command &study) {
+    Command command = study.add_subcommand(
         "analyse", "thresholds, slopes, fits and groups, with pictures; also while a study runs");
     const auto typed = std::make_shared<TypedAnalysis>();
     add_study_file_argument(command, typed->study);
     command
         .add_option("--out", typed->out,
                     "folder for all tables as CSV and pictures as SVG; created if missing")
-        ->type_name("DIR");
+        .type_name("DIR");
     add_device_kind_option(command, typed->device);
     add_force_option(command, typed->existing);
     command.callback([typed] { analyse(*typed); });

@@ -5,8 +5,6 @@
 #include "app/study/sitting/person_checks.h"
 #include "engine/study/protocol/protocol_check.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -44,19 +42,17 @@ void check_typed(const TypedProtocolCheck &typed) {
                                  "before {} mended\n",
                                  typed.protocol.string(), errors, errors == 1 ? "" : "s",
                                  errors == 1 ? "it is" : "they are");
-        throw CLI::RuntimeError(EXIT_FAILURE);
+        end_with_status(EXIT_FAILURE);
     }
 }
 
 } // namespace
 
-void add_study_check_command(CLI::App &study) {
-    CLI::App &command = *study.add_subcommand(
+void add_study_check_command(Command &study) {
+    Command command = study.add_subcommand(
         "check", "everything that can be said of a protocol before anybody sits down");
     const auto typed = std::make_shared<TypedProtocolCheck>();
-    command.add_option("protocol", typed->protocol, "a protocol file")
-        ->type_name("FILE")
-        ->required();
+    command.add_option("protocol", typed->protocol, "a protocol file").type_name("FILE").required();
     command.add_flag_callback(
         "--no-simulation", [typed] { typed->simulates = false; },
         "leave out the simulation of each condition");

@@ -2,13 +2,11 @@
 
 #include "app/commands/study/study_commands.h"
 
-#include <CLI/CLI.hpp>
-
 namespace springdrive::app {
 
-void add_study_command(CLI::App &app) {
-    CLI::App &study = *app.add_subcommand("study", "pilot studies: from a protocol to its results");
-    study.require_subcommand(1);
+void add_study_command(Command &app) {
+    Command study = app.add_subcommand("study", "pilot studies: from a protocol to its results");
+    study.require_subcommand();
     add_study_new_command(study);
     add_study_check_command(study);
     add_study_plan_command(study);

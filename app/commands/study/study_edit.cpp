@@ -4,8 +4,6 @@
 #include "base/input_error.h"
 #include "engine/study/store/study_store.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -31,15 +29,15 @@ void append_note(const TypedNote &typed) {
     store.append({study::utc_now(), "note", typed.text, about, std::nullopt});
 }
 
-void add_note(CLI::App &study) {
-    CLI::App &command = *study.add_subcommand("note", "adds a note to a study");
+void add_note(Command &study) {
+    Command command = study.add_subcommand("note", "adds a note to a study");
     const auto typed = std::make_shared<TypedNote>();
     add_study_file_argument(command, typed->study);
     command.add_option("text", typed->text, "the note, in quotes. It is stored as typed: no names")
-        ->type_name("TEXT")
-        ->required();
+        .type_name("TEXT")
+        .required();
     command.add_option("--participant", typed->participant, "whom it is about [nobody: the study]")
-        ->type_name("CODE");
+        .type_name("CODE");
     command.callback([typed] { append_note(*typed); });
 }
 
@@ -80,19 +78,19 @@ void remove_typed(const TypedRemove &typed) {
     }
 }
 
-void add_remove(CLI::App &study) {
-    CLI::App &command = *study.add_subcommand(
+void add_remove(Command &study) {
+    Command command = study.add_subcommand(
         "remove", "deletes a participant with all trials, answers and records, without a trace");
     const auto typed = std::make_shared<TypedRemove>();
     add_study_file_argument(command, typed->study);
-    command.add_option("participant", typed->participant, "whom")->type_name("CODE")->required();
+    command.add_option("participant", typed->participant, "whom").type_name("CODE").required();
     command.add_flag("--yes", typed->is_sure, "without it, only says what would be deleted");
     command.callback([typed] { remove_typed(*typed); });
 }
 
 } // namespace
 
-void add_study_edit_commands(CLI::App &study) {
+void add_study_edit_commands(Command &study) {
     add_note(study);
     add_remove(study);
 }

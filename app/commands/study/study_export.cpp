@@ -8,8 +8,6 @@
 #include "engine/study/export/trial_table.h"
 #include "engine/study/store/study_store.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/core.h>
 
 #include <iostream>
@@ -79,8 +77,8 @@ void export_study(const TypedStudyExport &typed) {
 
 } // namespace
 
-void add_study_export_command(CLI::App &study) {
-    CLI::App &command = *study.add_subcommand("export", "trials and answers for other programs");
+void add_study_export_command(Command &study) {
+    Command command = study.add_subcommand("export", "trials and answers for other programs");
     const auto typed = std::make_shared<TypedStudyExport>();
     add_study_file_argument(command, typed->study);
     add_output_option(command, "--csv", typed->csv, "a row a trial, CSV");
@@ -89,7 +87,7 @@ void add_study_export_command(CLI::App &study) {
     command
         .add_option("--bids", typed->bids,
                     "a new folder for a dataset of the Brain Imaging Data Structure, behaviour")
-        ->type_name("DIR");
+        .type_name("DIR");
     add_device_kind_option(command, typed->device);
     add_force_option(command, typed->existing);
     command.callback([typed] { export_study(*typed); });

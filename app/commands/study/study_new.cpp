@@ -5,8 +5,6 @@
 #include "base/input_error.h"
 #include "engine/study/protocol/protocol_file.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -81,18 +79,18 @@ void write_new(const TypedNewProtocol &typed) {
 
 } // namespace
 
-void add_study_new_command(CLI::App &study) {
-    CLI::App &command =
-        *study.add_subcommand("new", "writes an included protocol, to be edited and run");
+void add_study_new_command(Command &study) {
+    Command command =
+        study.add_subcommand("new", "writes an included protocol, to be edited and run");
     const auto typed = std::make_shared<TypedNewProtocol>();
-    CLI::Option *name = command.add_option("name", typed->name, "which protocol, see --list");
-    name->type_name("NAME");
+    Option name = command.add_option("name", typed->name, "which protocol, see --list");
+    name.type_name("NAME");
     command
         .add_option("--out", typed->out,
                     "where to [NAME.toml]; - for standard output. An existing file is kept")
-        ->type_name("FILE");
-    CLI::Option *list = command.add_flag("--list", typed->lists, "the included protocols");
-    list->excludes(name);
+        .type_name("FILE");
+    Option list = command.add_flag("--list", typed->lists, "the included protocols");
+    list.excludes(name);
     command.callback([typed] {
         if (!typed->lists && typed->name.empty()) {
             throw InputError("study new: which protocol? springdrive study new --list tells them");

@@ -10,8 +10,6 @@
 #include "engine/study/methods/wrong_value.h"
 #include "engine/study/protocol/analysis_plan.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -113,34 +111,32 @@ void plan_typed(const TypedPlan &typed) {
 
 } // namespace
 
-void add_study_plan_command(CLI::App &study) {
-    CLI::App &command = *study.add_subcommand(
+void add_study_plan_command(Command &study) {
+    Command command = study.add_subcommand(
         "plan", "how many trials a precision takes, by studies with simulated observers");
     const auto typed = std::make_shared<TypedPlan>();
-    command.add_option("protocol", typed->protocol, "a protocol file")
-        ->type_name("FILE")
-        ->required();
+    command.add_option("protocol", typed->protocol, "a protocol file").type_name("FILE").required();
     command
         .add_option("--precision", typed->precision,
                     "wanted of a participant's threshold in a condition: its 95 % interval from "
                     "end to end, in four of five studies; a factor, such as 1.5, where the levels' "
                     "scale is logarithmic, else in the level's unit")
-        ->type_name("WIDTH");
+        .type_name("WIDTH");
     command
         .add_option("--trials", typed->trials,
                     "which numbers are tried, separated by commas; rounded up to whole blocks "
                     "[10,15,20,30,40,60,80,120,160,240]")
-        ->type_name("N,...")
-        ->delimiter(',');
+        .type_name("N,...")
+        .delimiter(',');
     command
         .add_option("--studies", typed->studies,
                     "simulated for each [" + std::to_string(typed->studies) + "]")
-        ->type_name("N");
+        .type_name("N");
     add_observer_options(command, typed->truth);
     command
         .add_option("--out", typed->out,
                     "folder for the table as CSV and the picture as SVG; created if missing")
-        ->type_name("DIR");
+        .type_name("DIR");
     add_force_option(command, typed->existing);
     command.callback([typed] { plan_typed(*typed); });
 }

@@ -7,8 +7,6 @@
 #include "app/study/sitting/person_checks.h"
 #include "base/input_error.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -136,54 +134,52 @@ void resume_typed(const TypedResume &typed) {
     }
 }
 
-void add_run(CLI::App &study) {
-    CLI::App &command = *study.add_subcommand(
+void add_run(Command &study) {
+    Command command = study.add_subcommand(
         "run", "a participant's session, trial by trial; begun and ended at any time");
     const auto typed = std::make_shared<TypedRun>();
     command
         .add_option("file", typed->file,
                     "a protocol, whose study is created if there is none; or a study")
-        ->type_name("FILE")
-        ->required();
+        .type_name("FILE")
+        .required();
     command
         .add_option("--study", typed->study,
                     "the study file of a protocol [that of the same name, ending in .study]")
-        ->type_name("FILE");
-    CLI::Option *one = command.add_option(
+        .type_name("FILE");
+    Option one = command.add_option(
         "--participant", typed->participant,
         "code of the participant, such as P01: no name. A new one is added [the next "
         "new one, if it is a person]");
-    one->type_name("CODE");
+    one.type_name("CODE");
     command
         .add_option("--participants", typed->participants,
                     "a whole study of simulated participants, P01 and so on")
-        ->type_name("N")
-        ->check(CLI::Range(1, kMostParticipants).description(""))
-        ->excludes(one);
+        .type_name("N")
+        .in_range(1, kMostParticipants, InHelp::unlisted)
+        .excludes(one);
     command
         .add_option("--observer", typed->observer,
                     "a simulated observer sits there, without windows [a person]")
-        ->type_name("WHO:{simulated}")
-        ->check(CLI::IsMember({"simulated"}).description(""));
+        .type_name("WHO:{simulated}")
+        .one_of({"simulated"}, InHelp::unlisted);
     add_observer_options(command, typed->truth);
     command
         .add_option("--spread", typed->spread,
                     "standard deviation of simulated thresholds between participants: of the "
                     "logarithm where the protocol's function is on a logarithmic scale [0]")
-        ->type_name("NUMBER");
+        .type_name("NUMBER");
     command
         .add_option("--seed", typed->seed,
                     "of what simulated observers are and answer [the protocol's]")
-        ->type_name("N");
+        .type_name("N");
     command
-        .add_option("--felt", typed->felt,
+        .add_choice("--felt", typed->felt,
+                    {{"each", study::FeltStimuli::each_simulated},
+                     {"once", study::FeltStimuli::measured_once}},
                     "what a simulated observer feels: each presentation simulated, or each "
                     "condition and level simulated once, which is much faster [each]")
-        ->type_name("HOW:{each,once}")
-        ->transform(CLI::CheckedTransformer(std::map<std::string, study::FeltStimuli>{
-                                                {"each", study::FeltStimuli::each_simulated},
-                                                {"once", study::FeltStimuli::measured_once}})
-                        .description(""));
+        .type_name("HOW:{each,once}");
     typed->sitting.add_to(command);
     command.footer(
         "Each trial is on the disk before the next begins. Ctrl+C ends a person's session at once, "
@@ -192,21 +188,21 @@ void add_run(CLI::App &study) {
     command.callback([typed] { run_typed(*typed); });
 }
 
-void add_resume(CLI::App &study) {
-    CLI::App &command = *study.add_subcommand(
+void add_resume(Command &study) {
+    Command command = study.add_subcommand(
         "resume", "goes on with sessions that were left, with the sequence of undisturbed ones");
     const auto typed = std::make_shared<TypedResume>();
     add_study_file_argument(command, typed->study);
     command
         .add_option("--participant", typed->participant, "only this one [all who are not through]")
-        ->type_name("CODE");
+        .type_name("CODE");
     typed->nothing_new.sitting.add_to(command);
     command.callback([typed] { resume_typed(*typed); });
 }
 
 } // namespace
 
-void add_study_run_commands(CLI::App &study) {
+void add_study_run_commands(Command &study) {
     add_run(study);
     add_resume(study);
 }

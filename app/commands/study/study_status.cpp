@@ -3,15 +3,13 @@
 #include "app/commands/study/status_report.h"
 #include "engine/study/store/study_store.h"
 
-#include <CLI/CLI.hpp>
-
 #include <iostream>
 #include <memory>
 
 namespace springdrive::app {
 
-void add_study_status_command(CLI::App &study) {
-    CLI::App &command = *study.add_subcommand(
+void add_study_status_command(Command &study) {
+    Command command = study.add_subcommand(
         "status", "where a study stands: participants, trials, records; also while it runs");
     const auto file = std::make_shared<std::filesystem::path>();
     add_study_file_argument(command, *file);

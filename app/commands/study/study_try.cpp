@@ -12,8 +12,6 @@
 #include "base/input_error.h"
 #include "engine/study/protocol/protocol_file.h"
 
-#include <CLI/CLI.hpp>
-
 #include <fmt/core.h>
 
 #include <iostream>
@@ -79,8 +77,8 @@ void try_typed(const TypedTry &typed) {
 
 } // namespace
 
-void add_study_try_command(CLI::App &study) {
-    CLI::App &command = *study.add_subcommand(
+void add_study_try_command(Command &study) {
+    Command command = study.add_subcommand(
         "try", "\"Can you feel it?\": visitors' five minutes with their own curve at the end, of "
                "which nothing is stored");
     const auto typed = std::make_shared<TypedTry>();
@@ -88,7 +86,7 @@ void add_study_try_command(CLI::App &study) {
         .add_option("protocol", typed->protocol,
                     "a protocol of one condition that varies turn_deg [the included "
                     "can_you_feel_it]")
-        ->type_name("FILE");
+        .type_name("FILE");
     TypedSitting &sitting = typed->sitting;
     add_device_option(command, sitting.device);
     command.add_flag("--at-zero", sitting.starts_at_zero,
@@ -96,23 +94,23 @@ void add_study_try_command(CLI::App &study) {
                      "forearm hanging, tip at the origin");
     sitting.emulation.add_to(command, "emulated board");
     command.add_option("--cpu", sitting.cpu, "the processor to which the servo thread is bound")
-        ->type_name("N");
+        .type_name("N");
     command
         .add_option("--observer", typed->observer,
                     "made-up visitors only, one after the other, for whoever looks [visitors]")
-        ->type_name("WHO:{simulated}")
-        ->check(CLI::IsMember({"simulated"}).description(""));
+        .type_name("WHO:{simulated}")
+        .one_of({"simulated"}, InHelp::unlisted);
     add_observer_options(command, typed->made_up);
-    CLI::Option *screen =
+    Option screen =
         command.add_option("--screen", sitting.window.participant.monitor,
                            "the visitors' monitor, by number or a part of its name [the first]");
-    screen->type_name("MONITOR");
+    screen.type_name("MONITOR");
     command.add_flag("--window", typed->is_window, "a window, not the whole screen")
-        ->excludes(screen);
+        .excludes(screen);
     command.add_option("--width", sitting.window.participant.size.width, "of that window [1280]")
-        ->type_name("PIXELS");
+        .type_name("PIXELS");
     command.add_option("--height", sitting.window.participant.size.height, "of that window [720]")
-        ->type_name("PIXELS");
+        .type_name("PIXELS");
     command.add_flag("--lockstep", sitting.is_in_lockstep,
                      "run the servo by frame time instead of the clock, which is repeatable; not "
                      "on USB");

@@ -1,12 +1,11 @@
 #include "app/commands/study/study_turns.h"
 
+#include "app/commands/command.h"
 #include "app/commands/progress_line.h"
 #include "app/commands/study/opened_study.h"
 #include "app/commands/study/simulated_session.h"
 #include "base/input_error.h"
 #include "engine/study/protocol/session_length.h"
-
-#include <CLI/CLI.hpp>
 
 #include <fmt/core.h>
 
@@ -164,7 +163,7 @@ void StudyTurns::tell(const std::string &code) const {
                              "{1} --participant {0}\n",
                              code, store_.file().string());
     if (ending != study::SessionEnding::stopped && ending != study::SessionEnding::left) {
-        throw CLI::RuntimeError(EXIT_FAILURE);
+        end_with_status(EXIT_FAILURE);
     }
 }
 

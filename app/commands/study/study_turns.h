@@ -50,7 +50,7 @@ public:
     /// if they are new. Tells of it on standard output.
     /// @throw InputError if all trials are done; as `run_simulated_session` and
     ///        `run_person_session` do
-    /// @throw CLI::RuntimeError for an end that is no success
+    /// @throw what `end_with_status` does, for an end that is no success
     void run(const std::string &code);
     /// The same, which must be a person's. @throw InputError if it is a simulated observer
     void run_person(const std::string &code);
