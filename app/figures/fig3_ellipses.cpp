@@ -1,10 +1,9 @@
 // Fig. 3 of the paper.
 #include "app/figures/figure_text.h"
 #include "app/figures/locked_figures.h"
+#include "base/eigenvalues.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <cmath>
 #include <string>
@@ -39,9 +38,8 @@ void add_linkage(ChartMarks &marks, const FigureSetting &setting) {
 /// The chart's scale of stiffness: the longest axis is about as long as the links.
 void add_scale(ChartMarks &marks, const FigureSetting &setting,
                const loops::PlanarStiffness &stiffness) {
-    const Eigen::SelfAdjointEigenSolver<loops::Matrix2> axes(stiffness.inverse,
-                                                             Eigen::EigenvaluesOnly);
-    const double longest_N_per_m = axes.eigenvalues().maxCoeff();
+    const loops::Vector2 along_axes = symmetric_modes(stiffness.inverse).eigenvalues;
+    const double longest_N_per_m = along_axes.maxCoeff();
     const double link_mm = 0.6e3 * setting.device.geometry.upper_arm_m;
     const double bar_N_per_m = round_number_below(0.6 * longest_N_per_m);
     marks.add("mm_per_N_per_m", link_mm / longest_N_per_m);
@@ -49,7 +47,7 @@ void add_scale(ChartMarks &marks, const FigureSetting &setting,
     marks.add("bar_text", number_text(1e-3 * bar_N_per_m, 3) + " N/mm");
     marks.add("circle_text", number_text(1e-3 * stiffness.transpose(0, 0), 3));
     marks.add("longest_text", number_text(1e-3 * longest_N_per_m, 3));
-    marks.add("shortest_text", number_text(1e-3 * axes.eigenvalues().minCoeff(), 3));
+    marks.add("shortest_text", number_text(1e-3 * along_axes.minCoeff(), 3));
     marks.add("alpha_text", number_text(stiffness.alpha_rad2_per_m2, 4));
 }
 

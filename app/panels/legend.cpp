@@ -2,8 +2,7 @@
 
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"
-
-#include <Eigen/Eigenvalues>
+#include "base/eigenvalues.h"
 
 #include <string>
 
@@ -53,12 +52,10 @@ std::string range_of(Thing thing, const TouchValues &values) {
                    : ui::formatted("0 … {:.1f} N/mm", kPerMillimetre * values.workspace->largest);
     case Thing::stiffness:
         if (values.inverse_stiffness_N_per_m && values.transpose_stiffness_N_per_m) {
-            const Eigen::SelfAdjointEigenSolver<Matrix3> axes(*values.inverse_stiffness_N_per_m,
-                                                              Eigen::EigenvaluesOnly);
+            const Vector3 along_axes = symmetric_eigenvalues(*values.inverse_stiffness_N_per_m);
             return ui::formatted("{:.2f} · {:.2f} … {:.2f} N/mm",
                                  kPerMillimetre * *values.transpose_stiffness_N_per_m,
-                                 kPerMillimetre * axes.eigenvalues()[0],
-                                 kPerMillimetre * axes.eigenvalues()[2]);
+                                 kPerMillimetre * along_axes[0], kPerMillimetre * along_axes[2]);
         }
         return "";
     default:

@@ -1,8 +1,8 @@
 #include "app/view/flat_marks.h"
 
 #include "app/view/gl_vector.h"
+#include "base/eigenvalues.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -55,14 +55,14 @@ void append_set_point(FlatShapes &shapes, const Vector3 &at_m, const MarkerScale
 void append_stiffness(FlatShapes &shapes, const ViewState &state) {
     const Matrix3 &K = *state.touch.inverse_stiffness_N_per_m;
     const double scale = stiffness_scale(K);
-    const Eigen::SelfAdjointEigenSolver<Matrix3> axes(K);
+    const PrincipalAxes axes = principal_axes(K);
     const double radius_m = scale * *state.touch.transpose_stiffness_N_per_m;
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
-        const Vector3 u = axes.eigenvectors().col(i);
-        const Vector3 v = axes.eigenvectors().col(j);
-        shapes.ellipse(state.tip_m, scale * axes.eigenvalues()[i] * u,
-                       scale * axes.eigenvalues()[j] * v, 1.3, kInverseColour, 0.85F);
+        const Vector3 u = axes.eigenvectors.col(i);
+        const Vector3 v = axes.eigenvectors.col(j);
+        shapes.ellipse(state.tip_m, scale * axes.eigenvalues[i] * u,
+                       scale * axes.eigenvalues[j] * v, 1.3, kInverseColour, 0.85F);
         shapes.ellipse(state.tip_m, radius_m * u, radius_m * v, 1.3, kTransposeColour, 0.85F);
     }
 }
@@ -103,8 +103,7 @@ bool has_stiffness(const ViewState &state) {
 double stiffness_scale(const Matrix3 &inverse_N_per_m) {
     constexpr double kMetres_per_N_per_m = 1e-5;
     constexpr double kLongest_m = 0.060;
-    const Eigen::SelfAdjointEigenSolver<Matrix3> axes(inverse_N_per_m, Eigen::EigenvaluesOnly);
-    const double longest_m = kMetres_per_N_per_m * axes.eigenvalues()[2];
+    const double longest_m = kMetres_per_N_per_m * symmetric_eigenvalues(inverse_N_per_m)[2];
     return longest_m > kLongest_m ? kMetres_per_N_per_m * kLongest_m / longest_m
                                   : kMetres_per_N_per_m;
 }

@@ -1,8 +1,8 @@
 #include "engine/control/motion_control.h"
 
+#include "base/eigenvalues.h"
 #include "device/core/phantom/kinematics.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -56,8 +56,7 @@ MotorSetPoint transpose_map(const Configuration &configuration, const TipSetPoin
 
 double alpha_bound(const Matrix3 &J, const Vector3 &relative_stiffness) {
     const Matrix3 compliance = J * relative_stiffness.cwiseInverse().asDiagonal() * J.transpose();
-    const Eigen::SelfAdjointEigenSolver<Matrix3> solver(compliance, Eigen::EigenvaluesOnly);
-    return 1.0 / solver.eigenvalues()[2];
+    return 1.0 / symmetric_eigenvalues(compliance)[2];
 }
 
 double global_alpha_bound(const device::DeviceDescription &device, int points_per_axis) {

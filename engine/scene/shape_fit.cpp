@@ -1,9 +1,8 @@
 #include "engine/scene/shape_fit.h"
 
+#include "base/eigenvalues.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -222,7 +221,7 @@ struct Piece {
     }
 };
 
-Matrix3 principal_axes(const Piece &piece) {
+Matrix3 axes_of_spread(const Piece &piece) {
     Vector3 mean = Vector3::Zero();
     for (const Vector3 &point : piece.points_m) {
         mean += point / static_cast<double>(piece.points_m.size());
@@ -231,7 +230,7 @@ Matrix3 principal_axes(const Piece &piece) {
     for (const Vector3 &point : piece.points_m) {
         spread += (point - mean) * (point - mean).transpose();
     }
-    return Eigen::SelfAdjointEigenSolver<Matrix3>(spread).eigenvectors();
+    return principal_axes(spread).eigenvectors;
 }
 
 /// The normal of the largest triangle, and of the largest that is square to it.
@@ -367,7 +366,7 @@ std::optional<RecognisedShape> recognise_shape(const contact::TriangleSoup &soup
     BestShape best(piece, soup.materials[material].sides, material);
     best.try_frame(Matrix3::Identity());
     best.try_frame(right_handed(axes_of_largest_faces(piece)));
-    best.try_frame(right_handed(principal_axes(piece)));
+    best.try_frame(right_handed(axes_of_spread(piece)));
     return best.get();
 }
 

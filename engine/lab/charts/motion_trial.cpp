@@ -1,11 +1,10 @@
 #include "engine/lab/charts/motion_trial.h"
 
+#include "base/eigenvalues.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
 #include "engine/control/force_direction.h"
 #include "engine/lab/loops/stability_case.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <cmath>
 #include <cstddef>
@@ -49,7 +48,7 @@ Vector3 mode_shares(const device::DeviceDescription &device, const MotionMethod 
     // Symmetric, and similar to α W⁻¹ JᵀJ.
     const Matrix3 scaled = J * W.cwiseSqrt().cwiseInverse().asDiagonal();
     const Matrix3 modes = alpha * scaled.transpose() * scaled;
-    return Eigen::SelfAdjointEigenSolver<Matrix3>(modes, Eigen::EigenvaluesOnly).eigenvalues();
+    return symmetric_eigenvalues(modes);
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "engine/lab/limits/locked_device.h"
 
+#include "base/eigenvalues.h"
 #include "base/input_error.h"
 #include "engine/control/motion_control.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
@@ -7,7 +8,6 @@
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/servo_rig.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -96,9 +96,9 @@ double harmless_penetration_m(const device::DeviceDescription &device,
     constexpr double kShare = 0.5;
     const loops::PlanarStiffness stiffness = loops::planar_stiffness(device, tuning, q_rad);
     const loops::Matrix2 &K = stiffness_under(stiffness, map);
-    const Eigen::SelfAdjointEigenSolver<loops::Matrix2> axes(K, Eigen::EigenvaluesOnly);
-    double penetration_m = std::min(kMaxPenetration_m, kShare * device.limits.tip_force_N /
-                                                           axes.eigenvalues().maxCoeff());
+    double penetration_m =
+        std::min(kMaxPenetration_m,
+                 kShare * device.limits.tip_force_N / symmetric_modes(K).eigenvalues.maxCoeff());
     const loops::Matrix2 torque_per_metre =
         loops::planar_jacobian(device.geometry, q_rad).transpose() * K;
     for (Eigen::Index j = 0; j < 2; ++j) {

@@ -5,9 +5,6 @@
 #include "engine/lab/rig/quantisation_chatter.h"
 #include "engine/lab/rig/rotor_simulation.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -32,10 +29,7 @@ rig::RingdownOptions ringdown_options(const TrialOptions &options, double start_
 
 /// Half a period of the slowest oscillation of load and command at low frequency; zero without one.
 double slowest_half_period_s(const loops::DrivenLoad &load, const loops::SampledLaw &law) {
-    const Eigen::VectorXd squares =
-        Eigen::MatrixXd(load.inertia_kg_m2.llt().solve(loops::static_stiffness(load, law)))
-            .eigenvalues()
-            .real();
+    const Eigen::VectorXd squares = loops::static_squares(load, law);
     constexpr double kFree = 1e-9; // of the stiffest: round-off of an unconstrained direction
     double minimum = HUGE_VAL;
     for (const double square : squares) {

@@ -1,12 +1,12 @@
 #include "engine/lab/loops/both_maps.h"
 
+#include "base/eigenvalues.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/haptic_law.h"
 #include "engine/lab/loops/wrong_direction.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <cmath>
@@ -84,9 +84,9 @@ std::optional<MapStiffness> map_stiffness(const device::DeviceDescription &devic
 }
 
 double largest_error_rad(const Matrix3 &stiffness) {
-    const Eigen::SelfAdjointEigenSolver<Matrix3> axes(stiffness, Eigen::EigenvaluesOnly);
-    const double least = axes.eigenvalues()[0];
-    const double most = axes.eigenvalues()[2];
+    const Vector3 along_axes = symmetric_eigenvalues(stiffness);
+    const double least = along_axes[0];
+    const double most = along_axes[2];
     return least > 0.0 ? std::asin((most - least) / (most + least))
                        : std::numeric_limits<double>::quiet_NaN();
 }

@@ -1,11 +1,11 @@
 #include "engine/lab/loops/linear_loop.h"
 
 #include "base/assertions.h"
+#include "base/eigenvalues.h"
 #include "device/core/split_delay.h"
 #include "engine/control/velocity_filter.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include <cmath>
@@ -49,10 +49,9 @@ MatrixXd pulled_positions(const MatrixXd &per_position, const MatrixXd &stiffnes
     };
     // On squared values: a direction counts as pulled from 1e-6 of the strongest pull on.
     constexpr double kPulled = 1e-12;
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(weighed(per_position) +
-                                                         weighed(stiffness));
-    const Index free = (solver.eigenvalues().array() < kPulled).count();
-    return solver.eigenvectors().rightCols(per_position.cols() - free);
+    const Modes modes = symmetric_modes(weighed(per_position) + weighed(stiffness));
+    const Index free = (modes.eigenvalues.array() < kPulled).count();
+    return modes.eigenvectors.rightCols(per_position.cols() - free);
 }
 
 /// 1 − e^(−jx) without the cancellation at small x.
@@ -189,13 +188,13 @@ double largest_eigenvalue(const MatrixXd &map, const SampledLaw &law,
     const Index n = law.per_position.cols();
     const MatrixXd pulled = pulled_positions(law.per_position, stiffness_Nm_per_rad);
     if (pulled.cols() == n) {
-        return map.eigenvalues().cwiseAbs().maxCoeff();
+        return eigenvalues(map).cwiseAbs().maxCoeff();
     }
     const Index others = map.rows() - n;
     MatrixXd onto = MatrixXd::Zero(pulled.cols() + others, map.rows());
     onto.topLeftCorner(pulled.cols(), n) = pulled.transpose();
     onto.bottomRightCorner(others, others).setIdentity();
-    return MatrixXd(onto * map * onto.transpose()).eigenvalues().cwiseAbs().maxCoeff();
+    return eigenvalues(onto * map * onto.transpose()).cwiseAbs().maxCoeff();
 }
 
 LinearLoop::LinearLoop(DrivenLoad load, const Sampling &sampling)
@@ -232,6 +231,10 @@ MatrixXd static_stiffness(const DrivenLoad &load, const SampledLaw &law) {
         -load.torque_Nm_per_A.cwiseProduct(load.current_rate_per_command)
              .cwiseQuotient(load.current_rate_per_current);
     return load.stiffness_Nm_per_rad - torque_per_command.asDiagonal() * law.per_position;
+}
+
+VectorXd static_squares(const DrivenLoad &load, const SampledLaw &law) {
+    return eigenvalues(load.inertia_kg_m2.llt().solve(static_stiffness(load, law))).real();
 }
 
 } // namespace springdrive::loops

@@ -144,4 +144,7 @@ private:
 /// torque that P commands [N·m/rad].
 [[nodiscard]] Eigen::MatrixXd static_stiffness(const DrivenLoad &load, const SampledLaw &law);
 
+/// ω² of the modes of M under that stiffness; negative where they grow.
+[[nodiscard]] Eigen::VectorXd static_squares(const DrivenLoad &load, const SampledLaw &law);
+
 } // namespace springdrive::loops

@@ -1,10 +1,10 @@
 #include "base/bisection.h"
+#include "base/eigenvalues.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/method_limits/limit_trials.h"
 #include "engine/lab/limits/thermal_hold.h"
 #include "engine/servo/safety_monitor.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -40,10 +40,10 @@ struct Warming {
     /// The winding's temperature, by the two modes of A.
     [[nodiscard]] double winding_C(double time_s) const {
         const Eigen::Vector2d rest = A.inverse() * h; // T = (e^(At) − 1) A⁻¹ h
-        const Eigen::EigenSolver<Eigen::Matrix2d> modes(A);
-        const Eigen::Matrix2d &V = modes.pseudoEigenvectors(); // its eigenvalues are real
+        const Modes modes = real_modes(A);
+        const Eigen::Matrix2d V = modes.eigenvectors;
         const Eigen::Vector2d share = V.inverse() * rest;
-        const Eigen::Vector2d values = modes.eigenvalues().real();
+        const Eigen::Vector2d values = modes.eigenvalues;
         return device::kWarmestAir_C + V(0, 0) * share[0] * std::expm1(values[0] * time_s) +
                V(0, 1) * share[1] * std::expm1(values[1] * time_s);
     }

@@ -1,8 +1,7 @@
 #include "engine/lab/limits/method_limits/late_ticks.h"
 
 #include "base/assertions.h"
-
-#include <Eigen/Eigenvalues>
+#include "base/eigenvalues.h"
 
 namespace springdrive::limits {
 
@@ -24,7 +23,7 @@ double late_ticks_eigenvalue(const loops::StabilityCase &which, const loops::Loo
         loops::one_period_map(loops::sampled_load(load, (1 + missed) * T), law(1));
     const Eigen::MatrixXd until_on_time =
         loops::one_period_map(loops::sampled_load(load, T), law(1 + missed));
-    return Eigen::MatrixXd(until_on_time * until_late).eigenvalues().cwiseAbs().maxCoeff();
+    return eigenvalues(until_on_time * until_late).cwiseAbs().maxCoeff();
 }
 
 } // namespace springdrive::limits
