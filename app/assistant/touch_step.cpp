@@ -36,10 +36,10 @@ public:
             if (!std::filesystem::equivalent(plate, session.scenes().now().scene.file, ignored)) {
                 session.request_scene(plate);
             }
-            before_ = Before{session.servo().inputs().tuning, session.servo().inputs().limits};
+            before_ = Before{session.tuning().now(), session.servo().inputs().limits};
             servo::SafetyLimits gentle = before_->limits;
             gentle.tip_force_N = std::min(gentle.tip_force_N, kGentleForce_N);
-            session.servo().tune(soft);
+            session.tuning().replace(soft, session.plot_time_s(), "for the first touch");
             session.servo().lower_limits(gentle);
         });
         session.keep_released(!complaint_.empty());
@@ -65,7 +65,8 @@ public:
     void end(session::Session &session) override {
         session.keep_released(true);
         if (before_) {
-            session.servo().tune(before_->tuning);
+            session.tuning().replace(before_->tuning, session.plot_time_s(),
+                                     "after the first touch");
             session.servo().lower_limits(before_->limits);
             before_.reset();
         }

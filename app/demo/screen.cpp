@@ -149,9 +149,9 @@ void Screen::obey(const KeyPress &key) {
     if (key.name == "F6") {
         go_to_next_panel(key.with_shift);
     } else if (is_redo) {
-        desk_.redo(session_);
+        desk_.redo();
     } else if (key.with_ctrl && key.name == "z") {
-        desk_.undo(session_);
+        desk_.undo();
     } else if (keeps) {
         keep();
     } else if (!key.with_ctrl) {
@@ -187,9 +187,9 @@ bool Screen::move_by_key(const KeyPress &key) {
 void Screen::obey_plain(const std::string &key) {
     session::ServoRun &servo = session_.servo();
     if (key == "b") {
-        desk_.toggle_slot(session_);
+        desk_.toggle_slot();
     } else if (key == "m") {
-        desk_.toggle_map(session_);
+        desk_.toggle_map();
     } else if (key == "h") {
         toggle_hold(plot_panel_, opened_.subject(session_).store);
     } else if (key == "-" || key == "+" || key == "=") {
@@ -329,7 +329,7 @@ void Screen::write_pictures(const std::optional<std::filesystem::path> &of_sessi
     if (of_session) {
         const std::string complaint = complaint_of([&] {
             write_file(*of_session, picture_of({}), Existing::keep);
-            keeper_.note_picture(*of_session, session_, desk_.history(), log_);
+            keeper_.note_picture(*of_session, session_, log_);
         });
         if (!complaint.empty()) {
             keeper_.fail(complaint);
@@ -338,15 +338,15 @@ void Screen::write_pictures(const std::optional<std::filesystem::path> &of_sessi
 }
 
 void Screen::keep() {
-    desk_.let_go();
-    keeper_.keep(session_, desk_.history(), log_);
+    session_.tuning().let_go();
+    keeper_.keep(session_, log_);
 }
 
 std::string Screen::finish() {
     habits_.finish(window_);
-    desk_.let_go();
-    log_.update(session_, desk_.history());
-    keeper_.finish(session_, desk_.history(), log_);
+    session_.tuning().let_go();
+    log_.update(session_);
+    keeper_.finish(session_, log_);
     return keeper_.folder().empty() ? std::string() : keeper_.error();
 }
 
@@ -370,12 +370,12 @@ Screen::SceneView Screen::draw_contents() {
         window_.set_room(Window::kRoomForPanels);
     }
     const Layout places = current_layout();
-    opened_.update(ImGui::GetIO().DeltaTime, desk_.now());
+    opened_.update(ImGui::GetIO().DeltaTime, session_.tuning().now());
     const ViewState state = view_state();
     view_control_.update(session_, state, places.scene_view, free_part(places.scene_view),
                          !opened_.is_shown());
     view_control_.report(session_, state, places.scene_view);
-    desk_.update(session_);
+    desk_.update();
     if (std::exchange(opens_assistant_, false)) {
         assistant_.open(session_);
     }
@@ -402,12 +402,11 @@ void Screen::draw_panels(const Layout &places) {
         draw_tuning_panel(session_, desk_, tuning_panel_, places.tuning);
     } else if (assistant_.is_open()) {
         draw_assistant_panel(session_, assistant_, assistants_doctor_, places.assistant);
-        desk_.update(session_); // the tuning of the touch is noted when it begins
     }
     if (!ImGui::IsAnyItemActive()) {
-        desk_.let_go();
+        session_.tuning().let_go();
     }
-    log_.update(session_, desk_.history());
+    log_.update(session_);
     keeper_.update(session_);
     if (has_panels() && !assistant_.is_open()) {
         if (draw_servo_panel(session_, log_, keeper_, servo_panel_, places.servo)) {
@@ -416,7 +415,7 @@ void Screen::draw_panels(const Layout &places) {
         draw_scene_panel(session_, desk_, opened_, scene_panel_, places.scene);
     }
     if (has_panels()) {
-        draw_plot_panel(session_, opened_.subject(session_), desk_.history().slots(), plot_panel_,
+        draw_plot_panel(session_, opened_.subject(session_), session_.tuning().slots(), plot_panel_,
                         places.plots, window_.scale());
     }
 }

@@ -127,7 +127,7 @@ void Kiosk::note_visitor(const KioskParts &parts, const KioskAnswer &answer) {
     now_.next_scene = answer.next_scene;
     now_.next_visitor = answer.next_visitor;
     if (switches && course_.stage() == Stage::your_turn) {
-        parts.stage.desk.toggle_map(parts.stage.session);
+        parts.stage.desk.toggle_map();
     }
 }
 
@@ -260,7 +260,7 @@ KioskShown Kiosk::shown(const KioskParts &parts) const {
     all.goes_on_in_s = healing_.goes_on_in_s();
     all.stop = is_stopped(session) ? servo::description(session.latest().safety) : std::string();
     all.leaves_in_s = course_.leaves_in_s();
-    all.map = parts.stage.desk.now().map;
+    all.map = parts.stage.session.tuning().now().map;
     all.read_out = read_out_;
     return all;
 }

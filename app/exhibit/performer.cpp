@@ -23,11 +23,11 @@ void Performer::show(const Stagecraft &stage, const TourStop &stop) {
 
 /// The lock is for changes by hand: back to the start one may always go.
 void Performer::restore_gains(const Stagecraft &stage) const {
-    if (stage.desk.now() == tuning_) {
+    if (stage.session.tuning().now() == tuning_) {
         return;
     }
     const bool was_unlocked = std::exchange(stage.desk.is_unlocked, true);
-    stage.desk.replace(stage.session, tuning_, "of the start");
+    stage.desk.replace(tuning_, "of the start");
     stage.desk.is_unlocked = was_unlocked;
 }
 
@@ -66,7 +66,7 @@ void Performer::update(const Stagecraft &stage) {
     }
     if (stage.session.latest().time_s - began_s_ >= showing_->switches_s[switched_]) {
         ++switched_;
-        stage.desk.toggle_map(stage.session);
+        stage.desk.toggle_map();
     }
 }
 

@@ -27,7 +27,7 @@ class Performer {
 public:
     /// The present scene and gains are those of the start.
     explicit Performer(const session::Session &session)
-        : tuning_(session.servo().inputs().tuning), wanted_(session.scenes().now().scene.file) {}
+        : tuning_(session.tuning().now()), wanted_(session.scenes().now().scene.file) {}
 
     /// Requests the scene, with the gains of the start.
     void show(const Stagecraft &stage, const TourStop &stop);

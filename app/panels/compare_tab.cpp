@@ -21,8 +21,8 @@ struct Compared {
     [[nodiscard]] std::string key() const { return file ? file->file.string() : name; }
 };
 
-std::vector<Compared> candidates(const TuningDesk &desk, const TuningPanelState &state) {
-    const session::TuningHistory &history = desk.history();
+std::vector<Compared> candidates(const session::Session &session, const TuningPanelState &state) {
+    const session::TuningHistory &history = session.tuning();
     std::vector<Compared> all{{"slot " + std::string(session::name_of(history.slots().inactive())),
                                history.slots().other()},
                               {"the first tuning", history.journal().front().tuning}};
@@ -32,8 +32,9 @@ std::vector<Compared> candidates(const TuningDesk &desk, const TuningPanelState 
     return all;
 }
 
-void draw_differences(const TuningDesk &desk, const control::Tuning &other) {
-    const std::vector<control::TuningChange> changes = control::changes_between(other, desk.now());
+void draw_differences(const session::Session &session, const control::Tuning &other) {
+    const std::vector<control::TuningChange> changes =
+        control::changes_between(other, session.tuning().now());
     if (changes.empty()) {
         ui::text(kFaintInk, "no difference");
         return;
@@ -58,13 +59,13 @@ void draw_differences(const TuningDesk &desk, const control::Tuning &other) {
     ImGui::EndTable();
 }
 
-void draw_files(TuningDesk &desk, TuningPanelState &state,
+void draw_files(const session::Session &session, TuningPanelState &state,
                 const std::optional<TuningFiles::Entry> &file) {
     ImGui::SetNextItemWidth(11.0F * ImGui::GetFontSize());
     ui::text_field("##name", "name of a file", state.file_name);
     ImGui::SameLine();
     if (ui::button("save")) {
-        state.file_message = state.files.save(state.file_name, desk.now());
+        state.file_message = state.files.save(state.file_name, session.tuning().now());
     }
     ui::explain("writes the active tuning to NAME.toml in " + own_folder_text() +
                 ";\nload it here, or with --tuning-file");
@@ -81,8 +82,8 @@ void draw_files(TuningDesk &desk, TuningPanelState &state,
     }
 }
 
-void draw_steps(const TuningDesk &desk) {
-    const session::TuningHistory &history = desk.history();
+void draw_steps(const session::Session &session) {
+    const session::TuningHistory &history = session.tuning();
     ui::text(kFaintInk, "changes: {}, the newest first", history.done());
     std::size_t shown = 0;
     for (std::size_t i = history.done(); i > 0 && shown < 50; --i, ++shown) {
@@ -94,7 +95,7 @@ void draw_steps(const TuningDesk &desk) {
 } // namespace
 
 void draw_compare_tab(session::Session &session, TuningDesk &desk, TuningPanelState &state) {
-    const std::vector<Compared> all = candidates(desk, state);
+    const std::vector<Compared> all = candidates(session, state);
     auto chosen = std::ranges::find(all, state.compared, &Compared::key);
     chosen = chosen == all.end() ? all.begin() : chosen;
     ImGui::SetNextItemWidth(14.0F * ImGui::GetFontSize());
@@ -108,7 +109,7 @@ void draw_compare_tab(session::Session &session, TuningDesk &desk, TuningPanelSt
     const Compared &other = *chosen;
     ImGui::SameLine();
     if (ui::button("load")) {
-        desk.replace(session, other.tuning, other.name);
+        desk.replace(other.tuning, other.name);
     }
     ui::explain("makes it the active tuning: all of it, with map, α and η");
     ImGui::SameLine();
@@ -116,14 +117,14 @@ void draw_compare_tab(session::Session &session, TuningDesk &desk, TuningPanelSt
         state.files.refresh();
     }
     ui::explain("looks for tuning files again");
-    draw_differences(desk, other.tuning);
+    draw_differences(session, other.tuning);
     ImGui::Separator();
-    draw_files(desk, state, other.file);
+    draw_files(session, state, other.file);
     if (!desk.complaint().empty()) {
         ui::wrapped(kDanger, "{}", desk.complaint());
     }
     ImGui::Separator();
-    draw_steps(desk);
+    draw_steps(session);
 }
 
 } // namespace springdrive::app

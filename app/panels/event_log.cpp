@@ -124,11 +124,11 @@ void EventLog::watch_rest(const session::Session &session, double now_s) {
     }
 }
 
-void EventLog::update(const session::Session &session, const session::TuningHistory &tuning) {
+void EventLog::update(const session::Session &session) {
     const record::ChannelStore &store = session.servo().history().store();
     const auto before = static_cast<std::ptrdiff_t>(events_.size());
     watch_safety(session);
-    watch_tuning(tuning);
+    watch_tuning(session.tuning());
     const double now_s = store.is_empty() ? 0.0 : store.time_s(store.end() - 1);
     watch_plant(session, now_s);
     watch_rest(session, now_s);

@@ -25,7 +25,7 @@ public:
     };
 
     /// Once per frame. Trips are found in every tick, also those that were reset within a frame.
-    void update(const session::Session &session, const session::TuningHistory &tuning);
+    void update(const session::Session &session);
 
     /// Oldest first.
     [[nodiscard]] const std::deque<Event> &events() const { return events_; }

@@ -15,8 +15,7 @@ namespace {
 double dR_of_motor_Ohm(const session::Session &session, std::size_t motor) {
     const servo::ServoSample &now = session.latest();
     const control::ObservedMotor &R = now.motor[motor];
-    const double dR_Ohm =
-        std::max(session.servo().inputs().tuning.dR_Ohm, control::held_up_dR_Ohm(R));
+    const double dR_Ohm = std::max(session.tuning().now().dR_Ohm, control::held_up_dR_Ohm(R));
     const servo::WindingStatus &winding = now.winding[motor];
     return winding.is_limited ? std::max(dR_Ohm, R.mean.resistance_Ohm - winding.R_hat_limit_Ohm)
                               : dR_Ohm;
@@ -64,7 +63,7 @@ void draw_observed_resistances(session::Session &session) {
 
 void show_held_up_dR(const session::Session &session) {
     const servo::ServoSample &now = session.latest();
-    const double wanted_Ohm = session.servo().inputs().tuning.dR_Ohm;
+    const double wanted_Ohm = session.tuning().now().dR_Ohm;
     double left_s = 0.0;
     for (std::size_t j = 0; j < now.motor.size(); ++j) {
         if (!now.motor[j].is_trusted) {

@@ -120,13 +120,14 @@ void draw_values(const session::RecordPlayback &playback) {
 void draw_tuning_of_record(session::Session &session, TuningDesk &desk,
                            const session::RecordPlayback &playback) {
     const control::Tuning then = playback.sample().tuning;
-    const std::vector<control::TuningChange> changes = control::changes_between(then, desk.now());
+    const std::vector<control::TuningChange> changes =
+        control::changes_between(then, session.tuning().now());
     if (changes.empty()) {
         ui::text(kFaintInk, "it is that of the record");
         return;
     }
     if (ui::button("load its tuning")) {
-        desk.replace(session, then, playback.record().file.filename().string());
+        desk.replace(then, playback.record().file.filename().string());
     }
     std::string text;
     for (const control::TuningChange &change : changes) {

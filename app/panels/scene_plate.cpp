@@ -93,7 +93,7 @@ void draw_angles(session::Session &session, TuningDesk &desk, const ScenePlateSt
     constexpr std::array<control::MotionMap, 2> kMaps{control::MotionMap::inverse,
                                                       control::MotionMap::transpose};
     for (const control::MotionMap map : kMaps) {
-        const bool is_active = desk.now().map == map;
+        const bool is_active = session.tuning().now().map == map;
         const auto &angle_rad = state.angle_rad[static_cast<std::size_t>(map)];
         const ImVec4 &colour = !is_active                           ? kFaintInk
                                : map == control::MotionMap::inverse ? kInverseMap
@@ -112,7 +112,7 @@ void draw_angles(session::Session &session, TuningDesk &desk, const ScenePlateSt
         ui::text(colour, "{}, {}", angle_rad ? "off" : "not measured yet", control::label_of(map));
     }
     if (ui::small_button("the other map  (M)###other map")) {
-        desk.toggle_map(session);
+        desk.toggle_map();
     }
 }
 

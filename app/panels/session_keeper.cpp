@@ -39,8 +39,7 @@ struct PastFile {
 SessionKeeper::SessionKeeper(std::filesystem::path parent)
     : parent_(std::move(parent)), started_(now()) {}
 
-void SessionKeeper::keep(session::Session &session, const session::TuningHistory &tuning,
-                         const EventLog &log) {
+void SessionKeeper::keep(session::Session &session, const EventLog &log) {
     error_.clear();
     try {
         std::error_code ignored;
@@ -49,7 +48,7 @@ void SessionKeeper::keep(session::Session &session, const session::TuningHistory
         }
         record_from_now_on(session);
         write_uncovered(session);
-        save(session, tuning, log);
+        save(session, log);
         wants_picture_ = true;
     } catch (const InputError &error) {
         error_ = error.what();
@@ -190,9 +189,7 @@ void SessionKeeper::update(const session::Session &session) {
     }
 }
 
-session::RunFacts SessionKeeper::facts(const session::Session &session,
-                                       const session::TuningHistory &tuning,
-                                       const EventLog &log) const {
+session::RunFacts SessionKeeper::facts(const session::Session &session, const EventLog &log) const {
     session::RunFacts facts;
     facts.software = session.program_version();
     facts.started = started_;
@@ -202,8 +199,9 @@ session::RunFacts SessionKeeper::facts(const session::Session &session,
     facts.delay_periods = session.device().device().delay_periods();
     const session::LoadedScene &scene = session.scenes().now();
     facts.scene = {scene.scene.file.string(), scene.sha256, scene.scene.surface.triangles.size()};
-    facts.slots = tuning.slots();
-    facts.journal.assign(tuning.journal().begin(), tuning.journal().end());
+    facts.slots = session.tuning().slots();
+    const auto &journal = session.tuning().journal();
+    facts.journal.assign(journal.begin(), journal.end());
     for (const EventLog::Event &event : log.events()) {
         facts.events.push_back({event.time_s, event.what});
     }
@@ -228,13 +226,11 @@ session::RunFacts SessionKeeper::facts(const session::Session &session,
     return facts;
 }
 
-void SessionKeeper::save(const session::Session &session, const session::TuningHistory &tuning,
-                         const EventLog &log) {
-    folder_->save(facts(session, tuning, log));
+void SessionKeeper::save(const session::Session &session, const EventLog &log) {
+    folder_->save(facts(session, log));
 }
 
-void SessionKeeper::finish(session::Session &session, const session::TuningHistory &tuning,
-                           const EventLog &log) {
+void SessionKeeper::finish(session::Session &session, const EventLog &log) {
     if (!folder_ && notes.empty()) {
         return;
     }
@@ -251,7 +247,7 @@ void SessionKeeper::finish(session::Session &session, const session::TuningHisto
         note_end_of_recording();
         write_uncovered(session);
         wait_for_writing();
-        save(session, tuning, log);
+        save(session, log);
     } catch (const InputError &error) {
         error_ = error.what();
     }
@@ -272,9 +268,9 @@ std::optional<std::filesystem::path> SessionKeeper::take_picture() {
 }
 
 void SessionKeeper::note_picture(const std::filesystem::path &file, const session::Session &session,
-                                 const session::TuningHistory &tuning, const EventLog &log) {
+                                 const EventLog &log) {
     pictures_.push_back(file.filename());
-    save(session, tuning, log);
+    save(session, log);
 }
 
 } // namespace springdrive::app

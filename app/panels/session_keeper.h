@@ -29,15 +29,14 @@ public:
     /// Makes the folder, or brings it up to date: ticks that are in no record yet are written, as
     /// far as they are in memory, and the session is recorded from now on. What failed before is
     /// tried again.
-    void keep(session::Session &session, const session::TuningHistory &tuning, const EventLog &log);
+    void keep(session::Session &session, const EventLog &log);
 
     /// Once a frame: follows the session's devices and records.
     void update(const session::Session &session);
 
     /// Once the session has stopped, brings the folder up to date: waits until all is written.
     /// Notes that were written but never kept are kept then.
-    void finish(session::Session &session, const session::TuningHistory &tuning,
-                const EventLog &log);
+    void finish(session::Session &session, const EventLog &log);
 
     /// Empty until something was kept.
     [[nodiscard]] std::filesystem::path folder() const {
@@ -54,7 +53,7 @@ public:
     [[nodiscard]] std::optional<std::filesystem::path> take_picture();
     /// @throw InputError if the folder cannot be brought up to date
     void note_picture(const std::filesystem::path &file, const session::Session &session,
-                      const session::TuningHistory &tuning, const EventLog &log);
+                      const EventLog &log);
     void fail(const std::string &why) { error_ = why; }
 
     std::string notes; ///< the person's
@@ -75,11 +74,9 @@ private:
     void note_recording(const session::Session &session);
     void note_end_of_recording();
     void wait_for_writing();
-    void save(const session::Session &session, const session::TuningHistory &tuning,
-              const EventLog &log);
+    void save(const session::Session &session, const EventLog &log);
     [[nodiscard]] std::filesystem::path name_of_new(const std::string &stem) const;
     [[nodiscard]] session::RunFacts facts(const session::Session &session,
-                                          const session::TuningHistory &tuning,
                                           const EventLog &log) const;
 
     std::filesystem::path parent_;

@@ -141,11 +141,11 @@ void show_held_K_DC(const session::Session &session, const limits::AutoTuned &fo
 
 void show_found(session::Session &session, TuningDesk &desk, StabilityTabState &state) {
     if (state.found()) {
-        const bool is_active = desk.now() == state.found_tuning();
+        const bool is_active = session.tuning().now() == state.found_tuning();
         {
             const ui::Disabled when_active(is_active);
             if (ui::button("activate")) {
-                desk.replace(session, state.found_tuning(), "found in the window");
+                desk.replace(state.found_tuning(), "found in the window");
             }
         }
         ui::explain("the tuning that was found; undo takes it back");
@@ -183,9 +183,9 @@ void draw_stability_tab(session::Session &session, TuningDesk &desk, StabilityTa
         ui::wrapped(kDanger, "{}", desk.complaint());
     }
     ImGui::Separator();
-    state.field().draw(desk.now());
+    state.field().draw(session.tuning().now());
     if (const std::optional<control::Tuning> tuning = state.field().take_clicked()) {
-        desk.replace(session, *tuning, "from the map");
+        desk.replace(*tuning, "from the map");
     }
 }
 

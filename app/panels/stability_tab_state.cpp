@@ -66,7 +66,7 @@ void StabilityTabState::update(const session::Session &session) {
     } catch (const std::exception &error) {
         message_ = error.what();
     }
-    const loops::StabilityCase now = stability_case_of(session, session.servo().inputs().tuning);
+    const loops::StabilityCase now = stability_case_of(session, session.tuning().now());
     field_.update(now);
     if (!watch_.is_busy() && (!looked_at_ || is_another(*looked_at_, now))) {
         looked_at_ = now;
@@ -81,14 +81,14 @@ void StabilityTabState::finish_search(session::Session &session, TuningDesk &des
             return;
         }
         found_tuning_ = found->tuning;
-        found_tuning_.eta = desk.now().eta; // stable with any η
+        found_tuning_.eta = session.tuning().now().eta; // stable with any η
         found_ = std::move(found);
-        const loops::StabilityCase now = stability_case_of(session, desk.now());
-        if (desk.history().slots().active() == searched_slot_ &&
+        const loops::StabilityCase now = stability_case_of(session, session.tuning().now());
+        if (session.tuning().slots().active() == searched_slot_ &&
             now.period_s == searched_.period_s && now.delay_periods == searched_.delay_periods &&
             now.device.name == searched_.device.name) {
             message_.clear();
-            desk.replace(session, found_tuning_, "found in the window");
+            desk.replace(found_tuning_, "found in the window");
         } else {
             message_ = "found for another slot, device or servo than now: not activated";
         }
@@ -100,8 +100,8 @@ void StabilityTabState::finish_search(session::Session &session, TuningDesk &des
 void StabilityTabState::start_tuning(const session::Session &session, const TuningDesk &desk) {
     found_.reset();
     message_.clear();
-    searched_ = stability_case_of(session, desk.now());
-    searched_slot_ = desk.history().slots().active();
+    searched_ = stability_case_of(session, session.tuning().now());
+    searched_slot_ = session.tuning().slots().active();
     search_.start([request = limits::AutoTuneRequest{searched_, margin}](BackgroundTalk &talk) {
         return limits::auto_tune(request, [&talk](double share) {
             talk.share = share;

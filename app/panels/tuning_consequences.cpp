@@ -32,7 +32,7 @@ void show(const char *label, CheckedFormat<double> format, double value, const c
 } // namespace
 
 double tip_stiffness_N_per_m(const session::Session &session, const Vector3 &along) {
-    control::Tuning tuning = session.servo().inputs().tuning;
+    control::Tuning tuning = session.tuning().now();
     tuning.dR_Ohm = active_dR_Ohm(session);
     const double K_DC = control::mean_static_stiffness_Nm_per_rad(session.description(), tuning);
     const servo::ServoSample &now = session.latest();
@@ -47,7 +47,7 @@ double tip_stiffness_N_per_m(const session::Session &session, const Vector3 &alo
 }
 
 void show_consequences(const session::Session &session) {
-    control::Tuning tuning = session.servo().inputs().tuning;
+    control::Tuning tuning = session.tuning().now();
     tuning.dR_Ohm = active_dR_Ohm(session);
     const servo::ServoSample &now = session.latest();
     control::Coupling c = control::coupling(session.description().motor.front(), tuning,

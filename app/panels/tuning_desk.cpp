@@ -30,12 +30,6 @@ std::vector<loops::Hand> hands_of(LampHand hand) {
     return loops::hand_family();
 }
 
-/// As in plots: it goes on with another device.
-double now_s(const session::Session &session) {
-    const record::ChannelStore &store = session.servo().history().store();
-    return store.is_empty() ? 0.0 : store.time_s(store.end() - 1);
-}
-
 /// On the way from one tuning to another; map and source of α are those of the end.
 control::Tuning on_the_way(const control::Tuning &from, const control::Tuning &to, double share) {
     control::Tuning tuning = to;
@@ -72,83 +66,62 @@ loops::StabilityCase stability_case_of(const session::Session &session,
     return which;
 }
 
-TuningDesk::TuningDesk(const session::Session &session)
-    : history_(session.servo().inputs().tuning, now_s(session)) {}
-
-StabilityLamp TuningDesk::lamp_of(const session::Session &session,
-                                  const control::Tuning &tuning) const {
-    loops::StabilityCase which = stability_case_of(session, tuning);
+StabilityLamp TuningDesk::lamp_of(const control::Tuning &tuning) const {
+    loops::StabilityCase which = stability_case_of(session_, tuning);
     which.hands = hands_of(hand);
     return {loops::worst_member(which), which.period_s};
 }
 
-void TuningDesk::update(const session::Session &session) {
-    const control::Tuning &active = session.servo().inputs().tuning;
-    if (active != history_.now()) {
-        history_.let_go();
-        history_.replace(active, now_s(session), "by the scene's model");
-    }
-    lamp_ = lamp_of(session, history_.now());
+void TuningDesk::update() { lamp_ = lamp_of(now()); }
+
+bool TuningDesk::is_behind_lock(const control::Tuning &tuning) const {
+    return !lamp_of(with_more_gain(tuning)).is_stable();
 }
 
-bool TuningDesk::is_behind_lock(const session::Session &session,
-                                const control::Tuning &tuning) const {
-    return !lamp_of(session, with_more_gain(tuning)).is_stable();
-}
-
-bool TuningDesk::is_refused(const session::Session &session, const control::Tuning &to) const {
-    if (is_unlocked || to == history_.now() || !is_behind_lock(session, to)) {
+bool TuningDesk::is_refused(const control::Tuning &to) const {
+    if (is_unlocked || to == now() || !is_behind_lock(to)) {
         return false;
     }
     // From behind the lock, what is no worse may be set.
-    return !is_behind_lock(session, history_.now()) ||
-           lamp_of(session, to).worst.eigenvalue >
-               lamp_of(session, history_.now()).worst.eigenvalue;
+    return !is_behind_lock(now()) || lamp_of(to).worst.eigenvalue > lamp_of(now()).worst.eigenvalue;
 }
 
-void TuningDesk::apply(session::Session &session) {
-    session.servo().tune(history_.now());
-    lamp_ = lamp_of(session, history_.now());
-}
-
-void TuningDesk::drag(session::Session &session, const control::Tuning &to, std::uint32_t source) {
+void TuningDesk::drag(const control::Tuning &to, std::uint32_t source) {
     complaint_.clear();
     control::Tuning reached = to;
-    if (is_refused(session, to)) {
+    if (is_refused(to)) {
         constexpr int kHalvings = 14;
-        const control::Tuning from = history_.now();
+        const control::Tuning from = now();
         const auto may_go = [&](double share) {
-            return !is_behind_lock(session, on_the_way(from, to, share));
+            return !is_behind_lock(on_the_way(from, to, share));
         };
         // The beginning has the map and the source of α of the end.
         reached = may_go(0.0) ? on_the_way(from, to, bisect({0.0, 1.0}, kHalvings, may_go).holds_at)
                               : from;
-        const StabilityLamp beyond = lamp_of(session, with_more_gain(to));
+        const StabilityLamp beyond = lamp_of(with_more_gain(to));
         complaint_ = fmt::format("held at the limit: beyond it motor {}, {}, is unstable",
                                  beyond.worst.member.motor + 1,
                                  loops::hand_text(beyond.worst.member.hand.name));
     }
-    history_.change(reached, now_s(session), source);
-    apply(session);
+    history().change(reached, session_.plot_time_s(), source);
+    update();
 }
 
-void TuningDesk::replace(session::Session &session, const control::Tuning &to,
-                         const std::string &what) {
-    history_.let_go();
-    if (may_go_to(session, to, what.c_str())) {
-        history_.replace(to, now_s(session), what);
-        apply(session);
+void TuningDesk::replace(const control::Tuning &to, const std::string &what) {
+    history().let_go();
+    if (may_go_to(to, what.c_str())) {
+        history().replace(to, session_.plot_time_s(), what);
+        update();
     }
 }
 
-bool TuningDesk::may_go_to(const session::Session &session, const control::Tuning &to,
-                           const char *what) {
+bool TuningDesk::may_go_to(const control::Tuning &to, const char *what) {
     complaint_.clear();
     if (!control::is_valid(to)) {
         complaint_ = std::string(what) + ": not done, as it has values out of their ranges";
         return false;
     }
-    if (is_refused(session, to)) {
+    if (is_refused(to)) {
         complaint_ = std::string(what) + ": not done, as that tuning is predicted to be unstable "
                                          "now; unlock first";
         return false;
@@ -156,42 +129,37 @@ bool TuningDesk::may_go_to(const session::Session &session, const control::Tunin
     return true;
 }
 
-void TuningDesk::undo(session::Session &session) {
-    history_.let_go();
-    if (history_.can_undo() &&
-        may_go_to(session, history_.steps()[history_.done() - 1].before.now(), "undo")) {
-        history_.undo(now_s(session));
-        apply(session);
+void TuningDesk::undo() {
+    history().let_go();
+    if (history().can_undo() &&
+        may_go_to(history().steps()[history().done() - 1].before.now(), "undo")) {
+        history().undo(session_.plot_time_s());
+        update();
     }
 }
 
-void TuningDesk::redo(session::Session &session) {
-    history_.let_go();
-    if (history_.can_redo() &&
-        may_go_to(session, history_.steps()[history_.done()].after.now(), "redo")) {
-        history_.redo(now_s(session));
-        apply(session);
+void TuningDesk::redo() {
+    history().let_go();
+    if (history().can_redo() &&
+        may_go_to(history().steps()[history().done()].after.now(), "redo")) {
+        history().redo(session_.plot_time_s());
+        update();
     }
 }
 
-void TuningDesk::toggle_slot(session::Session &session) {
-    history_.let_go();
-    if (may_go_to(session, history_.slots().other(), "the other slot")) {
-        history_.toggle(now_s(session));
-        apply(session);
+void TuningDesk::toggle_slot() {
+    history().let_go();
+    if (may_go_to(history().slots().other(), "the other slot")) {
+        history().toggle(session_.plot_time_s());
+        update();
     }
 }
 
-void TuningDesk::store(session::Session &session) {
-    history_.let_go();
-    history_.store(now_s(session));
-}
-
-void TuningDesk::toggle_map(session::Session &session) {
-    control::Tuning other = history_.now();
+void TuningDesk::toggle_map() {
+    control::Tuning other = now();
     other.map = other.map == control::MotionMap::transpose ? control::MotionMap::inverse
                                                            : control::MotionMap::transpose;
-    replace(session, other, "map " + std::string(control::label_of(other.map)));
+    replace(other, "map " + std::string(control::label_of(other.map)));
 }
 
 } // namespace springdrive::app

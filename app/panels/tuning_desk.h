@@ -1,7 +1,7 @@
 // How the window's user changes the tuning: with undo, two slots to compare, a lamp that shows the
 // predicted stability, and a lock at the predicted limit.
 //
-//   slider, preset, file, key ──► lock ──► TuningHistory ──► servo
+//   slider, preset, file, key ──► lock ──► the session's TuningHistory ──► servo
 //                                  ▲
 //                        lamp: the chosen hand's loops
 #pragma once
@@ -39,31 +39,26 @@ struct StabilityLamp {
 
 class TuningDesk {
 public:
-    explicit TuningDesk(const session::Session &session);
+    /// @param session  must outlive it
+    explicit TuningDesk(session::Session &session) : session_(session) {}
 
-    /// Once per frame: the lamp, and tunings that became active otherwise, by a scene's model.
-    void update(const session::Session &session);
+    /// Once per frame: the lamp.
+    void update();
 
     /// A control that is held changes the tuning; see TuningHistory. Where the lock stops it, it
     /// goes as far as is stable.
     /// @param source  the control, not 0
-    void drag(session::Session &session, const control::Tuning &to, std::uint32_t source);
-    /// No control is held any more.
-    void let_go() { history_.let_go(); }
+    void drag(const control::Tuning &to, std::uint32_t source);
 
     /// A deliberate single change. @param what  its name in the history
-    void replace(session::Session &session, const control::Tuning &to, const std::string &what);
+    void replace(const control::Tuning &to, const std::string &what);
 
     // By key or button.
-    void undo(session::Session &session);
-    void redo(session::Session &session);
-    void toggle_slot(session::Session &session);
-    /// Puts the active tuning into the other slot, too.
-    void store(session::Session &session);
-    void toggle_map(session::Session &session);
+    void undo();
+    void redo();
+    void toggle_slot();
+    void toggle_map();
 
-    [[nodiscard]] const session::TuningHistory &history() const { return history_; }
-    [[nodiscard]] const control::Tuning &now() const { return history_.now(); }
     [[nodiscard]] const StabilityLamp &lamp() const { return lamp_; }
 
     /// What stopped the last change, or why it was not made; empty if nothing did.
@@ -73,18 +68,16 @@ public:
     bool is_unlocked = false; ///< tunings beyond the predicted limit may be set
 
 private:
-    void apply(session::Session &session);
-    [[nodiscard]] StabilityLamp lamp_of(const session::Session &session,
-                                        const control::Tuning &tuning) const;
+    [[nodiscard]] session::TuningHistory &history() { return session_.tuning(); }
+    [[nodiscard]] const control::Tuning &now() const { return session_.tuning().now(); }
+    [[nodiscard]] StabilityLamp lamp_of(const control::Tuning &tuning) const;
     /// Whether 2 % more K_P and K_D would make it unstable.
-    [[nodiscard]] bool is_behind_lock(const session::Session &session,
-                                      const control::Tuning &tuning) const;
-    [[nodiscard]] bool is_refused(const session::Session &session, const control::Tuning &to) const;
+    [[nodiscard]] bool is_behind_lock(const control::Tuning &tuning) const;
+    [[nodiscard]] bool is_refused(const control::Tuning &to) const;
     /// Otherwise complains. @param what  was to be done
-    [[nodiscard]] bool may_go_to(const session::Session &session, const control::Tuning &to,
-                                 const char *what);
+    [[nodiscard]] bool may_go_to(const control::Tuning &to, const char *what);
 
-    session::TuningHistory history_;
+    session::Session &session_;
     StabilityLamp lamp_;
     std::string complaint_;
 };

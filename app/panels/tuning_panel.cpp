@@ -28,15 +28,15 @@ void set_parameter(session::Session &session, TuningDesk &desk, std::size_t inde
                    const control::Tuning &with) {
     control::Tuning tuning = with;
     tuning.*control::kParameters[index].value = value;
-    desk.drag(session, tuning, static_cast<std::uint32_t>(index + 1));
-    desk.let_go();
+    desk.drag(tuning, static_cast<std::uint32_t>(index + 1));
+    session.tuning().let_go();
 }
 
 /// The unit, and for dR what acts instead of the requested value.
 void show_unit(const session::Session &session, const control::Parameter &parameter) {
     const double active_Ohm = active_dR_Ohm(session);
     if (parameter.value == &control::Tuning::dR_Ohm &&
-        active_Ohm > session.servo().inputs().tuning.dR_Ohm * (1.0 + 1e-9)) {
+        active_Ohm > session.tuning().now().dR_Ohm * (1.0 + 1e-9)) {
         ui::text(kDanger, "Ω, acts: {:.3f}", active_Ohm);
         ui::explain("held up by the winding guard or the observer of R: see below");
     } else {
@@ -47,7 +47,7 @@ void show_unit(const session::Session &session, const control::Parameter &parame
 void edit_parameter(session::Session &session, TuningDesk &desk, std::size_t index) {
     const control::Parameter &parameter = control::kParameters[index];
     const bool is_alpha = parameter.value == &control::Tuning::alpha_rad2_per_m2;
-    control::Tuning tuning = desk.now();
+    control::Tuning tuning = session.tuning().now();
     const bool acts = !is_alpha || tuning.alpha_mode == control::AlphaMode::by_hand;
     if (is_alpha) { // to move it selects α by hand
         tuning.alpha_mode = control::AlphaMode::by_hand;
@@ -64,7 +64,7 @@ void edit_parameter(session::Session &session, TuningDesk &desk, std::size_t ind
     if (ui::slider("##slider", value, parameter.minimum, parameter.maximum,
                    parameter.logarithmic) &&
         control::lies_in_range(parameter, tuning)) {
-        desk.drag(session, tuning, static_cast<std::uint32_t>(index + 1));
+        desk.drag(tuning, static_cast<std::uint32_t>(index + 1));
     }
     ImGui::SameLine();
     ImGui::SetNextItemWidth(4.6F * font);
@@ -84,11 +84,11 @@ void edit_parameter(session::Session &session, TuningDesk &desk, std::size_t ind
 }
 
 /// What a preset would change, and what it keeps.
-std::string preset_text(const TuningDesk &desk, const std::string &file,
+std::string preset_text(const session::Session &session, const std::string &file,
                         const control::Tuning &preset) {
     return "sets " +
-           control::text_of(
-               control::changes_between(desk.now(), control::with_gains_of(desk.now(), preset))) +
+           control::text_of(control::changes_between(
+               session.tuning().now(), control::with_gains_of(session.tuning().now(), preset))) +
            "\nkeeps the map, the source of α, α and η\n" + file + ".toml of the included tunings";
 }
 
@@ -115,11 +115,11 @@ void draw_presets(session::Session &session, TuningDesk &desk, TuningPanelState 
         {
             const ui::Disabled without_file(!preset.has_value());
             if (ui::button(label) && preset) {
-                desk.replace(session, control::with_gains_of(desk.now(), *preset),
+                desk.replace(control::with_gains_of(session.tuning().now(), *preset),
                              std::string("preset ") + label);
             }
         }
-        ui::explain(preset ? preset_text(desk, file, *preset)
+        ui::explain(preset ? preset_text(session, file, *preset)
                            : "no tuning is stored for this servo rate and delay:\n"
                              "find the stiffest in the Stability tab");
         ImGui::SameLine();
@@ -127,11 +127,11 @@ void draw_presets(session::Session &session, TuningDesk &desk, TuningPanelState 
 }
 
 void draw_history_buttons(session::Session &session, TuningDesk &desk) {
-    const session::TuningHistory &history = desk.history();
+    const session::TuningHistory &history = session.tuning();
     {
         const ui::Disabled at_start(!history.can_undo());
         if (ui::button("undo")) {
-            desk.undo(session);
+            desk.undo();
         }
     }
     ui::explain(history.done() > 0
@@ -141,35 +141,36 @@ void draw_history_buttons(session::Session &session, TuningDesk &desk) {
     {
         const ui::Disabled at_end(!history.can_redo());
         if (ui::button("redo")) {
-            desk.redo(session);
+            desk.redo();
         }
     }
     ui::explain("Ctrl+Y");
     ImGui::SameLine();
     const bool is_a = history.slots().active() == session::TuningSlot::a;
     if (ui::button(is_a ? "A | b###slot" : "a | B###slot")) {
-        desk.toggle_slot(session);
+        desk.toggle_slot();
     }
     ui::explain("two tunings to compare; key B switches. The other one:\n" +
-                control::text_of(control::changes_between(desk.now(), history.slots().other())));
+                control::text_of(
+                    control::changes_between(session.tuning().now(), history.slots().other())));
     ImGui::SameLine();
     if (ui::button("A = B##store")) {
-        desk.store(session);
+        session.tuning().store(session.plot_time_s());
     }
     ui::explain("puts the active tuning into the other slot, too");
 }
 
 void draw_map_choice(session::Session &session, TuningDesk &desk) {
     const ui::ExplainedRow row(explanation_of("maps") + "\nkey M switches");
-    control::Tuning tuning = desk.now();
+    control::Tuning tuning = session.tuning().now();
     ImGui::SetNextItemWidth(9.0F * ImGui::GetFontSize());
     if (ui::choice("##map", tuning.map, control::kMotionMapLabels)) {
-        desk.replace(session, tuning, "map " + std::string(control::label_of(tuning.map)));
+        desk.replace(tuning, "map " + std::string(control::label_of(tuning.map)));
     }
     ImGui::SameLine();
     ImGui::SetNextItemWidth(8.0F * ImGui::GetFontSize());
     if (ui::choice("##alpha", tuning.alpha_mode, control::kAlphaModeLabels)) {
-        desk.replace(session, tuning, std::string(control::label_of(tuning.alpha_mode)));
+        desk.replace(tuning, std::string(control::label_of(tuning.alpha_mode)));
     }
 }
 

@@ -37,7 +37,7 @@ void add_plot(PlotPanelState &state, PlotSettings settings) {
 loops::SpringDrive drive_of(const session::Session &session) {
     loops::SpringDrive drive;
     drive.motor = session.description().motor.front();
-    drive.tuning = session.servo().inputs().tuning;
+    drive.tuning = session.tuning().now();
     drive.period_s = session.servo().period_s();
     drive.delay_periods = session.device().device().delay_periods();
     return drive;

@@ -35,6 +35,8 @@ struct Standstills {
 };
 
 /// For use by one thread.
+class Session;
+
 class ServoRun {
 public:
     /// @param device  must outlive this object or stay valid until `renew`
@@ -42,7 +44,6 @@ public:
     ServoRun(device::HapticDevice &device, const ServoWay &way);
 
     // Requests; active from the next tick.
-    void tune(const control::Tuning &tuning);
     void set_global_alpha(double alpha_rad2_per_m2);
     void observe_resistance(bool on);
     void lower_limits(const servo::SafetyLimits &limits);
@@ -137,6 +138,9 @@ public:
     [[nodiscard]] servo::Servo &servo() { return *servo_; }
 
 private:
+    friend class Session; // owns the tuning
+
+    void tune(const control::Tuning &tuning);
     void publish();
     void note_standstill(const servo::ServoSample &sample);
 

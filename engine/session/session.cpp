@@ -61,6 +61,8 @@ Session::Session(const SessionOptions &options, scene::LoadProgress *progress) :
     }
     observe_as_wanted();
     servo_->touch(scenes_->now().surface, scenes_->id(), tuning);
+    tuning_ = std::make_unique<TuningHistory>(
+        tuning, 0.0, [this](const control::Tuning &active) { servo_->tune(active); });
     begin_past();
 }
 
@@ -123,6 +125,11 @@ void Session::stop() {
     recording_->stop();
 }
 
+double Session::plot_time_s() const {
+    const record::ChannelStore &store = servo_->history().store();
+    return store.is_empty() ? 0.0 : store.time_s(store.end() - 1);
+}
+
 void Session::note_standstill() {
     const double longest_s = servo_->standstills().longest_s;
     if (!reported_standstill_ && longest_s > kReportedStandstill_s) {
@@ -140,7 +147,7 @@ record::RecordHeader Session::header_of_record() const {
     header.device_name = description().name;
     header.device_file = options_.device.file.string();
     header.device_toml = models_->ground().memory.device_text;
-    header.tuning = servo_->inputs().tuning;
+    header.tuning = tuning_->now();
     header.scene_file = scene.scene.file.string();
     header.scene_sha256 = scene.sha256;
     header.scene_triangles = scene.scene.surface.triangles.size();
@@ -214,7 +221,7 @@ std::vector<PastRecord> Session::past() const {
 }
 
 void Session::request_scene(const std::filesystem::path &file) {
-    scenes_->request(file, models_->finish(servo_->inputs().tuning));
+    scenes_->request(file, models_->finish(tuning_->now()));
 }
 
 void Session::choose_models() {
@@ -230,19 +237,22 @@ void Session::choose_again() {
 }
 
 void Session::measure_model(bool fresh) {
-    models_->measure(scenes_->now().scene, servo_->inputs().tuning, fresh);
+    models_->measure(scenes_->now().scene, tuning_->now(), fresh);
 }
 
 void Session::show(const LoadedScene &before) {
     const LoadedScene &now = scenes_->now();
-    control::Tuning tuning = servo_->inputs().tuning;
+    control::Tuning tuning = tuning_->now();
     models_->note_shown(now);
     models_->apply_to(now, before.choice, simulation_.planar, simulation_, tuning);
     if (now.choice && device_->has_world()) {
         world().simulate_as(simulation_);
     }
     observe_as_wanted();
-    servo_->touch(now.surface, scenes_->id(), tuning);
+    servo_->touch(now.surface, scenes_->id(), tuning); // both with the same tick
+    if (tuning != tuning_->now()) {
+        tuning_->replace(tuning, plot_time_s(), "by the scene's model");
+    }
     note(note_on_scene(scenes_->id(), now));
     if (next_device_) {
         prepare_again(); // to start above this scene, not the previous one

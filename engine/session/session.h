@@ -17,6 +17,7 @@
 #include "engine/session/servo_run.h"
 #include "engine/session/session_options.h"
 #include "engine/session/simulated_hand.h"
+#include "engine/session/tuning_history.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -176,6 +177,12 @@ public:
     /// Declares the rotors' angles now. @throw InputError if the device does not accept them
     void zero_device(const Vector3 &theta_rad);
 
+    /// The tuning, which has no other owner: what becomes active there, the servo gets.
+    [[nodiscard]] TuningHistory &tuning() { return *tuning_; }
+    [[nodiscard]] const TuningHistory &tuning() const { return *tuning_; }
+    /// Of the latest sample, by the time of plots, which goes on with another device.
+    [[nodiscard]] double plot_time_s() const;
+
     [[nodiscard]] ServoRun &servo() { return *servo_; }
     [[nodiscard]] const ServoRun &servo() const { return *servo_; }
     [[nodiscard]] const servo::ServoSample &latest() const { return servo_->latest(); }
@@ -260,6 +267,7 @@ private:
     simulated::SimulationOptions simulation_;
     std::unique_ptr<factory::OpenDevice> device_;
     std::unique_ptr<ServoRun> servo_;
+    std::unique_ptr<TuningHistory> tuning_;
     std::unique_ptr<Recording> recording_;
     std::unique_ptr<Prepared> next_device_;
     std::deque<Past> past_; ///< of each device with ticks in memory

@@ -112,7 +112,7 @@ void Session::exchange_device(const DeviceChoice &choice) {
                          servo::description(latest().safety));
     }
     require_not_lent();
-    control::Tuning tuning = servo_->inputs().tuning;
+    control::Tuning tuning = tuning_->now();
     next_device_ = std::make_unique<Prepared>(prepare(choice, text_of_device(choice.file), tuning));
     servo_->release(true);
 }

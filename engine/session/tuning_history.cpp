@@ -8,8 +8,16 @@
 
 namespace springdrive::session {
 
-TuningHistory::TuningHistory(const control::Tuning &first, double time_s) : slots_(first) {
+TuningHistory::TuningHistory(const control::Tuning &first, double time_s, Publish publish)
+    : slots_(first), publish_(std::move(publish)) {
     note(time_s, time_s, "start");
+}
+
+void TuningHistory::go_to(const TuningSlots &slots) {
+    slots_ = slots;
+    if (publish_) {
+        publish_(now());
+    }
 }
 
 // `to` may be a tuning of a step that `let_go` forgets: it is copied first.
@@ -27,7 +35,7 @@ void TuningHistory::change(const control::Tuning &to, double time_s, std::uint32
         source_ = source;
     }
     drag_->time_s = time_s;
-    slots_ = after;
+    go_to(after);
     if (source == 0) {
         let_go();
     }
@@ -79,7 +87,7 @@ const control::Tuning &TuningHistory::undo(double time_s) {
     let_go();
     if (done_ > 0) {
         const TuningStep &step = steps_[--done_];
-        slots_ = step.before;
+        go_to(step.before);
         note(time_s, time_s, "undo: " + step.what);
     }
     return now();
@@ -89,14 +97,14 @@ const control::Tuning &TuningHistory::redo(double time_s) {
     let_go();
     if (done_ < steps_.size()) {
         const TuningStep &step = steps_[done_++];
-        slots_ = step.after;
+        go_to(step.after);
         note(time_s, time_s, "redo: " + step.what);
     }
     return now();
 }
 
 void TuningHistory::add(TuningStep step) {
-    slots_ = step.after;
+    go_to(step.after);
     note(step.began_s, step.time_s, step.what);
     steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(done_), steps_.end());
     steps_.push_back(std::move(step));

@@ -1,4 +1,6 @@
-// Undo and redo of tunings, two of them to compare, and the journal of a run.
+// The tuning of a session, with undo and redo, two of them to compare, and the journal of a run.
+//
+//   editor, scene's model, assistant, study ──► TuningHistory ──► servo
 //
 //   A: t0 ──change──► A: t1 ──toggle──► B: t0 ──change──► B: t2
 //                           ◄──undo────       ◄──undo────
@@ -10,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -74,14 +77,18 @@ struct TuningEvent {
 };
 
 /// Its states are `TuningSlots`. Every change of state is one step, and nothing can be redone after
-/// it; what changes nothing is no step. Times are by the caller's clock. For use by one thread.
+/// it; what changes nothing is no step. What becomes active is passed on at once. Times are by the
+/// caller's clock. For use by one thread.
 class TuningHistory {
 public:
     /// Beyond these the oldest are forgotten; together they take some 20 MB.
     static constexpr std::size_t kMaxSteps = 10'000;
     static constexpr std::size_t kMaxEvents = 100'000;
 
-    explicit TuningHistory(const control::Tuning &first, double time_s = 0.0);
+    /// Is given each tuning that becomes active.
+    using Publish = std::function<void(const control::Tuning &)>;
+
+    explicit TuningHistory(const control::Tuning &first, double time_s = 0.0, Publish publish = {});
 
     /// A change by a control. Those of a control that is held join one step, a drag, until
     /// `let_go` or another change, undo or redo. A drag that ends where it began is no step, and
@@ -122,10 +129,12 @@ public:
 
 private:
     [[nodiscard]] bool has_moved() const { return drag_ && drag_->before != slots_; }
+    void go_to(const TuningSlots &slots);
     void add(TuningStep step);
     void note(double began_s, double time_s, std::string what);
 
     TuningSlots slots_;
+    Publish publish_;
     std::deque<TuningStep> steps_;
     std::size_t done_ = 0;
     std::optional<TuningStep> drag_; ///< the present one; `after` and `what` are not yet known

@@ -18,10 +18,9 @@ std::size_t count(const EventLog &log, EventLog::Kind kind, const std::string &t
 
 TEST(EventLog, HoldsEveryTripAlsoOneThatIsResetWithinAFrame) {
     session::Session session(testing::scripted());
-    session::TuningHistory tuning(session.servo().inputs().tuning);
     EventLog log;
     testing::run(session, 1.5);
-    log.update(session, tuning);
+    log.update(session);
     EXPECT_EQ(count(log, EventLog::Kind::note, "scene plate.gltf"), 1U);
     EXPECT_EQ(count(log, EventLog::Kind::note, "motors running"), 1U);
     EXPECT_EQ(count(log, EventLog::Kind::trip, "stopped"), 0U);
@@ -32,28 +31,27 @@ TEST(EventLog, HoldsEveryTripAlsoOneThatIsResetWithinAFrame) {
         session.servo().let_go_on();
         session.advance(0.004);
     }
-    log.update(session, tuning);
+    log.update(session);
     EXPECT_EQ(count(log, EventLog::Kind::trip, "stopped: emergency stop"), 3U);
     EXPECT_EQ(count(log, EventLog::Kind::note, "reset"), 3U);
-    log.update(session, tuning); // nothing twice
+    log.update(session); // nothing twice
     EXPECT_EQ(count(log, EventLog::Kind::trip, "stopped"), 3U);
 }
 
 TEST(EventLog, HoldsChangesOfTuningRateAndRecord) {
     const std::filesystem::path folder = testing::fresh_folder("event_log");
     session::Session session(testing::scripted());
-    session::TuningHistory tuning(session.servo().inputs().tuning);
     EventLog log;
     testing::run(session, 0.1);
-    log.update(session, tuning);
-    control::Tuning other = tuning.now();
+    log.update(session);
+    control::Tuning other = session.tuning().now();
     other.K_P_V_per_rad = 7.0;
-    tuning.change(other, session.latest().time_s);
+    session.tuning().change(other, session.latest().time_s);
     session.set_servo_rate(2000.0);
     session.start_recording(folder / "t.rec");
-    log.update(session, tuning);
+    log.update(session);
     session.recording().stop();
-    log.update(session, tuning);
+    log.update(session);
     EXPECT_EQ(count(log, EventLog::Kind::change, "K_P 6 → 7 V/rad"), 1U);
     EXPECT_EQ(count(log, EventLog::Kind::note, "servo at 2000 Hz"), 1U);
     EXPECT_EQ(count(log, EventLog::Kind::note, "recording to"), 1U);

@@ -43,22 +43,18 @@ bool says(const testing::Ending &ending, const std::string &part) {
 class PlayedSession {
 public:
     explicit PlayedSession(const session::SessionOptions &options)
-        : session(options), tuning(session.servo().inputs().tuning) {
+        : session(options), tuning(session.tuning()) {
         session.start();
     }
 
     [[nodiscard]] const record::ChannelStore &store() const {
         return session.servo().history().store();
     }
-    [[nodiscard]] double now_s() const {
-        return store().is_empty() ? 0.0 : store().time_s(store().end() - 1);
-    }
-    void apply() { session.servo().tune(tuning.now()); }
+    [[nodiscard]] double now_s() const { return session.plot_time_s(); }
     void set_K_P(double K_P_V_per_rad) {
         control::Tuning to = tuning.now();
         to.K_P_V_per_rad = K_P_V_per_rad;
         tuning.replace(to, now_s(), "K_P of\n\"a, preset\"");
-        apply();
     }
     /// One step in each frame.
     void drag_dR(double from_Ohm, double step_Ohm, int steps) {
@@ -66,7 +62,6 @@ public:
         for (int i = 0; i < steps; ++i) {
             to.dR_Ohm = from_Ohm + step_Ohm * i;
             tuning.change(to, now_s(), 1);
-            apply();
             session.advance(testing::kFrame_s);
         }
         tuning.let_go();
@@ -119,7 +114,7 @@ public:
     }
 
     session::Session session;
-    session::TuningHistory tuning;
+    session::TuningHistory &tuning;
     session::RunFacts facts;
     std::optional<session::RunFolder> folder;
 
@@ -140,15 +135,12 @@ protected:
         played.set_K_P(8.0);
         played.run(1.0);
         played.tuning.toggle(played.now_s());
-        played.apply();
         played.tuning.toggle(played.now_s()); // within one frame: that in between is never active
-        played.apply();
         played.run(0.1);
         played.set_K_P(9.0); // on the way to another one
         played.keep(parent);
         played.run(0.05);
         played.tuning.undo(played.now_s());
-        played.apply();
         played.run(0.5);
         played.drag_dR(0.5, 0.02, 30);
         played.run(1.0);

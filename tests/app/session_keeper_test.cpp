@@ -22,12 +22,12 @@ protected:
     void run(double seconds) {
         for (int frame = 0; frame < static_cast<int>(std::round(seconds * 60.0)); ++frame) {
             played.advance(testing::kFrame_s);
-            log.update(played, tuning);
+            log.update(played);
             keeper.update(played);
         }
     }
     void keep() {
-        keeper.keep(played, tuning, log);
+        keeper.keep(played, log);
         while (keeper.is_writing()) {
             keeper.update(played);
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -35,7 +35,7 @@ protected:
     }
     void finish() {
         played.stop();
-        keeper.finish(played, tuning, log);
+        keeper.finish(played, log);
     }
     void exchange() {
         played.exchange_device(testing::premium());
@@ -72,7 +72,6 @@ protected:
 
     std::filesystem::path parent = testing::fresh_folder("session_keeper");
     session::Session played{testing::scripted()};
-    session::TuningHistory tuning{played.servo().inputs().tuning};
     EventLog log;
     SessionKeeper keeper{parent};
 };
@@ -82,11 +81,11 @@ TEST_F(SessionKeeperTest, MakesTheFolderAboveOnlyWithTheFirstOfItsFolders) {
     SessionKeeper other(above);
     run(0.1);
     EXPECT_FALSE(std::filesystem::exists(parent / "documents"));
-    other.keep(played, tuning, log);
+    other.keep(played, log);
     EXPECT_EQ(other.error(), "");
     EXPECT_EQ(other.folder().parent_path(), above);
     played.stop();
-    other.finish(played, tuning, log);
+    other.finish(played, log);
 }
 
 TEST_F(SessionKeeperTest, KeepsThePastAndWhatFollows) {

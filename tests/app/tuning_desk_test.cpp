@@ -42,22 +42,22 @@ struct Rig {
 TEST(TuningDesk, TheLockLetsEveryStableTuningPassAndNoOther) {
     Rig rig;
     std::mt19937_64 random(11);
-    const Tuning start = rig.desk.now();
+    const Tuning start = rig.session.tuning().now();
     int held = 0;
     int passed = 0;
     for (int i = 0; i < 300; ++i) {
         const Tuning wanted = random_tuning(random);
-        rig.desk.replace(rig.session, start, "start");
-        rig.desk.drag(rig.session, wanted, 1);
-        rig.desk.let_go();
-        EXPECT_EQ(rig.session.servo().inputs().tuning, rig.desk.now());
-        EXPECT_TRUE(is_stable(rig.session, rig.desk.now(), 1.0));
+        rig.desk.replace(start, "start");
+        rig.desk.drag(wanted, 1);
+        rig.session.tuning().let_go();
+        EXPECT_EQ(rig.session.servo().inputs().tuning, rig.session.tuning().now());
+        EXPECT_TRUE(is_stable(rig.session, rig.session.tuning().now(), 1.0));
         if (is_stable(rig.session, wanted, 1.021)) {
-            EXPECT_EQ(rig.desk.now(), wanted);
+            EXPECT_EQ(rig.session.tuning().now(), wanted);
             EXPECT_TRUE(rig.desk.complaint().empty());
             ++passed;
         } else if (!is_stable(rig.session, wanted, 1.02)) {
-            EXPECT_NE(rig.desk.now(), wanted);
+            EXPECT_NE(rig.session.tuning().now(), wanted);
             EXPECT_FALSE(rig.desk.complaint().empty());
             ++held;
         }
@@ -68,10 +68,10 @@ TEST(TuningDesk, TheLockLetsEveryStableTuningPassAndNoOther) {
 
 TEST(TuningDesk, ADragEndsAtTheLimit) {
     Rig rig;
-    Tuning wanted = rig.desk.now();
+    Tuning wanted = rig.session.tuning().now();
     wanted.K_P_V_per_rad = 400.0;
-    rig.desk.drag(rig.session, wanted, 1);
-    const Tuning reached = rig.desk.now();
+    rig.desk.drag(wanted, 1);
+    const Tuning reached = rig.session.tuning().now();
     EXPECT_GT(reached.K_P_V_per_rad, 6.0);
     EXPECT_TRUE(is_stable(rig.session, reached, 1.0));
     // 2 % more gain is unstable, to within the last halving of the way to 400 V/rad: 0.024 V/rad.
@@ -81,16 +81,16 @@ TEST(TuningDesk, ADragEndsAtTheLimit) {
 TEST(TuningDesk, UnlockedEveryTuningPassesAndTheLampFollows) {
     Rig rig;
     rig.desk.is_unlocked = true;
-    Tuning wanted = rig.desk.now();
+    Tuning wanted = rig.session.tuning().now();
     wanted.K_P_V_per_rad = 400.0;
-    rig.desk.drag(rig.session, wanted, 1);
-    EXPECT_EQ(rig.desk.now(), wanted);
+    rig.desk.drag(wanted, 1);
+    EXPECT_EQ(rig.session.tuning().now(), wanted);
     EXPECT_FALSE(rig.desk.lamp().is_stable());
     // Locked again, every way is open from there.
     rig.desk.is_unlocked = false;
     wanted.K_P_V_per_rad = 300.0;
-    rig.desk.drag(rig.session, wanted, 1);
-    EXPECT_EQ(rig.desk.now(), wanted);
+    rig.desk.drag(wanted, 1);
+    EXPECT_EQ(rig.session.tuning().now(), wanted);
 }
 
 TEST(TuningDesk, TheLampIsThatOfTheChosenHand) {
@@ -99,24 +99,24 @@ TEST(TuningDesk, TheLampIsThatOfTheChosenHand) {
     std::mt19937_64 random(12);
     int differing = 0;
     for (int i = 0; i < 200; ++i) {
-        rig.desk.replace(rig.session, random_tuning(random), "random");
+        rig.desk.replace(random_tuning(random), "random");
         bool any_is_unstable = false;
         for (const auto &[hand, firmness] :
              {std::pair{LampHand::light, 0.0}, {LampHand::relaxed, 0.5}, {LampHand::firm, 1.0}}) {
             rig.desk.hand = hand;
-            rig.desk.update(rig.session);
-            loops::StabilityCase which = stability_case_of(rig.session, rig.desk.now());
+            rig.desk.update();
+            loops::StabilityCase which = stability_case_of(rig.session, rig.session.tuning().now());
             which.hands = {loops::hand_of_firmness(firmness)};
             EXPECT_EQ(rig.desk.lamp().is_stable(), loops::is_stable(which));
             any_is_unstable |= !rig.desk.lamp().is_stable();
         }
         rig.desk.hand = LampHand::every;
-        rig.desk.update(rig.session);
+        rig.desk.update();
         if (any_is_unstable) {
             EXPECT_FALSE(rig.desk.lamp().is_stable());
         }
         rig.desk.hand = LampHand::firm;
-        rig.desk.update(rig.session);
+        rig.desk.update();
         differing += rig.desk.lamp().is_stable() && any_is_unstable ? 1 : 0;
     }
     EXPECT_GT(differing, 0); // some rest in a firm hand only
@@ -124,33 +124,32 @@ TEST(TuningDesk, TheLampIsThatOfTheChosenHand) {
 
 TEST(TuningDesk, WhatIsRefusedChangesNothing) {
     Rig rig;
-    const Tuning start = rig.desk.now();
+    const Tuning start = rig.session.tuning().now();
     Tuning unstable = start;
     unstable.K_P_V_per_rad = 400.0;
-    rig.desk.replace(rig.session, unstable, "a file");
-    EXPECT_EQ(rig.desk.now(), start);
+    rig.desk.replace(unstable, "a file");
+    EXPECT_EQ(rig.session.tuning().now(), start);
     EXPECT_NE(rig.desk.complaint().find("a file"), std::string::npos);
-    EXPECT_FALSE(rig.desk.history().can_undo());
+    EXPECT_FALSE(rig.session.tuning().can_undo());
     // Unlocked it becomes a step; locked again, undo works, redo is refused.
     rig.desk.is_unlocked = true;
-    rig.desk.replace(rig.session, unstable, "a file");
+    rig.desk.replace(unstable, "a file");
     rig.desk.is_unlocked = false;
-    rig.desk.undo(rig.session);
+    rig.desk.undo();
     EXPECT_EQ(rig.session.servo().inputs().tuning, start);
-    rig.desk.redo(rig.session);
+    rig.desk.redo();
     EXPECT_EQ(rig.session.servo().inputs().tuning, start);
     EXPECT_FALSE(rig.desk.complaint().empty());
 }
 
 TEST(TuningDesk, ATuningFromElsewhereIsAStep) {
     Rig rig;
-    Tuning other = rig.desk.now();
+    Tuning other = rig.session.tuning().now();
     other.eta = 0.5;
-    rig.session.servo().tune(other);
-    rig.desk.update(rig.session);
-    EXPECT_EQ(rig.desk.now(), other);
-    ASSERT_TRUE(rig.desk.history().can_undo());
-    rig.desk.undo(rig.session);
+    rig.session.tuning().replace(other, rig.session.plot_time_s(), "by a scene's model");
+    EXPECT_EQ(rig.session.servo().inputs().tuning, other);
+    ASSERT_TRUE(rig.session.tuning().can_undo());
+    rig.desk.undo();
     EXPECT_EQ(rig.session.servo().inputs().tuning.eta, 0.0);
 }
 

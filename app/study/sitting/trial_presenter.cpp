@@ -124,7 +124,8 @@ void TrialPresenter::set_up(const study::Interval &interval) {
     if (!has_scene(condition)) {
         shown_scene_.clear();
         session.servo().touch_nothing();
-        session.servo().tune(interval.presented.free_space);
+        session.tuning().replace(interval.presented.free_space, session.plot_time_s(),
+                                 "of an interval in free space");
         return;
     }
     if (shown_scene_ != condition.scene) {

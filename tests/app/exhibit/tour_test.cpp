@@ -109,7 +109,7 @@ TEST(ExhibitTour, ShowsBothMapsWhereTheyDiffer) {
         control::Tuning tuning = session.latest().tuning;
         tuning.map = tuning.map == control::MotionMap::inverse ? control::MotionMap::transpose
                                                                : control::MotionMap::inverse;
-        session.servo().tune(tuning);
+        session.tuning().change(tuning, session.plot_time_s());
     }
     EXPECT_LT(angle_deg[0], 5.0);  // transpose
     EXPECT_GT(angle_deg[1], 25.0); // inverse: the limit of perception

@@ -250,7 +250,7 @@ TEST_F(SessionModel, IsThatForTheActiveGains) {
     remember(tuned, "plate.gltf", "rigid_tip", "3", "transpose_global");
     Session session(options);
     session.start();
-    session.servo().tune(tuned.tuning);
+    session.tuning().change(tuned.tuning, session.plot_time_s());
     session.measure_model();
     ASSERT_TRUE(session.models().choice()); // cached for these gains
     EXPECT_EQ(session.models().choice()->chosen(model_selection::ModelAspect::plant), "rigid_tip");
@@ -261,7 +261,7 @@ TEST_F(SessionModel, AControllerChosenByTheUserIsKeptForTheNextScene) {
     session.start();
     control::Tuning tuning = session.servo().inputs().tuning;
     tuning.map = control::MotionMap::inverse;
-    session.servo().tune(tuning);
+    session.tuning().change(tuning, session.plot_time_s());
     show(session, "plate.gltf");
     EXPECT_EQ(session.servo().inputs().tuning.map, control::MotionMap::inverse);
 }

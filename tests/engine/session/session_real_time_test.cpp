@@ -137,7 +137,7 @@ void turn_every_knob(Touch &touch) {
             control::Tuning tuning;
             tuning.map = map;
             tuning.alpha_mode = mode;
-            touch.session().servo().tune(tuning);
+            touch.session().tuning().change(tuning, touch.session().plot_time_s());
             touch.ticks(60);
         }
     }
@@ -145,10 +145,10 @@ void turn_every_knob(Touch &touch) {
         for (const double value : {parameter.minimum, parameter.maximum}) {
             control::Tuning tuning;
             tuning.*parameter.value = value;
-            touch.session().servo().tune(tuning);
+            touch.session().tuning().change(tuning, touch.session().plot_time_s());
             touch.ticks(100);
         }
-        touch.session().servo().tune({});
+        touch.session().tuning().change({}, touch.session().plot_time_s());
         touch.recover();
     }
 }

@@ -421,8 +421,10 @@ TEST(TuningHistory, GoesThereAlsoBeyondItsSize) {
 }
 
 /// Of the journal alone, the tuning at any time outside a drag.
-TEST(TuningHistory, JournalTellsWhichTuningWasActive) {
-    TuningHistory history(stiff(0.0));
+TEST(TuningHistory, JournalAndPublisherTellWhichTuningIsActive) {
+    control::Tuning published = stiff(0.0);
+    TuningHistory history(published, 0.0,
+                          [&](const control::Tuning &active) { published = active; });
     std::mt19937_64 random(3);
     std::vector<control::Tuning> active_at_ms;
     for (int now_ms = 0; now_ms < 5000; ++now_ms) {
@@ -436,6 +438,7 @@ TEST(TuningHistory, JournalTellsWhichTuningWasActive) {
             history.redo(time_s);
         }
         active_at_ms.push_back(history.now());
+        ASSERT_EQ(published, history.now());
     }
     history.let_go();
     std::size_t known = 0;

@@ -35,7 +35,7 @@ public:
     void use(control::MotionMap map) {
         control::Tuning tuning = session_.latest().tuning;
         tuning.map = map;
-        session_.servo().tune(tuning);
+        session_.tuning().change(tuning, session_.plot_time_s());
         testing::run(session_, kSettles_s);
     }
 
