@@ -80,7 +80,7 @@ void print_times(std::ostream &out, const char *what, std::size_t steps, const r
 std::string grouped(double number) {
     std::string text = fmt::format("{:.0f}", number);
     for (std::size_t at = text.size(); at > 3; at -= 3) {
-        text.insert(at - 3, ",");
+        text.insert(at - 3, 1, ',');
     }
     return text;
 }
