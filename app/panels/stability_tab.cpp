@@ -82,8 +82,7 @@ void show_prediction(const StabilityPrediction &prediction) {
     }
 }
 
-void show_search(const session::Session &session, const TuningDesk &desk,
-                 StabilityTabState &state) {
+void show_search(const session::Session &session, StabilityTabState &state) {
     const float font = ImGui::GetFontSize();
     ImGui::SetNextItemWidth(8.0F * font);
     ui::slider_with_number("margin", state.margin, kMinMargin, kMaxMargin, "× %.2f");
@@ -100,7 +99,7 @@ void show_search(const session::Session &session, const TuningDesk &desk,
         return;
     }
     if (ui::button("find the stiffest")) {
-        state.start_tuning(session, desk);
+        state.start_tuning(session);
     }
     ui::explain("K_P, K_D and λ for the stiffest contact with this dR, map, servo rate and\n"
                 "delay that is stable with every hand, at any η and tip position;\n"
@@ -177,7 +176,7 @@ void draw_stability_tab(session::Session &session, TuningDesk &desk, StabilityTa
         ui::text(kFaintInk, "computing stability …");
     }
     ImGui::Separator();
-    show_search(session, desk, state);
+    show_search(session, state);
     show_found(session, desk, state);
     if (!desk.complaint().empty()) {
         ui::wrapped(kDanger, "{}", desk.complaint());

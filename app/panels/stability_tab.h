@@ -38,7 +38,7 @@ public:
     void finish_search(session::Session &session, TuningDesk &desk);
 
     /// Searches for the stiffest tuning with the active dR and the selected margin.
-    void start_tuning(const session::Session &session, const TuningDesk &desk);
+    void start_tuning(const session::Session &session);
     void stop_tuning();
     [[nodiscard]] bool is_tuning() const { return search_.is_busy(); }
     [[nodiscard]] double tuning_share() const { return search_.share(); }

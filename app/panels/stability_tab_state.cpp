@@ -97,7 +97,7 @@ void StabilityTabState::finish_search(session::Session &session, TuningDesk &des
     }
 }
 
-void StabilityTabState::start_tuning(const session::Session &session, const TuningDesk &desk) {
+void StabilityTabState::start_tuning(const session::Session &session) {
     found_.reset();
     message_.clear();
     searched_ = stability_case_of(session, session.tuning().now());

@@ -1,5 +1,5 @@
 // Covers engine/contact/bvh/box_tree_build.cpp.
-#include "engine/contact/bvh/box_tree.h"
+#include "engine/contact/bvh/box_tree_build.h"
 
 #include "tests/engine/contact/bvh/box_sets.h"
 
