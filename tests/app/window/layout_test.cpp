@@ -115,11 +115,11 @@ TEST_P(Layout, ARecordFitsWithWhatOtherGainsWouldHaveDone) {
     window.click("Record/what if: the active tuning");
     window.wait_until([](const Report &report) { return report.shows("active tuning"); },
                       "answered");
-    expect_all_fits(window.look(), "a record");
+    expect_all_fits(settled(window), "a record");
     window.person().key("ctrl+s");
     window.wait_until([](const Report &report) { return report.find("Servo/kept") != nullptr; },
                       "kept");
-    expect_all_fits(window.look(), "kept");
+    expect_all_fits(settled(window), "kept");
     std::filesystem::remove_all(folder);
 }
 
@@ -128,14 +128,14 @@ TEST_P(Layout, TheFirstMinuteFitsWithAndWithoutPanels) {
     ShownWindow window({"--settings", folder / "settings"}, GetParam());
     window.wait_until_running();
     EXPECT_TRUE(window.look().find("Start/got it"));
-    expect_all_fits(window.look(), "with panels");
+    expect_all_fits(settled(window), "with panels");
     window.person().key("F10");
     // Until the notice that stands over the scene is gone.
     window.wait_until([](const Report &report) { return !report.shows("F10 shows the panels"); },
                       "the notice goes");
     EXPECT_TRUE(window.look().find("Start/got it"));
     EXPECT_TRUE(window.look().find("read-outs/force"));
-    expect_all_fits(window.look(), "without panels");
+    expect_all_fits(settled(window), "without panels");
     std::filesystem::remove_all(folder);
 }
 
@@ -157,21 +157,21 @@ TEST_P(Layout, TheAssistantFits) {
     unsetenv("XDG_STATE_HOME"); // NOLINT(concurrency-mt-unsafe)
     for (const std::string &step : steps) {
         window.click("steps/" + step);
-        expect_all_fits(window.look(), step);
+        expect_all_fits(settled(window), step);
     }
     window.click("steps/self_test");
     window.click("self_test/start");
     window.wait_until([](const Report &report) { return report.find("self_test/stop") != nullptr; },
                       "it runs");
-    expect_all_fits(window.look(), "self-test");
+    expect_all_fits(settled(window), "self-test");
     window.person().key("F12");
     window.wait_until([](const Report &report) { return report.shows("stopped: emergency stop"); },
                       "stopped");
-    expect_all_fits(window.look(), "stopped");
+    expect_all_fits(settled(window), "stopped");
     window.click("Assistant/Again");
     window.click("steps/motion");
     window.click("motion/nothing moves");
-    expect_all_fits(window.look(), "nothing moves");
+    expect_all_fits(settled(window), "nothing moves");
     std::filesystem::remove_all(state);
 }
 

@@ -108,7 +108,11 @@ TEST(RecordsInTheWindow, OtherGainsAreComputedForTheSameMotion) {
         return force_N;
     };
     const std::vector<double> force_N = forces_N(window.wait_until(
-        [&](const Report &report) { return forces_N(report).size() == 2; }, "the answer"));
+        [&](const Report &report) {
+            const std::vector<double> both = forces_N(report);
+            return both.size() == 2 && both[0] != both[1];
+        },
+        "the answer for other gains"));
     // A record of 1 N or so, with dR of 0.5 Ω; half of that pulls about twice as much for the same
     // depth (13), friction and back-EMF apart.
     EXPECT_GT(force_N[0], 0.3);

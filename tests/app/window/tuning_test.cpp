@@ -311,6 +311,8 @@ TEST(TuningInTheWindow, TheStiffestWithColdWindingsSaysWhatActs) {
     ShownWindow window({"--dR", "0.2", "--device-seed", "7"}, {}, folder);
     window.wait_until_running();
     window.click("Tuning/Stability");
+    window.wait_until([](const Report &report) { return report.shows("K_P may rise to"); },
+                      "the margins, above the button, are there");
     window.click("find the stiffest");
     const Report found = window.wait_until(
         [](const Report &report) { return report.shows("found, active"); }, "found", 60.0);

@@ -152,12 +152,20 @@ TEST(ServoRun, DrivesNoMotorBeforeTheFirstFrame) {
     run.stop();
 }
 
-TEST(ServoRun, LockstepHasOneSpeed) {
+TEST(ServoRun, InLockstepADeviceIsSlowedDownStandsStillAndIsSteppedToo) {
     Rig rig;
-    EXPECT_FALSE(rig.run.can_change_speed());
+    ASSERT_TRUE(rig.run.can_change_speed());
+    rig.run.set_speed(0.5);
+    rig.run.advance(0.1);
+    EXPECT_EQ(rig.run.latest().tick + 1, 50U);
     rig.run.set_speed(0.0);
     rig.run.advance(0.1);
-    EXPECT_EQ(rig.run.latest().tick + 1, 100U);
+    EXPECT_EQ(rig.run.latest().tick + 1, 50U);
+    rig.run.step();
+    EXPECT_EQ(rig.run.latest().tick + 1, 51U);
+    rig.run.set_speed(1.0);
+    rig.run.advance(0.1);
+    EXPECT_EQ(rig.run.latest().tick + 1, 151U);
 }
 
 } // namespace
