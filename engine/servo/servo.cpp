@@ -78,8 +78,21 @@ double servo_period_s(double servo_hz) {
 }
 
 Servo::Servo(device::HapticDevice &device, double servo_hz)
-    : servo_hz_(servo_hz), loop_(device, servo_period_s(servo_hz)), samples_(kWindowRing),
-      record_samples_(kRecordRing) {}
+    : servo_hz_(servo_hz), loop_(device, servo_period_s(servo_hz)), samples_(kWindowRing) {}
+
+SampleRing<ServoSample> &Servo::record_ring() {
+    if (!record_samples_) {
+        record_samples_.emplace(kRecordRing);
+    }
+    return *record_samples_;
+}
+
+void Servo::feed_recorder(bool on) {
+    if (on) {
+        static_cast<void>(record_ring());
+    }
+    recording_.store(on, std::memory_order_release);
+}
 
 std::vector<std::string> Servo::start(const ServoThread &how) {
     how_ = how;
@@ -228,7 +241,7 @@ void Servo::hand_over(const ServoSample &sample) noexcept {
     has_last_ = true;
     samples_.push(sample);
     if (recording_.load(std::memory_order_acquire)) {
-        record_samples_.push(sample);
+        record_samples_->push(sample);
     }
 }
 

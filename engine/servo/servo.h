@@ -92,9 +92,10 @@ public:
     /// Samples lost because `drain` came too late.
     [[nodiscard]] std::uint64_t lost_samples() const { return samples_.lost(); }
 
-    /// A second queue for one more reader, filled while `feed_recorder` is on.
-    [[nodiscard]] SampleRing<ServoSample> &record_ring() { return record_samples_; }
-    void feed_recorder(bool on) noexcept { recording_.store(on, std::memory_order_release); }
+    /// A second queue for one more reader, filled while `feed_recorder` is on. Made by the first
+    /// call of either: it holds 40 MB, and most sessions record nothing.
+    [[nodiscard]] SampleRing<ServoSample> &record_ring();
+    void feed_recorder(bool on);
 
     [[nodiscard]] double period_s() const { return loop_.period_s(); }
 
@@ -123,7 +124,7 @@ private:
     ServoSample last_;
     bool has_last_ = false;
     SampleRing<ServoSample> samples_;
-    SampleRing<ServoSample> record_samples_;
+    std::optional<SampleRing<ServoSample>> record_samples_;
     std::atomic<bool> recording_{false};
 
     std::atomic<bool> stopping_{false};

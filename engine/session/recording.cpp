@@ -25,11 +25,13 @@ std::filesystem::path name_of_part(const std::filesystem::path &first, std::size
     return first.parent_path() / name;
 }
 
-Recording::Recording(ServoRun &servo)
-    : servo_(servo), recorder_(std::make_unique<record::Recorder>(servo.servo().record_ring())) {}
+Recording::Recording(ServoRun &servo) : servo_(servo) {}
 
 void Recording::begin(const std::filesystem::path &file, const record::RecordHeader &header,
                       FilePolicy policy) {
+    if (!recorder_) {
+        recorder_ = std::make_unique<record::Recorder>(servo_.servo().record_ring());
+    }
     recorder_->start(file, header,
                      servo_.is_in_lockstep() ? record::Recorder::Mode::pumped
                                              : record::Recorder::Mode::own_thread,
@@ -47,19 +49,22 @@ void Recording::start(const std::filesystem::path &file, const record::RecordHea
 
 void Recording::stop() {
     servo_.servo().feed_recorder(false);
-    recorder_->stop();
+    if (recorder_) {
+        recorder_->stop();
+    }
 }
 
 void Recording::end_part(std::string_view last_note) {
     goes_on_ = is_running();
     servo_.servo().feed_recorder(false);
-    recorder_->stop(last_note);
-    ended_ = sum(ended_, recorder_->status());
-    recorder_.reset();
+    if (recorder_) {
+        recorder_->stop(last_note);
+        ended_ = sum(ended_, recorder_->status());
+        recorder_.reset();
+    }
 }
 
 std::filesystem::path Recording::begin_part(const record::RecordHeader &header) {
-    recorder_ = std::make_unique<record::Recorder>(servo_.servo().record_ring());
     if (!std::exchange(goes_on_, false)) {
         return {};
     }

@@ -27,10 +27,18 @@ public:
     void stop();
 
     /// In lockstep: writes the new samples.
-    void pump() { recorder_->pump(); }
+    void pump() {
+        if (recorder_) {
+            recorder_->pump();
+        }
+    }
 
     /// Records an event between two ticks, as JSON text; does nothing while not recording.
-    void note(std::string_view json) { recorder_->note(json); }
+    void note(std::string_view json) {
+        if (recorder_) {
+            recorder_->note(json);
+        }
+    }
 
     /// Ends the current file, if any, with all ticks up to now, and detaches from the servo.
     /// @param last_note  JSON text
@@ -41,7 +49,7 @@ public:
     /// @throw InputError if the file cannot be created; the recording has then ended
     std::filesystem::path begin_part(const record::RecordHeader &header);
 
-    [[nodiscard]] bool is_running() const { return recorder_->is_recording(); }
+    [[nodiscard]] bool is_running() const { return recorder_ && recorder_->is_recording(); }
     /// The status of all parts of the current recording, or else of the last one.
     [[nodiscard]] record::RecorderStatus status() const;
     /// The current file, or else the last one; empty if there was none.
@@ -56,7 +64,7 @@ private:
                FilePolicy policy);
 
     ServoRun &servo_;
-    std::unique_ptr<record::Recorder> recorder_; ///< on the servo's ring
+    std::unique_ptr<record::Recorder> recorder_; ///< on the servo's ring; null before the first
     std::vector<std::filesystem::path> parts_;
     Readers readers_ = Readers::all; ///< of the parts
     record::RecorderStatus ended_;   ///< sum of the previous parts
