@@ -20,7 +20,7 @@
 namespace springdrive::study {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kWarmUpPeriod_s = 1e-3;
 
 /// So light that it leaves the tip alone, but keeps it from falling in minutes.
 constexpr device::HandParameters kNearlyOff{0.0, 0.5, 20.0};
@@ -33,7 +33,7 @@ struct Warming {
 
     static simulated::SimulationOptions options_with(const device::HandParameters &hand) {
         simulated::SimulationOptions options;
-        options.servo_period_s = kPeriod_s;
+        options.servo_period_s = kWarmUpPeriod_s;
         options.hand = hand;
         return options;
     }
@@ -73,7 +73,7 @@ TEST_P(WarmUpOfHands, ComesIntoTheBandAndLeavesTheTipInItsPlace) {
     Warming warming(GetParam() ? device::HandParameters{} : kNearlyOff);
     rig::ServoRig &rig = warming.rig;
     const WindingBand band;
-    WarmUp warm_up(warming.device, band, kPeriod_s);
+    WarmUp warm_up(warming.device, band, kWarmUpPeriod_s);
     const double dR_before_Ohm = rig.inputs.tuning.dR_Ohm;
     const double begun_s = rig.last.time_s;
     double force_N = 0.0;
@@ -91,8 +91,8 @@ TEST_P(WarmUpOfHands, ComesIntoTheBandAndLeavesTheTipInItsPlace) {
         EXPECT_FALSE(sample.held_back.holds_force() || sample.held_back.voltage);
         const bool is_full =
             warm_up.phase() == WarmUpPhase::heating && warm_up.amplitude_A().minCoeff() > 0.0;
-        heated_s += is_full ? kPeriod_s : 0.0;
-        if (is_full && std::abs(heated_s - 30.0) < 0.5 * kPeriod_s) {
+        heated_s += is_full ? kWarmUpPeriod_s : 0.0;
+        if (is_full && std::abs(heated_s - 30.0) < 0.5 * kWarmUpPeriod_s) {
             // With R of the middle between cold and hot, which is within 2 % of either.
             const device::MotorParameters &motor = warming.device.motor[0];
             rise_K = rig.truth().winding_C[0] - band.air_C;
@@ -100,8 +100,8 @@ TEST_P(WarmUpOfHands, ComesIntoTheBandAndLeavesTheTipInItsPlace) {
                                                                 rig.truth().theta_rad[0]);
             const double current_A =
                 warming_current_A(warming.device, sample.limits, sample.theta_rad)[0];
-            predicted_K = winding_rise_K(motor.thermal,
-                                         warming_heat_W(motor, R_Ohm, current_A, kPeriod_s), 30.0);
+            predicted_K = winding_rise_K(
+                motor.thermal, warming_heat_W(motor, R_Ohm, current_A, kWarmUpPeriod_s), 30.0);
         }
         if (heated_s > 30.0 && heated_s < 31.0) { // a hand comes to rest in a second
             least_m = least_m.cwiseMin(rig.truth().tip_m);
@@ -133,7 +133,7 @@ TEST_P(WarmUpOfHands, ComesIntoTheBandAndLeavesTheTipInItsPlace) {
     for (Eigen::Index j = 0; j < 3; ++j) {
         lightest_kg = std::min(lightest_kg, tip_mass_kg(warming.device, q_rad, Vector3::Unit(j)));
     }
-    const double either_m = force_N * kPeriod_s * kPeriod_s / (8.0 * lightest_kg);
+    const double either_m = force_N * kWarmUpPeriod_s * kPeriod_s / (8.0 * lightest_kg);
     EXPECT_LT((most_m - least_m).maxCoeff(), 2.0 * either_m);
     std::printf("warm after %.0f s, at most %.1f N, the tip goes %.1f um (at most %.1f), the "
                 "observer saw %.1f mJ; true %.1f %.1f %.1f degC\n",
@@ -150,14 +150,14 @@ INSTANTIATE_TEST_SUITE_P(, WarmUpOfHands, ::testing::Bool(), [](const auto &hold
 TEST(LiveWarmUp, IsThatOfARigTickByTick) {
     const WindingBand band{25.0, 25.8, 60.0};
     Warming warming(kNearlyOff);
-    WarmUp warm_up(warming.device, band, kPeriod_s);
+    WarmUp warm_up(warming.device, band, kWarmUpPeriod_s);
     simulated::SimulatedPhantom phantom(warming.device, Warming::options_with(kNearlyOff),
                                         Warming::kAt_m);
-    servo::Servo servo(phantom, 1.0 / kPeriod_s);
+    servo::Servo servo(phantom, 1.0 / kWarmUpPeriod_s);
     servo::ServoInputs inputs = warming.rig.inputs;
     servo.publish(inputs);
     servo.advance(static_cast<int>(warming.rig.last.tick) + 1);
-    LiveWarmUp live(warming.device, band, kPeriod_s);
+    LiveWarmUp live(warming.device, band, kWarmUpPeriod_s);
     inputs.course = &live;
     servo.publish(inputs);
 
@@ -198,7 +198,7 @@ struct MadeUp {
     explicit MadeUp(double C1, double C2, double C3) : winding_C(C1, C2, C3) {}
 
     void run(double seconds) {
-        for (long i = std::lround(seconds / kPeriod_s); i > 0; --i) {
+        for (long i = std::lround(seconds / kWarmUpPeriod_s); i > 0; --i) {
             sample = sample_of(device, winding_C, inputs.tuning.dR_Ohm);
             sample.contact.touching = is_touching;
             sample.safety.state =
@@ -214,7 +214,7 @@ struct MadeUp {
     servo::ServoSample sample;
     servo::ServoInputs inputs;
     WindingBand band;
-    WarmUp warm_up{device, band, kPeriod_s};
+    WarmUp warm_up{device, band, kWarmUpPeriod_s};
 };
 
 TEST(WarmUp, HeatsOnlyWhatIsTooCold) {
@@ -224,7 +224,7 @@ TEST(WarmUp, HeatsOnlyWhatIsTooCold) {
     EXPECT_EQ(made_up.inputs.excitation_V[1], 0.0);
     EXPECT_GT(std::abs(made_up.inputs.excitation_V[2]), 1.0);
     const Vector3 before_V = made_up.inputs.excitation_V;
-    made_up.run(kPeriod_s);
+    made_up.run(kWarmUpPeriod_s);
     EXPECT_EQ(made_up.inputs.excitation_V, -before_V);
 }
 
@@ -253,7 +253,7 @@ TEST(WarmUp, FailsWithATripAtOnceAndAfterItsLongestTime) {
     MadeUp tripped(25.0, 25.0, 25.0);
     tripped.run(1.0);
     tripped.has_tripped = true;
-    tripped.run(kPeriod_s);
+    tripped.run(kWarmUpPeriod_s);
     EXPECT_EQ(tripped.warm_up.failure(), WarmUpFailure::tripped);
     EXPECT_TRUE(tripped.inputs.excitation_V.isZero(0.0));
 
