@@ -5,6 +5,7 @@
 #include "app/commands/progress_line.h"
 #include "app/commands/touch_report.h"
 #include "base/input_error.h"
+#include "base/number_in.h"
 #include "device/core/device_file.h"
 #include "device/simulated/hand_path.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
@@ -12,7 +13,6 @@
 #include "engine/servo/servo.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
@@ -22,7 +22,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 namespace springdrive::app {
@@ -56,14 +55,12 @@ std::size_t checks_of(const TypedTouch &typed) {
     if (typed.checks == "all") {
         return rig::kAllSteps;
     }
-    int number = -1;
-    const char *const end = typed.checks.data() + typed.checks.size();
-    const auto [rest, error] = std::from_chars(typed.checks.data(), end, number);
-    if (error != std::errc() || rest != end || number < 0 || number > kMaxSteps) {
+    const auto number = number_in<int>(typed.checks);
+    if (!number || *number < 0 || *number > kMaxSteps) {
         throw InputError("--check " + typed.checks + ": must be a number from 0 to " +
                          std::to_string(kMaxSteps) + ", or all");
     }
-    return static_cast<std::size_t>(number);
+    return static_cast<std::size_t>(*number);
 }
 
 void check(const TypedTouch &typed) {

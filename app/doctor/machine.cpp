@@ -1,5 +1,6 @@
 #include "app/doctor/machine.h"
 
+#include "base/number_in.h"
 #include "base/one_line.h"
 
 #include <fcntl.h>
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cstdlib>
 #include <system_error>
 
@@ -108,13 +108,7 @@ std::optional<std::string> Machine::text(std::string_view path) const {
 
 std::optional<std::int64_t> Machine::number(std::string_view path) const {
     const std::optional<std::string> written = text(path);
-    if (!written) {
-        return std::nullopt;
-    }
-    std::int64_t value = 0;
-    const char *const end = written->data() + written->size();
-    const auto [rest, error] = std::from_chars(written->data(), end, value);
-    return error == std::errc() && rest == end ? std::optional(value) : std::nullopt;
+    return written ? number_in<std::int64_t>(*written) : std::nullopt;
 }
 
 std::vector<std::string> Machine::lines(std::string_view path) const {

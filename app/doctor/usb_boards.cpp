@@ -1,11 +1,11 @@
 #include "app/doctor/usb_boards.h"
 
+#include "base/number_in.h"
 #include "device/usb/protocol.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <iterator>
 
 namespace springdrive::app::doctor {
@@ -102,16 +102,14 @@ std::vector<std::string> others_with_its_numbers(const Machine &machine) {
 
 std::optional<UsingProcess> user_of(const Machine &machine, const Board &board) {
     for (const std::string &process : machine.names_in("/proc")) {
-        std::int64_t id = 0;
-        const char *const end = process.data() + process.size();
-        if (const auto [rest, error] = std::from_chars(process.data(), end, id);
-            error != std::errc() || rest != end) {
+        const auto id = number_in<std::int64_t>(process);
+        if (!id) {
             continue;
         }
         const std::string folder = "/proc/" + process;
         for (const std::string &file : machine.names_in(folder + "/fd")) {
             if (machine.target_of(folder + "/fd/" + file) == board.node()) {
-                return UsingProcess{id, machine.text(folder + "/comm").value_or("a program")};
+                return UsingProcess{*id, machine.text(folder + "/comm").value_or("a program")};
             }
         }
     }

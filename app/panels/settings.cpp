@@ -5,13 +5,13 @@
 #include "base/file_names.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
+#include "base/number_in.h"
 #include "base/one_line.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <fstream>
 #include <functional>
 #include <ostream>
@@ -33,13 +33,11 @@ constexpr std::array<double, 10> kTextSizes{
 /// Reads all of `text` as a number in that range.
 template <typename Number>
 bool read_number(std::string_view text, Number least, Number greatest, Number &number) {
-    Number read{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), read);
-    if (error != std::errc() || end != text.data() + text.size() ||
-        !(read >= least && read <= greatest)) {
+    const auto read = number_in<Number>(text);
+    if (!read || !(*read >= least && *read <= greatest)) {
         return false;
     }
-    number = read;
+    number = *read;
     return true;
 }
 

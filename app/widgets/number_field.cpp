@@ -1,5 +1,6 @@
 // Numbers to be typed: in a field, or on a slider after a click with Ctrl.
 #include "app/widgets/widgets.h"
+#include "base/number_in.h"
 #include "base/one_line.h"
 
 #include <imgui_internal.h>
@@ -7,10 +8,8 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
-#include <system_error>
 
 namespace springdrive::app::ui {
 
@@ -42,14 +41,11 @@ Entry &entry() {
 }
 
 /// The whole text as a number; its comma is a decimal point, as on many keyboards.
-std::optional<double> number_in(const std::string &typed) {
+std::optional<double> typed_number(const std::string &typed) {
     std::string text = one_line(typed, typed.size());
     std::ranges::replace(text, ',', '.');
-    const char *const end = text.data() + text.size();
-    double number = 0.0;
-    const auto [stop, error] = std::from_chars(text.data(), end, number);
-    return error == std::errc() && stop == end && std::isfinite(number) ? std::optional(number)
-                                                                        : std::nullopt;
+    const std::optional<double> number = number_in<double>(text);
+    return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 /// Without what the format has around the number.
@@ -128,7 +124,7 @@ bool type_number(const char *label, double &value, const char *format, const Num
     if (!was_typed_in || is_left || text.empty() || !ImGui::IsItemDeactivatedAfterEdit()) {
         return false;
     }
-    const std::optional<double> number = number_in(text);
+    const std::optional<double> number = typed_number(text);
     if (std::string error = error_of(number, text, range); !error.empty()) {
         entry().refusal = {id, ImGui::GetFrameCount(), std::move(error)};
         return false;

@@ -2,10 +2,10 @@
 
 #include "base/input_error.h"
 #include "base/input_file.h"
+#include "base/number_in.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -38,12 +38,11 @@ bool parse_row(std::string_view line, std::array<double, 4> &row) {
         if ((comma == std::string_view::npos) != (column + 1 == row.size())) {
             return false;
         }
-        const std::string_view cell = trimmed(line.substr(0, comma));
-        const char *end = cell.data() + cell.size();
-        const auto [stop, error] = std::from_chars(cell.data(), end, row[column]);
-        if (error != std::errc{} || stop != end || !std::isfinite(row[column])) {
+        const auto number = number_in<double>(trimmed(line.substr(0, comma)));
+        if (!number || !std::isfinite(*number)) {
             return false;
         }
+        row[column] = *number;
         line.remove_prefix(comma == std::string_view::npos ? line.size() : comma + 1);
     }
     return true;

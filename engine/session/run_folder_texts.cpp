@@ -4,6 +4,7 @@
 #include "base/formula_guard.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
+#include "base/number_in.h"
 #include "base/one_line.h"
 #include "base/print.h"
 #include "engine/session/recording.h"
@@ -12,7 +13,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <ctime>
 #include <iomanip>
@@ -315,13 +315,11 @@ std::vector<CsvLine> csv_lines(std::string_view text, const std::filesystem::pat
 }
 
 double csv_number(const std::filesystem::path &file, const CsvLine &line, std::size_t cell) {
-    const std::string &text = line.cells[cell];
-    double number = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) {
+    const auto number = number_in<double>(line.cells[cell]);
+    if (!number || !std::isfinite(*number)) {
         refuse_cell(file, line, cell, "a number");
     }
-    return number;
+    return *number;
 }
 
 const std::vector<std::string> &journal_title() {

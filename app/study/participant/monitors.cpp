@@ -2,10 +2,10 @@
 
 #include "app/study/participant/participant_input.h"
 #include "base/input_error.h"
+#include "base/number_in.h"
 
 #include <GLFW/glfw3.h>
 
-#include <charconv>
 #include <optional>
 #include <utility>
 
@@ -19,13 +19,6 @@ std::string all_lines(std::span<const MonitorFacts> monitors) {
         all += (i > 0 ? ", " : "") + monitor_line(i, monitors[i]);
     }
     return all.empty() ? "none" : all;
-}
-
-std::optional<std::size_t> number_in(std::string_view text) {
-    std::size_t number = 0;
-    const char *const end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data(), end, number);
-    return error == std::errc() && stop == end ? std::optional(number) : std::nullopt;
 }
 
 std::span<GLFWmonitor *const> glfw_monitors() {
@@ -46,7 +39,7 @@ std::size_t monitor_meant(std::string_view wish, std::span<const MonitorFacts> m
         return InputError("no monitor \"" + std::string(wish) + "\" for the participant: " + what +
                           "; there are " + all_lines(monitors));
     };
-    if (const std::optional<std::size_t> number = number_in(wish)) {
+    if (const std::optional<std::size_t> number = number_in<std::size_t>(wish)) {
         if (*number < 1 || *number > monitors.size()) {
             throw complaint("numbers are from 1 to " + std::to_string(monitors.size()));
         }

@@ -1,9 +1,9 @@
 #include "engine/session/model/model.h"
 
 #include "base/assertions.h"
+#include "base/number_in.h"
 
 #include <algorithm>
-#include <charconv>
 
 namespace springdrive::model_selection {
 
@@ -42,12 +42,11 @@ std::optional<ContactShape> contact_shape_named(std::string_view name) {
     if (!name.starts_with(kSimplified)) {
         return std::nullopt;
     }
-    ContactShape shape{ContactShape::Kind::simplified, 0};
-    const char *end = name.data() + name.size();
-    const auto [stopped, error] =
-        std::from_chars(name.data() + kSimplified.size(), end, shape.divisor);
-    const bool is_number = error == std::errc() && stopped == end;
-    return is_number && shape.divisor >= 2 ? std::optional(shape) : std::nullopt;
+    const auto divisor =
+        number_in<decltype(ContactShape::divisor)>(name.substr(kSimplified.size()));
+    return divisor && *divisor >= 2
+               ? std::optional(ContactShape{ContactShape::Kind::simplified, *divisor})
+               : std::nullopt;
 }
 
 const MotionController *motion_controller_named(std::string_view name) {

@@ -2,11 +2,11 @@
 
 #include "base/degrees.h"
 #include "base/input_error.h"
+#include "base/number_in.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -22,13 +22,11 @@ namespace {
 }
 
 int number(const std::string &aspect, const std::string &text, int minimum) {
-    int value = 0;
-    const char *end = text.data() + text.size();
-    const auto [stopped, error] = std::from_chars(text.data(), end, value);
-    if (error != std::errc() || stopped != end || value < minimum) {
+    const auto value = number_in<int>(text);
+    if (!value || *value < minimum) {
         refuse(aspect, text);
     }
-    return value;
+    return *value;
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 #include "engine/lab/rig/scenario/test_surfaces.h"
 
 #include "base/input_error.h"
+#include "base/number_in.h"
 #include "engine/contact/mesh/mesh_triangle.h"
 #include "engine/lab/rig/scenario/blob_shape.h"
 #include "engine/lab/rig/scenario/machined_surface.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -105,16 +105,9 @@ void divide(contact::TriangleSoup &soup) {
     soup.triangles = std::move(finer);
 }
 
-std::optional<std::size_t> number_in(std::string_view text) {
-    std::size_t number = 0;
-    const char *end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data(), end, number);
-    return error == std::errc{} && stop == end ? std::optional(number) : std::nullopt;
-}
-
 /// The number of divisions that gives the number of triangles in a name.
 int divisions_of(std::string_view name, std::string_view count) {
-    const std::optional<std::size_t> triangles = number_in(count);
+    const std::optional<std::size_t> triangles = number_in<std::size_t>(count);
     std::string choices;
     for (int divisions = kMinDivisions; divisions <= kMaxDivisions; ++divisions) {
         if (triangles == triangles_after(divisions)) {
@@ -130,7 +123,7 @@ int divisions_of(std::string_view name, std::string_view count) {
 
 /// The number of triangles in a name, for surfaces of any number.
 std::size_t triangles_of(std::string_view name, std::string_view count) {
-    const std::optional<std::size_t> triangles = number_in(count);
+    const std::optional<std::size_t> triangles = number_in<std::size_t>(count);
     if (!triangles || *triangles < kMinTriangles || *triangles > kMaxTriangles) {
         throw InputError(std::string(name) + ": triangles must be from " +
                          std::to_string(kMinTriangles) + " to " + std::to_string(kMaxTriangles));
