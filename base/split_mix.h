@@ -21,4 +21,9 @@ inline constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15U;
     return static_cast<double>(bits >> 11U) * 0x1p-53;
 }
 
+/// The value of that number, from 0, of the generator that starts at `seed`. RT-safe.
+[[nodiscard]] constexpr std::uint64_t value(std::uint64_t seed, std::uint64_t number) noexcept {
+    return scattered(seed + (number + 1) * kStep);
+}
+
 } // namespace springdrive::split_mix

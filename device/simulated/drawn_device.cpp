@@ -1,5 +1,7 @@
 #include "device/simulated/drawn_device.h"
 
+#include "base/split_mix.h"
+
 #include <numbers>
 #include <random>
 
@@ -9,7 +11,7 @@ namespace {
 
 /// Uniform in [-1, 1], the same on every machine: the standard's distributions are not.
 [[nodiscard]] double either_way(std::mt19937_64 &random) {
-    return 2.0 * static_cast<double>(random() >> 11U) * 0x1p-53 - 1.0;
+    return 2.0 * split_mix::unit_share(random()) - 1.0;
 }
 
 [[nodiscard]] SensorError draw_sensor(const device::CurrentSensing &sensing,

@@ -41,7 +41,7 @@ namespace springdrive::simulated {
 /// that depends on the seed only.
 class CurrentConverter {
 public:
-    explicit CurrentConverter(std::uint64_t seed) : state_(seed) {}
+    explicit CurrentConverter(std::uint64_t seed) : seed_(seed) {}
 
     /// gain · i + offset + noise, rounded to the resolution [A].
     [[nodiscard]] double reading_A(const MotorSensing &sensing, double current_A) noexcept {
@@ -55,22 +55,17 @@ public:
     }
 
 private:
-    /// Uniform in [0, 1).
-    [[nodiscard]] double uniform() noexcept {
-        state_ += split_mix::kStep;
-        return split_mix::unit_share(split_mix::scattered(state_));
-    }
-
     /// Mean 0, variance 1, to within 6: the sum of twelve uniform values (Irwin-Hall).
     [[nodiscard]] double normal() noexcept {
         double sum = -6.0;
         for (int i = 0; i < 12; ++i) {
-            sum += uniform();
+            sum += split_mix::unit_share(split_mix::value(seed_, draws_++));
         }
         return sum;
     }
 
-    std::uint64_t state_;
+    std::uint64_t seed_;
+    std::uint64_t draws_ = 0;
 };
 
 /// Command to the windings: volts for a spring drive, or amperes for a current drive, which only a

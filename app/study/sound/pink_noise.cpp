@@ -26,8 +26,7 @@ PinkNoise::PinkNoise(double sample_rate_Hz, double level_dBFS) {
     for (Process &process : processes_) {
         double sum = 0.0; // of twelve uniform draws: near enough to normal for one value
         for (int i = 0; i < 12; ++i) {
-            draw_ += split_mix::kStep;
-            sum += split_mix::unit_share(split_mix::scattered(draw_)) - 0.5;
+            sum += split_mix::unit_share(split_mix::value(0, draws_++)) - 0.5;
         }
         process.value = deviation * sum;
     }
@@ -36,8 +35,7 @@ PinkNoise::PinkNoise(double sample_rate_Hz, double level_dBFS) {
 double PinkNoise::next() noexcept {
     double sum = 0.0;
     for (Process &process : processes_) {
-        draw_ += split_mix::kStep;
-        const double uniform = split_mix::unit_share(split_mix::scattered(draw_)) - 0.5;
+        const double uniform = split_mix::unit_share(split_mix::value(0, draws_++)) - 0.5;
         const double unit = uniform * (2.0 * std::numbers::sqrt3); // variance 1
         process.value = process.keep * process.value + process.renew * unit;
         sum += process.value;

@@ -39,7 +39,7 @@ private:
         double value = 0.0;
     };
     std::array<Process, kProcesses> processes_;
-    std::uint64_t draw_ = 0; ///< counter of SplitMix64, from the same start in every program
+    std::uint64_t draws_ = 0; ///< of SplitMix64, from the same start in every program
 };
 
 /// At most this share of the samples is clipped: that of a normal noise, erfc(1/(σ√2)). 4.6 % at

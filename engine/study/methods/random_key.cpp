@@ -8,21 +8,16 @@
 
 namespace springdrive::study {
 
-// Value number + 1 of the generator SplitMix64 that starts at the key, scattered once more, so that
-// children of neighbouring keys are no shifted copies of each other.
+// Scattered once more, so that children of neighbouring keys are no shifted copies of each other.
 RandomKey child(RandomKey key, std::uint64_t number) {
-    return {split_mix::scattered(split_mix::scattered(key.bits + (number + 1U) * split_mix::kStep) ^
-                                 key.bits)};
+    return {split_mix::scattered(split_mix::value(key.bits, number) ^ key.bits)};
 }
 
 RandomKey key_of(std::uint64_t seed, int participant) {
-    return child(RandomKey{split_mix::scattered(seed + split_mix::kStep)},
-                 static_cast<std::uint64_t>(participant));
+    return child(RandomKey{split_mix::value(seed, 0)}, static_cast<std::uint64_t>(participant));
 }
 
-double uniform(RandomKey key) {
-    return split_mix::unit_share(split_mix::scattered(key.bits + split_mix::kStep));
-}
+double uniform(RandomKey key) { return split_mix::unit_share(split_mix::value(key.bits, 0)); }
 
 double standard_normal(RandomKey key) {
     constexpr double kLeast = 0x1p-54; // uniform() may be 0

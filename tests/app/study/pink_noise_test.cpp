@@ -191,10 +191,9 @@ TEST(PinkNoise, FallsByThreeDecibelsAnOctave) {
 /// The other side: the measure sees another spectrum.
 TEST(PinkNoise, IsNotWhite) {
     std::vector<double> white(kSegment * kSegments);
-    std::uint64_t draw = 1;
+    std::uint64_t draw = 0;
     for (double &sample : white) {
-        draw += split_mix::kStep;
-        sample = split_mix::unit_share(split_mix::scattered(draw)) - 0.5;
+        sample = split_mix::unit_share(split_mix::value(1, draw++)) - 0.5;
     }
     EXPECT_NEAR(slope_dB(octaves(white, kRate_Hz)), 0.0, 0.05);
 }

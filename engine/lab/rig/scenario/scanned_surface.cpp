@@ -1,5 +1,6 @@
 #include "engine/lab/rig/scenario/scanned_surface.h"
 
+#include "base/split_mix.h"
 #include "engine/lab/rig/scenario/blob_shape.h"
 #include "engine/lab/rig/scenario/sphere_triangulation.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
@@ -43,7 +44,7 @@ class ScanDraws {
 public:
     explicit ScanDraws(std::uint64_t seed) : random_(seed) {}
 
-    double below_one() { return 0x1p-53 * static_cast<double>(random_() >> 11U); }
+    double below_one() { return split_mix::unit_share(random_()); }
     double between(double lower, double upper) { return lower + below_one() * (upper - lower); }
 
     double of_any_size(double lower, double upper) {

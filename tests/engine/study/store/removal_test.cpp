@@ -241,7 +241,7 @@ protected:
             copy(whole, folder);
             // Every second time in the first calls, which mark the participant; most of the others
             // rebuild the file.
-            const std::uint64_t at_call = testing::hashed(7, static_cast<std::uint64_t>(i)) %
+            const std::uint64_t at_call = split_mix::value(7, static_cast<std::uint64_t>(i)) %
                                           (i % 2 == 0 ? std::min<std::uint64_t>(calls, 16) : calls);
             testing::plan_failure(folder, failure, at_call);
             if (failure == DiskFailure::kill) {

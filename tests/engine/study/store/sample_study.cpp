@@ -125,8 +125,9 @@ std::filesystem::path sample_study(const std::filesystem::path &folder, int part
 }
 
 Trial sample_trial(std::uint64_t seed, int participant, int number) {
-    TrialDraws draws(hashed(hashed(seed, static_cast<std::uint64_t>(participant)),
-                            static_cast<std::uint64_t>(number)));
+    TrialDraws draws(
+        split_mix::value(split_mix::value(seed, static_cast<std::uint64_t>(participant)),
+                         static_cast<std::uint64_t>(number)));
     Trial trial;
     trial.participant = code_of(participant);
     trial.place = place_of(number);

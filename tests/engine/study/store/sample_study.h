@@ -1,6 +1,7 @@
 // A small study for tests, whose trials follow from a seed and their number alone.
 #pragma once
 
+#include "base/split_mix.h"
 #include "engine/study/store/study_store.h"
 
 #include <cstdint>
@@ -10,20 +11,12 @@
 
 namespace springdrive::testing {
 
-/// A fixed function of a seed and a number: SplitMix64, Steele, Lea and Flood 2014.
-[[nodiscard]] constexpr std::uint64_t hashed(std::uint64_t seed, std::uint64_t number) {
-    std::uint64_t z = seed + (number + 1) * 0x9e3779b97f4a7c15U;
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    return z ^ (z >> 31U);
-}
-
-/// Numbers drawn from `hashed`, one after the other.
+/// Numbers of SplitMix64, one after the other.
 class Draws {
 public:
     explicit Draws(std::uint64_t key) : key_(key) {}
 
-    std::uint64_t bits() { return hashed(key_, count_++); }
+    std::uint64_t bits() { return split_mix::value(key_, count_++); }
     /// 0 to `limit` - 1
     template <typename Integer> Integer below(Integer limit) {
         return static_cast<Integer>(bits() % static_cast<std::uint64_t>(limit));

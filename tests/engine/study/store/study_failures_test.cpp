@@ -26,7 +26,6 @@ using testing::are_identical;
 using testing::complaint_of;
 using testing::DiskFailure;
 using testing::fresh_folder;
-using testing::hashed;
 using testing::sample_study;
 using testing::sample_trial;
 using testing::sample_trials;
@@ -49,7 +48,7 @@ protected:
         renew(DiskFailure::none, 0);
         run([](int) {});
         const std::uint64_t calls = testing::calls_of_disk(); // of an undisturbed study
-        const std::uint64_t at_call = hashed(seed, 0) % calls;
+        const std::uint64_t at_call = split_mix::value(seed, 0) % calls;
         renew(failure, at_call);
         return at_call;
     }
