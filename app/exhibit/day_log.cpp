@@ -1,12 +1,11 @@
 #include "app/exhibit/day_log.h"
 
 #include "app/host/user_folder.h"
+#include "base/file_names.h"
 #include "base/one_line.h"
 
 #include <fmt/format.h>
 
-#include <array>
-#include <ctime>
 #include <fstream>
 #include <system_error>
 #include <utility>
@@ -14,16 +13,6 @@
 namespace springdrive::app::exhibit {
 
 namespace {
-
-/// By the local time, which the demonstrator's watch shows.
-std::string local_time(std::chrono::system_clock::time_point when, const char *format) {
-    const std::time_t seconds = std::chrono::system_clock::to_time_t(when);
-    std::tm parts{};
-    localtime_r(&seconds, &parts);
-    std::array<char, 32> text{};
-    const std::size_t size = std::strftime(text.data(), text.size(), format, &parts);
-    return {text.data(), size};
-}
 
 /// "1 stop", "2 stops"
 std::string counted(std::size_t count, std::string_view what) {
@@ -51,16 +40,14 @@ std::string summary_of(const DayFigures &figures) {
 
 std::filesystem::path usual_day_log() {
     const std::filesystem::path state = user_folder("XDG_STATE_HOME", ".local/state");
-    return state.empty()
-               ? state
-               : state / "kiosk" / (local_time(std::chrono::system_clock::now(), "%F") + ".log");
+    return state.empty() ? state : state / "kiosk" / (local_time("%F") + ".log");
 }
 
 void DayLog::note(std::string_view event, std::chrono::system_clock::time_point when) {
     if (file_.empty()) {
         return;
     }
-    const std::string time = local_time(when, "%F %T") + "  ";
+    const std::string time = local_time("%F %T", when) + "  ";
     std::string text;
     if (missing_ > 0) {
         text = time + fmt::format("{} lines before this one could not be written\n", missing_);

@@ -80,11 +80,10 @@ void SessionKeeper::begin_folder(session::Session &session) {
 
 /// "past.rec", "past-2.rec", ...
 std::filesystem::path SessionKeeper::name_of_new(const std::string &stem) const {
-    return unused_name(stem, ".rec", [this](const std::string &name) {
+    return unused_name(stem + ".rec", [this](const std::filesystem::path &name) {
         std::error_code ignored;
         return std::filesystem::exists(folder_->path() / name, ignored) ||
-               std::ranges::find(being_written_, std::filesystem::path(name), &Kept::file) !=
-                   being_written_.end();
+               std::ranges::find(being_written_, name, &Kept::file) != being_written_.end();
     });
 }
 

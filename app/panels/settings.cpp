@@ -244,14 +244,8 @@ void SettingsKeeper::set_damaged_aside() {
     if (!is_damaged_) {
         return;
     }
-    const fs::path folder = file_.parent_path();
-    const std::string name =
-        unused_name(file_.filename().string(), ".damaged", [&](const std::string &some) {
-            std::error_code ignored;
-            return fs::exists(fs::symlink_status(folder / some, ignored));
-        });
     std::error_code failed;
-    fs::rename(file_, folder / name, failed);
+    fs::rename(file_, unused_name(file_.string() + ".damaged"), failed);
     if (failed) {
         throw InputError(
             fmt::format("{}: cannot be renamed: {}", file_.string(), failed.message()));

@@ -57,11 +57,7 @@ void WindowHabits::obey(WindowOrder order, Window &window) {
         window.toggle_full_screen();
         return;
     case WindowOrder::take_picture:
-        picture_ = in_own_folder(
-            unused_name(dated_name("springdrive"), ".png", [](const std::string &name) {
-                std::error_code ignored;
-                return std::filesystem::exists(own_folder() / name, ignored);
-            }));
+        picture_ = unused_name(in_own_folder(dated_name("springdrive") + ".png"));
         return;
     case WindowOrder::reset:
         keeper_.reset();

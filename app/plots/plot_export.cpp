@@ -20,9 +20,7 @@ namespace {
 
 /// "plots-20240531-123456.csv", or with a number if that was written in the same second.
 std::filesystem::path name_of_new_file(const char *ending) {
-    return in_own_folder(unused_name(dated_name("plots"), ending, [](const std::string &name) {
-        return std::filesystem::exists(own_folder() / name);
-    }));
+    return unused_name(in_own_folder(dated_name("plots") + ending));
 }
 
 /// Each channel of any plot, once.

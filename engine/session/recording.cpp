@@ -1,8 +1,8 @@
 #include "engine/session/recording.h"
 
+#include "base/file_names.h"
 #include "base/input_error.h"
 
-#include <string>
 #include <utility>
 
 namespace springdrive::session {
@@ -17,13 +17,6 @@ record::RecorderStatus sum(const record::RecorderStatus &first,
 }
 
 } // namespace
-
-std::filesystem::path name_of_part(const std::filesystem::path &first, std::size_t number) {
-    std::filesystem::path name = first.stem();
-    name += "-" + std::to_string(number);
-    name += first.extension();
-    return first.parent_path() / name;
-}
 
 Recording::Recording(ServoRun &servo) : servo_(servo) {}
 
@@ -68,11 +61,8 @@ std::filesystem::path Recording::begin_part(const record::RecordHeader &header) 
     if (!std::exchange(goes_on_, false)) {
         return {};
     }
-    std::size_t number = parts_.size() + 1;
-    while (std::filesystem::exists(name_of_part(parts_.front(), number))) {
-        ++number; // exists from an earlier recording: do not overwrite it
-    }
-    std::filesystem::path file = name_of_part(parts_.front(), number);
+    // What exists from an earlier recording is not overwritten.
+    std::filesystem::path file = unused_name(parts_.front(), parts_.size() + 1);
     try {
         begin(file, header, {Existing::keep, readers_});
     } catch (const InputError &error) {

@@ -71,8 +71,4 @@ private:
     bool goes_on_ = false;           ///< between the end of a part and the start of the next
 };
 
-/// "touch-2.rec" after "touch.rec".
-[[nodiscard]] std::filesystem::path name_of_part(const std::filesystem::path &first,
-                                                 std::size_t number);
-
 } // namespace springdrive::session

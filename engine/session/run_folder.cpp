@@ -150,11 +150,11 @@ private:
 } // namespace
 
 RunFolder RunFolder::create(const fs::path &parent) {
-    constexpr int kMostOfOneSecond = 1000;
-    const std::string name = dated_name("springdrive");
+    constexpr std::size_t kMostOfOneSecond = 1000;
+    const fs::path name = parent / dated_name("springdrive");
     int error = EEXIST;
-    for (int number = 1; error == EEXIST && number <= kMostOfOneSecond; ++number) {
-        const fs::path folder = parent / (number == 1 ? name : fmt::format("{}-{}", name, number));
+    for (std::size_t number = 1; error == EEXIST && number <= kMostOfOneSecond; ++number) {
+        const fs::path folder = numbered_name(name, number);
         error = mkdir(folder.c_str(), 0777) == 0 ? 0 : errno;
         if (error == 0) {
             check_room_in(folder);
@@ -162,7 +162,7 @@ RunFolder RunFolder::create(const fs::path &parent) {
         }
     }
     throw InputError(fmt::format("{}: cannot be created: {}; check its folder and permissions",
-                                 (parent / name).string(), std::generic_category().message(error)));
+                                 name.string(), std::generic_category().message(error)));
 }
 
 void RunFolder::save(const RunFacts &facts) const {

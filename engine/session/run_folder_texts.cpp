@@ -1,13 +1,13 @@
 #include "engine/session/run_folder_texts.h"
 
 #include "base/assertions.h"
+#include "base/file_names.h"
 #include "base/formula_guard.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/number_in.h"
 #include "base/one_line.h"
 #include "base/print.h"
-#include "engine/session/recording.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -362,7 +362,7 @@ control::Tuning tuning_from_cells(const std::filesystem::path &file, const CsvLi
 } // namespace
 
 std::filesystem::path name_of_device_file(std::size_t number) {
-    return number == 0 ? "device.toml" : name_of_part("device.toml", number + 1);
+    return numbered_name("device.toml", number + 1);
 }
 
 std::string run_json(const RunFacts &facts, const std::filesystem::path &folder) {

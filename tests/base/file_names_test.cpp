@@ -9,13 +9,20 @@ namespace springdrive {
 namespace {
 
 TEST(FileNames, CountOnWhereOneIsTaken) {
-    std::set<std::string> taken;
+    std::set<std::filesystem::path> taken;
     for (const char *expected : {"plots.csv", "plots-2.csv", "plots-3.csv"}) {
-        const std::string name = unused_name(
-            "plots", ".csv", [&](const std::string &some) { return taken.contains(some); });
+        const std::filesystem::path name = unused_name(
+            "plots.csv", [&](const std::filesystem::path &some) { return taken.contains(some); });
         EXPECT_EQ(name, expected);
         taken.insert(name);
     }
+}
+
+TEST(FileNames, HaveTheirNumberBeforeTheEnding) {
+    EXPECT_EQ(numbered_name("a/touch.rec", 1), "a/touch.rec");
+    EXPECT_EQ(numbered_name("a/touch.rec", 2), "a/touch-2.rec");
+    EXPECT_EQ(numbered_name("touch", 10), "touch-10");
+    EXPECT_EQ(numbered_name("a.b/x.y.rec", 3), "a.b/x.y-3.rec");
 }
 
 TEST(FileNames, HoldTheLocalTime) {

@@ -87,11 +87,5 @@ TEST_F(RecordingTest, APartThatCannotBeCreatedIsReportedAndEndsTheRecording) {
     EXPECT_EQ(recording.status().rows, 10U);
 }
 
-TEST(Recording, NamesPartsByTheFirst) {
-    EXPECT_EQ(name_of_part("a/touch.rec", 2), "a/touch-2.rec");
-    EXPECT_EQ(name_of_part("touch", 10), "touch-10");
-    EXPECT_EQ(name_of_part("a.b/x.y.rec", 3), "a.b/x.y-3.rec");
-}
-
 } // namespace
 } // namespace springdrive::session
