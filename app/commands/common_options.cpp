@@ -51,10 +51,10 @@ std::optional<device::DeviceDescription> TypedEmulation::truth() const {
     return device::read_device_file(true_device_file);
 }
 
-std::vector<emulator::Fault> TypedEmulation::parsed_faults() const {
-    std::vector<emulator::Fault> parsed;
+std::vector<device::Fault> TypedEmulation::parsed_faults() const {
+    std::vector<device::Fault> parsed;
     for (const std::string &fault : faults) {
-        parsed.push_back(emulator::parse_fault(fault));
+        parsed.push_back(device::parse_fault(fault));
     }
     return parsed;
 }

@@ -4,9 +4,9 @@
 #include "app/commands/command.h"
 #include "base/vector.h"
 #include "device/core/device_description.h"
+#include "device/core/faults.h"
 #include "device/factory/device_factory.h"
 #include "device/simulated/simulation_options.h"
-#include "device/usb/emulator/emulator_faults.h"
 #include "engine/control/tuning.h"
 #include "engine/scene/scene.h"
 
@@ -47,7 +47,7 @@ struct TypedEmulation {
     /// @throw InputError if it is no device file
     [[nodiscard]] std::optional<device::DeviceDescription> truth() const;
     /// @throw InputError if one is none
-    [[nodiscard]] std::vector<emulator::Fault> parsed_faults() const;
+    [[nodiscard]] std::vector<device::Fault> parsed_faults() const;
 };
 
 /// `--tuning-file`, which may stay empty.

@@ -73,7 +73,7 @@ emulator::EmulatedBoardOptions board_options(const TypedEmulator &typed,
     }
     options.seed = typed.seed;
     for (const std::string &fault : typed.faults) {
-        options.faults.push_back(emulator::parse_fault(fault));
+        options.faults.push_back(device::parse_fault(fault));
     }
     return options;
 }
@@ -158,7 +158,7 @@ void add_emulate(Command &device) {
         .type_name("S");
     command.footer("Needs root, and a USB device controller: modprobe dummy_hcd gives a virtual "
                    "one.\nFaults:\n" +
-                   emulator::fault_usage());
+                   device::fault_usage());
     command.callback([typed] { emulate(*typed); });
 }
 

@@ -31,7 +31,7 @@ inline constexpr const char *kEmulatedSerial = "emulated";
 /// What an emulated board is, beyond what its simulated plant is.
 struct EmulationOptions {
     std::optional<device::DeviceDescription> truth; ///< if it is not what its host takes it for
-    std::vector<emulator::Fault> faults;            ///< times since it was opened
+    std::vector<device::Fault> faults;              ///< times since it was opened
     double delay_periods = 0.3;                     ///< d that is imposed
 };
 

@@ -50,7 +50,7 @@ public:
     void reset();
 
     /// Applies a fault from the next period on.
-    void commit(rig::FaultKind kind, const Vector3 &size) {
+    void commit(device::FaultKind kind, const Vector3 &size) {
         device().commit({kind, size});
         may_contradict_ = true;
     }

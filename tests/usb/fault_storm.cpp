@@ -16,10 +16,10 @@ namespace springdrive::testing {
 namespace {
 
 using device::BoardFaults;
+using device::Direction;
+using device::Fault;
+using device::FaultKind;
 using device::LinkStatus;
-using emulator::Direction;
-using emulator::Fault;
-using emulator::FaultKind;
 using servo::TripCause;
 
 constexpr double kPublished_s = 0.04; ///< the driver publishes its counters every 32 ticks
@@ -72,10 +72,13 @@ Fault random_fault(StormDice &dice, FaultKind kind) {
     }
     fault.periods = dice.even(0.5, 7.0);
     fault.channel = dice.below(3);
-    fault.gain = dice.by_ratio(0.8, 1.25);
+    const double gain = dice.by_ratio(0.8, 1.25);
     fault.other_channel = (fault.channel + 1 + dice.below(2)) % 3;
-    fault.supply_V = random_supply_V(dice);
-    fault.temperature_C = dice.flip() ? dice.even(86.0, 150.0) : dice.even(30.0, 84.0);
+    const double supply_V = random_supply_V(dice);
+    const double temperature_C = dice.flip() ? dice.even(86.0, 150.0) : dice.even(30.0, 84.0);
+    fault.size.setConstant(kind == FaultKind::brown_out   ? supply_V
+                           : kind == FaultKind::hot_stage ? temperature_C
+                                                          : gain);
     return fault;
 }
 
@@ -229,9 +232,9 @@ constexpr Naming kOff{FaultKind::brown_out,  kOut, says_nothing, 0, kLostCause,
                       TripCause::device_lost};
 
 bool is_within_limits(const Fault &fault) {
-    return (fault.kind == FaultKind::hot_stage && fault.temperature_C <= kHottest_C) ||
-           (fault.kind == FaultKind::brown_out && fault.supply_V >= kLeastSupply_V &&
-            fault.supply_V <= kMostSupply_V);
+    return (fault.kind == FaultKind::hot_stage && fault.size[0] <= kHottest_C) ||
+           (fault.kind == FaultKind::brown_out && fault.size[0] >= kLeastSupply_V &&
+            fault.size[0] <= kMostSupply_V);
 }
 
 /// One loop of the board suffices, and lasting is not needed to be reported.
@@ -245,10 +248,10 @@ Naming naming_of(const Fault &fault) {
         return {.kind = fault.kind};
     }
     if (fault.kind == FaultKind::brown_out &&
-        fault.supply_V < emulator::EmulatedBoard::kLeastLogicSupply_V) {
+        fault.size[0] < emulator::EmulatedBoard::kLeastLogicSupply_V) {
         return kOff;
     }
-    const bool has_direction = emulator::is_of_packets(fault.kind);
+    const bool has_direction = device::is_of_packets(fault.kind);
     const auto is_its = [&](const Naming &naming) {
         return naming.kind == fault.kind && (!has_direction || naming.direction == fault.direction);
     };
@@ -392,21 +395,21 @@ private:
 
 std::string StormCase::description() const {
     const std::string packets =
-        !emulator::is_of_packets(fault.kind)
+        !device::is_of_packets(fault.kind)
             ? ""
             : fmt::format(" {}, {}, {:.1f} periods",
                           fault.direction == Direction::in ? "in" : "out",
                           fault.packet != 0 ? "one packet" : fmt::format("{:.2f}", fault.share),
                           fault.periods);
-    return fmt::format(
-        "{}{}, channels {} and {}, {:.1f} V, {:.0f} C, from {:.5f} s to {:.5f} s; "
-        "{} at {:.3f} s; {:.0f} Hz, d {:.2f}, dR {}, {}",
-        emulator::name_of(fault.kind), packets, fault.channel + 1, fault.other_channel + 1,
-        fault.supply_V, fault.temperature_C, fault.begin_s, fault.end_s,
-        !presses                ? "moves"
-        : std::isfinite(lift_s) ? "presses and lifts"
-                                : "presses",
-        press_s, 1.0 / period_s, delay_periods, tuning.dR_Ohm, control::name_of(tuning.map));
+    return fmt::format("{}{}, channels {} and {}, size {:.2f}, from {:.5f} s to {:.5f} s; "
+                       "{} at {:.3f} s; {:.0f} Hz, d {:.2f}, dR {}, {}",
+                       device::name_of(fault.kind), packets, fault.channel + 1,
+                       fault.other_channel + 1, fault.size[0], fault.begin_s, fault.end_s,
+                       !presses                ? "moves"
+                       : std::isfinite(lift_s) ? "presses and lifts"
+                                               : "presses",
+                       press_s, 1.0 / period_s, delay_periods, tuning.dR_Ohm,
+                       control::name_of(tuning.map));
 }
 
 StormCase random_storm_case(std::uint64_t seed, int number) {
@@ -414,7 +417,7 @@ StormCase random_storm_case(std::uint64_t seed, int number) {
     StormCase what;
     // All kinds before this one: nothing is stored in operation.
     constexpr auto kKinds = static_cast<std::size_t>(FaultKind::failed_store);
-    static_assert(kKinds + 1 == emulator::kFaultKinds);
+    static_assert(kKinds + 1 == device::kNamedFaults);
     what.fault =
         random_fault(dice, static_cast<FaultKind>(static_cast<std::size_t>(number) % kKinds));
     what.presses = dice.flip();
@@ -466,7 +469,7 @@ std::string misnaming(const StormCase &what, const StormOutcome &outcome) {
     if (outcome.struck > 0 && !naming.counters(outcome.before, outcome.after)) {
         return fmt::format("{} packets struck, but counters do not tell", outcome.struck);
     }
-    const bool is_total = !emulator::is_of_packets(what.fault.kind) ||
+    const bool is_total = !device::is_of_packets(what.fault.kind) ||
                           what.fault.kind == FaultKind::stall ||
                           (what.fault.share >= 1.0 && what.fault.packet == 0);
     const bool is_watched = naming.bits != kSilence || outcome.was_driving;
@@ -490,11 +493,11 @@ std::string misnaming(const StormCase &what, const StormOutcome &outcome) {
 }
 
 std::string summary(const StormCase &what, const StormOutcome &outcome) {
-    const std::string_view direction = !emulator::is_of_packets(what.fault.kind) ? ""
-                                       : what.fault.direction == Direction::in   ? " in"
-                                                                                 : " out";
+    const std::string_view direction = !device::is_of_packets(what.fault.kind) ? ""
+                                       : what.fault.direction == Direction::in ? " in"
+                                                                               : " out";
     const bool has_tripped = outcome.safety.state == servo::SafetyState::tripped;
-    return fmt::format("{}{}: {}", emulator::name_of(what.fault.kind), direction,
+    return fmt::format("{}{}: {}", device::name_of(what.fault.kind), direction,
                        has_tripped
                            ? servo::kTripCauseNames[static_cast<std::size_t>(outcome.safety.cause)]
                            : "tolerated");

@@ -73,7 +73,7 @@ public:
 
 /// A fault, and what the servo does when it comes.
 struct StormCase {
-    emulator::Fault fault; ///< begins and ends by the servo's time
+    device::Fault fault; ///< begins and ends by the servo's time
     bool presses = false;
     control::Tuning tuning;
     double period_s = 1e-3;

@@ -10,6 +10,10 @@
 
 namespace springdrive::emulator {
 
+using device::Direction;
+using device::Fault;
+using device::FaultKind;
+
 namespace {
 
 /// After which `pass` wants to be called again.
@@ -34,77 +38,6 @@ const EmulatedBoardOptions &checked(const EmulatedBoardOptions &options) {
 /// A line of its own for each direction, so that one does not depend on the other's packets.
 std::uint64_t seed_of(Direction direction, std::uint64_t seed) {
     return 2 * seed + (direction == Direction::in ? 0U : 1U);
-}
-
-PlantFaults plant_faults(std::span<const Fault> faults) {
-    PlantFaults plant;
-    const auto cross = [&](std::size_t PlantFaults::Channel::*part, const Fault &fault) {
-        std::swap(plant.channel[fault.channel].*part, plant.channel[fault.other_channel].*part);
-    };
-    for (const Fault &fault : faults) {
-        PlantFaults::Channel &channel = plant.channel[fault.channel];
-        switch (fault.kind) {
-        case FaultKind::stuck_encoder:
-            channel.has_stuck_encoder = true;
-            break;
-        case FaultKind::reversed_encoder:
-            channel.has_reversed_encoder = true;
-            break;
-        case FaultKind::crossed_encoders:
-            cross(&PlantFaults::Channel::encoder_motor, fault);
-            break;
-        case FaultKind::lost_counts:
-            channel.lost_share = fault.share;
-            break;
-        case FaultKind::sensor_gain:
-            channel.sensor_gain = fault.gain;
-            break;
-        case FaultKind::failed_sensor:
-            channel.has_failed_sensor = true;
-            break;
-        case FaultKind::reversed_sensor:
-            channel.has_reversed_sensor = true;
-            break;
-        case FaultKind::crossed_sensors:
-            cross(&PlantFaults::Channel::sensor_bridge, fault);
-            break;
-        case FaultKind::open_winding:
-            channel.has_open_winding = true;
-            break;
-        case FaultKind::crossed_motors:
-            cross(&PlantFaults::Channel::bridge_motor, fault);
-            break;
-        case FaultKind::failed_stage:
-            plant.has_failed_stage = true;
-            break;
-        case FaultKind::hot_stage:
-            plant.stage_C = fault.temperature_C;
-            break;
-        case FaultKind::brown_out:
-            plant.supply_V = fault.supply_V;
-            break;
-        case FaultKind::stop:
-            plant.is_stopped = true;
-            break;
-        case FaultKind::disable:
-            plant.is_disabled = true;
-            break;
-        case FaultKind::failed_store:
-            plant.has_failed_store = true;
-            break;
-        case FaultKind::drop:
-        case FaultKind::delay:
-        case FaultKind::reorder:
-        case FaultKind::corrupt:
-        case FaultKind::repeat:
-        case FaultKind::truncate:
-        case FaultKind::stall:
-        case FaultKind::restart:
-        case FaultKind::unplug:
-            break;
-        }
-    }
-    return plant;
 }
 
 template <std::size_t size>
@@ -134,9 +67,10 @@ EmulatedBoard::EmulatedBoard(const device::DeviceDescription &description,
       plant_(description, options.settings, options.simulation,
              options.start_tip_m.value_or(description.workspace.centre_m), options.start_us),
       in_(Direction::in, seed_of(Direction::in, options.seed)),
-      out_(Direction::out, seed_of(Direction::out, options.seed)),
-      is_active_(options.faults.size()) {
-    active_.reserve(options.faults.size());
+      out_(Direction::out, seed_of(Direction::out, options.seed)) {
+    for (const Fault &fault : options.faults) {
+        plant_.faults().add(fault);
+    }
     power_up();
     const std::uint64_t longest = loop_at(kLongestStart_s);
     while (plant_.loops() < longest && board_->loop().state() == usb::BoardState::starting) {
@@ -196,7 +130,7 @@ void EmulatedBoard::put(std::span<const std::uint8_t> packet) {
         ++permitted_;
     }
     if (is_powered_) {
-        out_.put({packet, due_loop, 0}, active_, period_loops());
+        out_.put({packet, due_loop, 0}, plant_.faults().active(), period_loops());
     }
 }
 
@@ -317,7 +251,7 @@ bool EmulatedBoard::collect_report() {
     if (!is_powered_ || !board_->take_report(frame)) {
         return false;
     }
-    in_.put({frame, plant_.loops(), plant_.loops()}, active_, period_loops());
+    in_.put({frame, plant_.loops(), plant_.loops()}, plant_.faults().active(), period_loops());
     return true;
 }
 
@@ -335,65 +269,35 @@ void EmulatedBoard::run_to_report() {
 }
 
 void EmulatedBoard::set_fault(const Fault &fault) {
-    options_.faults.push_back(fault);
-    is_active_.push_back(false);
-    active_.reserve(options_.faults.size());
-    next_change_loop_ = 0;
+    plant_.faults().add(fault);
     update_faults();
 }
 
 void EmulatedBoard::clear_faults() {
-    options_.faults.clear();
-    is_active_.clear();
-    next_change_loop_ = 0;
+    plant_.faults().clear();
     update_faults();
 }
 
 bool EmulatedBoard::is_stalled(Direction direction) const {
-    return std::ranges::any_of(active_, [&](const Fault &fault) {
+    return std::ranges::any_of(plant_.faults().active(), [&](const Fault &fault) {
         return fault.kind == FaultKind::stall && fault.direction == direction;
     });
 }
 
 void EmulatedBoard::update_faults() {
-    const std::uint64_t now = plant_.loops();
-    if (now < next_change_loop_) {
+    device::FaultInjector &faults = plant_.faults();
+    if (!faults.update(plant_.loops())) {
         return;
     }
-    active_.clear();
-    next_change_loop_ = std::numeric_limits<std::uint64_t>::max();
-    bool restarts = false;
-    for (std::size_t i = 0; i < options_.faults.size(); ++i) {
-        const Fault &fault = options_.faults[i];
-        const std::uint64_t begin = loop_at(fault.begin_s);
-        const std::uint64_t end = loop_at(fault.end_s);
-        const bool acts = now >= begin && now < end;
-        if (acts) {
-            active_.push_back(fault);
-            restarts = restarts || (fault.kind == FaultKind::restart && !is_active_[i]);
-        }
-        is_active_[i] = acts;
-        for (const std::uint64_t change : {begin, end}) {
-            if (change > now) {
-                next_change_loop_ = std::min(next_change_loop_, change);
-            }
-        }
-    }
-    apply_faults();
-    if (restarts && is_powered_) {
-        set_power(false);
-        set_power(true);
-    }
-}
-
-void EmulatedBoard::apply_faults() {
-    const PlantFaults faults = plant_faults(active_);
-    plant_.set_faults(faults);
-    is_unplug_wanted_ =
-        std::ranges::find(active_, FaultKind::unplug, &Fault::kind) != active_.end();
-    const bool has_power = !(faults.supply_V && *faults.supply_V < kLeastLogicSupply_V);
+    is_unplug_wanted_ = faults.find(FaultKind::unplug) != nullptr;
+    const Fault *brown_out = faults.find(FaultKind::brown_out);
+    const bool has_power = !(brown_out && brown_out->size[0] < kLeastLogicSupply_V);
     if (has_power != is_powered_) {
         set_power(has_power);
+    }
+    if (faults.has_begun(FaultKind::restart) && is_powered_) {
+        set_power(false);
+        set_power(true);
     }
 }
 

@@ -21,8 +21,7 @@
 #pragma once
 
 #include "device/usb/emulator/emulated_plant.h"
-#include "device/usb/emulator/emulator_faults.h"
-#include "device/usb/emulator/packet_faults.h"
+#include "device/usb/emulator/packet_line.h"
 #include "device/usb/emulator/peripheral.h"
 
 #include <array>
@@ -48,7 +47,7 @@ struct EmulatedBoardOptions {
     std::optional<Vector3> start_tip_m; ///< without: the centre of the workspace
     BoardClock clock = BoardClock::frame;
     double delay_periods = 0.3; ///< d by the frame clock, in periods of reports
-    std::vector<Fault> faults;
+    std::vector<device::Fault> faults;
     std::uint64_t seed = 1; ///< of faults that strike at random
     /// Board time at power-up: near 2^32, it soon begins again at 0.
     std::uint32_t start_us = 0;
@@ -78,14 +77,14 @@ public:
     void detach() override;
     double pass(double elapsed_s) override;
 
-    void set_fault(const Fault &fault);
+    void set_fault(const device::Fault &fault);
     /// What is damaged is whole again; what the board has latched remains.
     void clear_faults();
     /// Whether whoever holds the device shall have it unplugged now: by a fault, or as the board
     /// is off.
     [[nodiscard]] bool unplug_wanted() const { return is_unplug_wanted_ || !is_powered_; }
     /// Whether an endpoint shall be halted now. Without that its packets are lost.
-    [[nodiscard]] bool is_stalled(Direction direction) const;
+    [[nodiscard]] bool is_stalled(device::Direction direction) const;
 
     /// d that the frame clock imposes at least, in present periods: a packet that is put after a
     /// report is seen by the next loop, and applied half a loop later.
@@ -100,8 +99,8 @@ public:
     /// By which the board's time has fallen behind the wall clock.
     [[nodiscard]] double late_s() const { return late_s_; }
     [[nodiscard]] std::uint32_t restarts() const { return restarts_; }
-    [[nodiscard]] const PacketLine &line(Direction direction) const {
-        return direction == Direction::in ? in_ : out_;
+    [[nodiscard]] const PacketLine &line(device::Direction direction) const {
+        return direction == device::Direction::in ? in_ : out_;
     }
     [[nodiscard]] const board::Board &board() const { return *board_; }
     [[nodiscard]] const EmulatedPlant &plant() const { return plant_; }
@@ -118,7 +117,6 @@ private:
     void run_to_report();
     bool collect_report();
     void update_faults();
-    void apply_faults();
     void set_power(bool is_powered);
 
     EmulatedBoardOptions options_;
@@ -138,9 +136,6 @@ private:
     double owed_s_ = 0.0;          ///< of the wall clock, less than a loop after `pass`
     double late_s_ = 0.0;
 
-    std::vector<Fault> active_; ///< of options_.faults
-    std::vector<bool> is_active_;
-    std::uint64_t next_change_loop_ = 0; ///< of active_
     bool is_unplug_wanted_ = false;
     bool is_powered_ = true;
     std::uint32_t restarts_ = 0;

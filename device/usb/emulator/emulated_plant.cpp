@@ -11,6 +11,7 @@ namespace springdrive::emulator {
 namespace {
 
 using board::Stage;
+using device::FaultKind;
 
 simulated::SimulationOptions plant_options(const device::DeviceDescription &description,
                                            const board::BoardSettings &settings,
@@ -54,10 +55,11 @@ EmulatedPlant::EmulatedPlant(const device::DeviceDescription &description,
       phantom_(description, plant_options(description, settings, simulation), start_tip_m),
       torque_constant_Nm_per_A_(
           torque_constants(description, plant_options(description, settings, simulation))),
-      start_us_(start_us) {}
+      start_us_(start_us), faults_(settings.loop_rate_hz) {}
 
 double EmulatedPlant::supply_V() const {
-    return faults_.supply_V.value_or(static_cast<double>(settings_.nominal_supply_V));
+    const device::Fault *brown_out = faults_.find(FaultKind::brown_out);
+    return brown_out ? brown_out->size[0] : static_cast<double>(settings_.nominal_supply_V);
 }
 
 std::uint32_t EmulatedPlant::now_us() const {
@@ -74,15 +76,16 @@ board::Samples EmulatedPlant::sample() {
     sample_encoders(measured, samples);
     sample_currents(measured, samples);
     samples.supply_V = static_cast<float>(supply_V());
+    const device::Fault *hot_stage = faults_.find(FaultKind::hot_stage);
     samples.temperature_C[usb::kPowerStages] =
-        static_cast<float>(faults_.stage_C.value_or(static_cast<double>(kStage_C)));
+        hot_stage ? static_cast<float>(hot_stage->size[0]) : kStage_C;
     for (std::size_t i = 0; i < 3; ++i) {
         samples.temperature_C[usb::kFirstMotor + i] =
             static_cast<float>(phantom_.truth().housing_C[static_cast<Eigen::Index>(i)]);
     }
-    samples.is_stopped = faults_.is_stopped;
-    samples.is_enabled = !faults_.is_disabled;
-    samples.stage_failed = faults_.has_failed_stage;
+    samples.is_stopped = faults_.find(FaultKind::stop) != nullptr;
+    samples.is_enabled = faults_.find(FaultKind::disable) == nullptr;
+    samples.stage_failed = faults_.find(FaultKind::failed_stage) != nullptr;
     return samples;
 }
 
@@ -94,16 +97,16 @@ void EmulatedPlant::sample_encoders(const device::Measurement &measured, board::
         lost_ = {};
         has_counters_ = true;
     }
+    const std::array<std::size_t, 3> motor = faults_.crossed(FaultKind::crossed_encoders);
     for (std::size_t i = 0; i < 3; ++i) {
-        const PlantFaults::Channel &channel = faults_.channel[i];
-        const std::int32_t turned =
-            measured.counts[channel.encoder_motor] - counts_at_power_up_[channel.encoder_motor];
-        lost_[i] += channel.lost_share * (turned - turned_[i]);
+        const std::int32_t turned = measured.counts[motor[i]] - counts_at_power_up_[motor[i]];
+        const device::Fault *lost_counts = faults_.find(FaultKind::lost_counts, i);
+        lost_[i] += (lost_counts ? lost_counts->share : 0.0) * (turned - turned_[i]);
         turned_[i] = turned;
         const auto counted = turned - static_cast<std::int32_t>(std::lround(lost_[i]));
-        if (!channel.has_stuck_encoder) {
-            counter_[i] =
-                static_cast<std::uint16_t>(channel.has_reversed_encoder ? -counted : counted);
+        if (!faults_.find(FaultKind::stuck_encoder, i)) {
+            counter_[i] = static_cast<std::uint16_t>(
+                faults_.find(FaultKind::reversed_encoder, i) ? -counted : counted);
         }
     }
     samples.encoder = counter_;
@@ -111,22 +114,24 @@ void EmulatedPlant::sample_encoders(const device::Measurement &measured, board::
 
 void EmulatedPlant::sample_currents(const device::Measurement &measured,
                                     board::Samples &samples) const {
+    const std::array<std::size_t, 3> bridge = faults_.crossed(FaultKind::crossed_sensors);
+    const std::array<std::size_t, 3> motor = faults_.crossed(FaultKind::crossed_motors);
     for (std::size_t i = 0; i < 3; ++i) {
-        const PlantFaults::Channel &channel = faults_.channel[i];
-        const std::size_t motor = faults_.channel[channel.sensor_bridge].bridge_motor;
-        const double measured_A =
-            channel.sensor_gain * measured.current_A[static_cast<Eigen::Index>(motor)];
+        const device::Fault *gain = faults_.find(FaultKind::sensor_gain, i);
+        const double measured_A = (gain ? gain->size[0] : 1.0) *
+                                  measured.current_A[static_cast<Eigen::Index>(motor[bridge[i]])];
         samples.current_A[i] =
-            channel.has_failed_sensor
+            faults_.find(FaultKind::failed_sensor, i)
                 ? usb::kNotMeasured
-                : static_cast<float>(channel.has_reversed_sensor ? -measured_A : measured_A);
+                : static_cast<float>(faults_.find(FaultKind::reversed_sensor, i) ? -measured_A
+                                                                                 : measured_A);
     }
 }
 
 /// Of a driven, braked or open stage.
-double EmulatedPlant::voltage_V(const board::BridgeOrder &order, std::size_t channel) const {
-    const auto motor = static_cast<Eigen::Index>(faults_.channel[channel].bridge_motor);
-    if (order.stage[channel] == Stage::open || faults_.channel[channel].has_open_winding) {
+double EmulatedPlant::voltage_V(const board::BridgeOrder &order, std::size_t channel,
+                                Eigen::Index motor) const {
+    if (order.stage[channel] == Stage::open || faults_.find(FaultKind::open_winding, channel)) {
         return torque_constant_Nm_per_A_[motor] * phantom_.truth().theta_rate_rad_per_s[motor];
     }
     return order.stage[channel] == Stage::drive
@@ -142,9 +147,10 @@ void EmulatedPlant::apply(const board::BridgeOrder &order) {
         applied_.mode = device::CommandMode::open;
         return;
     }
+    const std::array<std::size_t, 3> motor = faults_.crossed(FaultKind::crossed_motors);
     for (std::size_t i = 0; i < 3; ++i) {
-        applied_.e_W_V[static_cast<Eigen::Index>(faults_.channel[i].bridge_motor)] =
-            voltage_V(order, i);
+        const auto j = static_cast<Eigen::Index>(motor[i]);
+        applied_.e_W_V[j] = voltage_V(order, i, j);
     }
 }
 
@@ -162,7 +168,7 @@ bool EmulatedPlant::load_block(std::uint16_t index, usb::CalibrationBlock &block
 }
 
 bool EmulatedPlant::store_block(const usb::CalibrationBlock &block) {
-    if (block.index >= stored_.size() || faults_.has_failed_store) {
+    if (block.index >= stored_.size() || faults_.find(FaultKind::failed_store)) {
         return false;
     }
     stored_[block.index] = block;

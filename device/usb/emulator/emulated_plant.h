@@ -11,6 +11,7 @@
 // some milliamperes; then all its torque is that current's. A stage can brake without supply.
 #pragma once
 
+#include "device/core/faults.h"
 #include "device/simulated/simulated_phantom.h"
 #include "device/usb/board/hardware.h"
 
@@ -20,31 +21,6 @@
 #include <optional>
 
 namespace springdrive::emulator {
-
-/// Damage between the board and the motors, by channel.
-struct PlantFaults {
-    struct Channel {
-        bool has_stuck_encoder = false;
-        bool has_reversed_encoder = false;
-        bool has_failed_sensor = false;
-        bool has_reversed_sensor = false;
-        bool has_open_winding = false;
-        double lost_share = 0.0; ///< of its encoder's counts
-        double sensor_gain = 1.0;
-        std::size_t encoder_motor = 0; ///< to which motor its encoder is coupled
-        std::size_t sensor_bridge = 0; ///< whose current its sensor measures
-        std::size_t bridge_motor = 0;  ///< which motor its bridge drives
-    };
-    std::array<Channel, 3> channel{{{.encoder_motor = 0, .sensor_bridge = 0, .bridge_motor = 0},
-                                    {.encoder_motor = 1, .sensor_bridge = 1, .bridge_motor = 1},
-                                    {.encoder_motor = 2, .sensor_bridge = 2, .bridge_motor = 2}}};
-    std::optional<double> supply_V;
-    std::optional<double> stage_C;
-    bool is_stopped = false;
-    bool is_disabled = false;
-    bool has_failed_stage = false;
-    bool has_failed_store = false;
-};
 
 class EmulatedPlant {
 public:
@@ -73,7 +49,9 @@ public:
     /// Power returns: counters and time begin again; the calibration is kept.
     void restart();
 
-    void set_faults(const PlantFaults &faults) { faults_ = faults; }
+    /// Updated by the board.
+    [[nodiscard]] device::FaultInjector &faults() { return faults_; }
+    [[nodiscard]] const device::FaultInjector &faults() const { return faults_; }
 
     /// Since the construction.
     [[nodiscard]] std::uint64_t loops() const { return loops_; }
@@ -82,7 +60,8 @@ public:
 
 private:
     [[nodiscard]] double supply_V() const;
-    [[nodiscard]] double voltage_V(const board::BridgeOrder &order, std::size_t channel) const;
+    [[nodiscard]] double voltage_V(const board::BridgeOrder &order, std::size_t channel,
+                                   Eigen::Index motor) const;
     void sample_encoders(const device::Measurement &measured, board::Samples &samples);
     void sample_currents(const device::Measurement &measured, board::Samples &samples) const;
 
@@ -90,7 +69,7 @@ private:
     simulated::SimulatedPhantom phantom_;
     Vector3 torque_constant_Nm_per_A_; ///< true
     std::uint32_t start_us_;
-    PlantFaults faults_;
+    device::FaultInjector faults_; ///< between the board and the motors, by channel; and the link's
     device::DeviceCommand applied_ = device::DeviceCommand::braking();
     std::uint64_t loops_ = 0;
     std::uint64_t power_up_loop_ = 0;

@@ -1,5 +1,5 @@
 // A device with a fault: forwards everything to another device and, in given periods, introduces
-// one fault.
+// one fault, of those in device/core/faults.h that a driver shows.
 //
 //   servo ── e_W, R̂ ──► [gain, sag] ──► device
 //   servo ◄─ measurement ◄── [step, flicker, drift, lateness, reading, silence] ◄── device
@@ -9,45 +9,14 @@
 // window are not modelled here.
 #pragma once
 
+#include "device/core/faults.h"
 #include "device/core/forwarding_device.h"
 
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <limits>
 
 namespace springdrive::rig {
-
-enum class FaultKind : std::uint8_t {
-    none,
-    lost,            ///< disconnected: the last known state
-    absent,          ///< no answer, and not known to be lost
-    corrupt,         ///< an answer known to be damaged
-    repeated,        ///< the last answer again
-    late,            ///< a correct answer, late
-    board,           ///< its board reports the faults of size[0], as bits
-    not_a_number,    ///< in each current whose size is not zero
-    infinite,        ///< the same, with the sign of the size
-    count_step,      ///< counts off by the size [counts]
-    count_flicker,   ///< the same, in every other period
-    count_drift,     ///< counts that run away by the size in each period [counts]
-    late_counts,     ///< counts of size[0] periods ago
-    count_scale,     ///< counts from where they were, times the size: 0 is frozen, −1 reversed
-    count_stuck_bit, ///< this bit of them, where it is not zero, is 0
-    current_reading, ///< currents read as the size where it is not zero [A]
-    current_offset,  ///< currents read too high by the size [A]
-    current_drift,   ///< the same, more in each period [A]
-    current_gain,    ///< currents read as 1 + the size times themselves
-    sagging_winding, ///< R less by the size [Ω]
-    amplifier_gain,  ///< e_W times the size; −1 is a swapped pair of wires
-};
-
-struct Fault {
-    FaultKind kind = FaultKind::none;
-    Vector3 size{Vector3::Zero()};
-    /// Its duration in reads.
-    std::uint64_t periods = std::numeric_limits<std::uint64_t>::max();
-};
 
 class FaultyDevice final : public device::ForwardingDevice {
 public:
@@ -64,14 +33,9 @@ public:
     /// From then on the counts are right, whatever steps they had made.
     void zero(const Vector3 &theta_rad) override;
 
-    /// From the next period on, in place of the fault before.
-    void commit(const Fault &fault) { commit(fault, periods_); }
-    /// From the period of that number on, counted from zero.
-    void commit(const Fault &fault, std::uint64_t from_period) {
-        fault_ = fault;
-        from_ = from_period;
-    }
-    void clear_fault() { fault_ = {}; }
+    /// In place of the fault before. Its times count reads, from the next one on.
+    void commit(device::Fault fault);
+    void clear_fault();
 
     /// Periods without a tick of the servo: the amplifiers hold the last command.
     void pass_by(int periods) noexcept;
@@ -88,14 +52,10 @@ public:
     [[nodiscard]] std::uint64_t periods() const { return periods_; }
 
 private:
-    [[nodiscard]] FaultKind present() const;
     [[nodiscard]] device::Measurement next_truth() noexcept;
-    [[nodiscard]] device::DeviceCommand reaching_the_motors(device::DeviceCommand command) const;
-    [[nodiscard]] device::Measurement as_reported(device::Measurement state) const;
-    [[nodiscard]] double steps(FaultKind kind) const;
+    void distort(device::Measurement &state, const device::Fault &fault) const;
 
-    Fault fault_;
-    std::uint64_t from_ = 0;
+    device::FaultInjector faults_{1.0}; ///< by reads
     std::uint64_t periods_ = 0;
     std::uint64_t last_number_ = 0;
     std::uint64_t number_offset_ = 0;

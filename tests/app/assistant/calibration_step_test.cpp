@@ -248,7 +248,7 @@ TEST(CalibrationStep, AFaultOfTheBoardOutlastsIt) {
             walker.run(after_s);
             ASSERT_TRUE(walker.session.is_lent());
             emulator::EmulatedBoard &board = walker.session.device().emulated()->board();
-            emulator::Fault short_one = emulator::parse_fault(fault);
+            device::Fault short_one = device::parse_fault(fault);
             short_one.begin_s = board.time_s();
             short_one.end_s = short_one.begin_s + 0.03;
             board.set_fault(short_one);

@@ -27,7 +27,7 @@ public:
         options.lockstep = true;
         options.program_version = "of a test";
         for (const std::string &fault : faults) {
-            options.emulation.faults.push_back(emulator::parse_fault(fault));
+            options.emulation.faults.push_back(device::parse_fault(fault));
         }
         return options;
     }

@@ -175,7 +175,7 @@ public:
             options.starts_at_zero = true;
         }
         for (const char *const fault : faults) {
-            options.emulation.faults.push_back(emulator::parse_fault(fault));
+            options.emulation.faults.push_back(device::parse_fault(fault));
         }
         return options;
     }

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "app/study/sitting/sitting.h"
-#include "device/usb/emulator/emulator_faults.h"
+#include "device/core/faults.h"
 #include "engine/study/protocol/protocol_file.h"
 #include "tests/app/study/headless_study.h"
 #include "tests/app/study/made_up_people.h"
@@ -40,7 +40,7 @@ protected:
         options.device.file = study::device_file_of(protocol_, folders_);
         options.device.kind = kind_;
         for (const std::string &fault : faults_) {
-            options.emulation.faults.push_back(emulator::parse_fault(fault));
+            options.emulation.faults.push_back(device::parse_fault(fault));
         }
         options.starts_at_zero = starts_at_zero_;
         options.lockstep = true;

@@ -3,7 +3,7 @@
 // window.
 #include "app/visitors/visits.h"
 
-#include "device/usb/emulator/emulator_faults.h"
+#include "device/core/faults.h"
 #include "engine/study/observers/simulated_answer.h"
 #include "engine/study/protocol/analysis_plan.h"
 #include "engine/study/protocol/protocol_file.h"
@@ -101,7 +101,7 @@ protected:
             options.device.kind = factory::DeviceKind::emulated;
             options.starts_at_zero = true;
             for (const char *fault : faults_) {
-                options.emulation.faults.push_back(emulator::parse_fault(fault));
+                options.emulation.faults.push_back(device::parse_fault(fault));
             }
         }
         session::Session session(options);

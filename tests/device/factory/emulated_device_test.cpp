@@ -88,7 +88,7 @@ TEST(EmulatedDevice, IsLostWithoutItsCableAndTimePassesOn) {
 
 TEST(EmulatedDevice, ShowsItsFaultsAndThatItIsAnotherMachine) {
     DeviceRequest request = emulated_request();
-    request.emulation.faults = {emulator::parse_fault("stop")};
+    request.emulation.faults = {device::parse_fault("stop")};
     OpenDevice open = open_device(request);
     EXPECT_TRUE(braked_tick(open).faults.has(device::BoardFaults::kStop));
     request = emulated_request();

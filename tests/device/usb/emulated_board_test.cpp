@@ -1,6 +1,6 @@
-// Covers device/usb/emulator/{emulated_board,emulated_plant,emulator_faults,packet_faults}: time,
-// delay and packets against their definitions in PROTOCOL.md, forces against the simulated PHANTOM
-// with its own amplifiers, and each fault with and without.
+// Covers device/usb/emulator/{emulated_board,emulated_plant,packet_line} and device/core/faults:
+// time, delay and packets against their definitions in PROTOCOL.md, forces against the simulated
+// PHANTOM with its own amplifiers, and each fault with and without.
 #include "device/usb/emulator/emulated_board.h"
 #include "tests/support/complaint.h"
 #include "tests/support/devices.h"
@@ -471,7 +471,7 @@ TEST(EmulatedPlant, KeepsACalibrationThroughARestart) {
     usb::BoardCalibration calibration;
     calibration.encoder_sign = {-1, 1, -1};
     ASSERT_TRUE(order(host.board, Kind::calibration, usb::block_of(calibration)));
-    host.board.set_fault({.kind = FaultKind::restart});
+    host.board.set_fault({.kind = device::FaultKind::restart});
     host.exchange({}, 5);
     const auto block = ask<usb::CalibrationBlock>(host.board, Kind::calibration);
     usb::BoardCalibration kept;
@@ -521,7 +521,7 @@ LinkRun link_run(const std::string &fault, std::uint64_t seed = 1, int packets =
     EmulatedBoardOptions with = options();
     with.seed = seed;
     if (!fault.empty()) {
-        with.faults.push_back(parse_fault(fault));
+        with.faults.push_back(device::parse_fault(fault));
     }
     Host host(with);
     host.board.attach(true);
@@ -544,7 +544,7 @@ LinkRun link_run(const std::string &fault, std::uint64_t seed = 1, int packets =
     }
     run.counters = ask<Counters>(host.board, Kind::counters);
     if (!with.faults.empty()) {
-        const Fault &set = with.faults.front();
+        const device::Fault &set = with.faults.front();
         run.strikes = host.board.line(set.direction).faults()[static_cast<std::size_t>(set.kind)];
     }
     return run;
@@ -641,7 +641,7 @@ DeviceRun device_run(const std::string &fault) {
     host.begin();
     host.exchange(driving({0.2, -0.15, 0.2}), 20);
     if (!fault.empty()) {
-        host.board.set_fault(parse_fault(fault));
+        host.board.set_fault(device::parse_fault(fault));
     }
     host.exchange(driving({0.2, -0.15, 0.2}), 20);
     host.receive();
@@ -685,7 +685,7 @@ struct Moved {
 Moved moved_with(const std::string &fault) {
     EmulatedBoardOptions with = options();
     if (!fault.empty()) {
-        with.faults.push_back(parse_fault(fault));
+        with.faults.push_back(device::parse_fault(fault));
     }
     Host host(with);
     host.begin();
@@ -748,7 +748,7 @@ TEST(DeviceFaults, OfMotorsChangeTorques) {
 usb::SelfTestResult self_test(const std::string &fault) {
     EmulatedBoardOptions with = options();
     if (!fault.empty()) {
-        with.faults.push_back(parse_fault(fault));
+        with.faults.push_back(device::parse_fault(fault));
     }
     Host host(with);
     host.begin();
@@ -783,7 +783,7 @@ TEST(DeviceFaults, AreFoundByTheSelfTest) {
 TEST(DeviceFaults, RestartTheBoard) {
     for (const char *fault : {"restart@0.1-0.11", "brown-out:3@0.1-0.11"}) {
         EmulatedBoardOptions with = options();
-        with.faults.push_back(parse_fault(fault));
+        with.faults.push_back(device::parse_fault(fault));
         Host host(with);
         host.begin();
         host.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.01, 0.02, 0.01));
@@ -816,7 +816,7 @@ TEST(DeviceFaults, RestartTheBoard) {
 
 TEST(DeviceFaults, EndAtTheirTimeOrOnCall) {
     EmulatedBoardOptions with = options();
-    with.faults.push_back(parse_fault("stop@0.06-0.08"));
+    with.faults.push_back(device::parse_fault("stop@0.06-0.08"));
     Host host(with);
     host.begin();
     while (host.board.time_s() < 0.058) {
@@ -832,7 +832,7 @@ TEST(DeviceFaults, EndAtTheirTimeOrOnCall) {
     reset.resets_faults = true;
     host.exchange(reset, 3);
     EXPECT_EQ(host.state(), BoardState::braking);
-    host.board.set_fault(parse_fault("stop"));
+    host.board.set_fault(device::parse_fault("stop"));
     host.exchange(reset, 3);
     EXPECT_EQ(host.faults(), Faults::kStop);
     host.board.clear_faults();
@@ -842,7 +842,7 @@ TEST(DeviceFaults, EndAtTheirTimeOrOnCall) {
 
 TEST(DeviceFaults, AskForAnUnplug) {
     EmulatedBoardOptions with = options();
-    with.faults.push_back(parse_fault("unplug@0.05-0.07"));
+    with.faults.push_back(device::parse_fault("unplug@0.05-0.07"));
     Host host(with);
     host.begin();
     host.exchange(driving({0.1, 0.1, 0.1}), 5);
@@ -879,7 +879,7 @@ TEST(EmulatedBoard, BrakesAtOnceWhenUnplugged) {
 TEST(EmulatedBoard, LosesWhatIsUnderWayWhenUnplugged) {
     EmulatedBoardOptions with = options();
     with.delay_periods = 4.0;
-    with.faults.push_back(parse_fault("delay:in:#3:4"));
+    with.faults.push_back(device::parse_fault("delay:in:#3:4"));
     Host host(with);
     host.begin(3); // none has arrived yet, and the third report has not been handed out
     EXPECT_EQ(ask<Counters>(host.board, Kind::counters).frames[0], 0U);
@@ -902,7 +902,7 @@ TEST(EmulatedBoard, IsTheSameForTheSameSeed) {
         with.simulation.effects.coulomb_friction = true;
         with.delay_periods = 1.3;
         for (const char *fault : {"drop:in:0.1", "corrupt:out:0.1", "delay:out:0.2:2"}) {
-            with.faults.push_back(parse_fault(fault));
+            with.faults.push_back(device::parse_fault(fault));
         }
         Host host(with);
         host.begin(5);
@@ -920,32 +920,32 @@ TEST(EmulatedBoard, IsTheSameForTheSameSeed) {
 // Texts.
 
 TEST(FaultTexts, AreRead) {
-    const Fault drop = parse_fault("drop:in:0.01");
-    EXPECT_EQ(drop.kind, FaultKind::drop);
-    EXPECT_EQ(drop.direction, Direction::in);
+    const device::Fault drop = device::parse_fault("drop:in:0.01");
+    EXPECT_EQ(drop.kind, device::FaultKind::drop);
+    EXPECT_EQ(drop.direction, device::Direction::in);
     EXPECT_EQ(drop.share, 0.01);
     EXPECT_EQ(drop.begin_s, 0.0);
     EXPECT_TRUE(std::isinf(drop.end_s));
-    const Fault delay = parse_fault("delay:out:#7:2.5@1-2.5");
+    const device::Fault delay = device::parse_fault("delay:out:#7:2.5@1-2.5");
     EXPECT_EQ(delay.packet, 7U);
     EXPECT_EQ(delay.periods, 2.5);
     EXPECT_EQ(delay.begin_s, 1.0);
     EXPECT_EQ(delay.end_s, 2.5);
-    EXPECT_EQ(parse_fault("stuck-encoder:2").channel, 1U);
-    EXPECT_EQ(parse_fault("crossed-motors:3:1").other_channel, 0U);
-    EXPECT_EQ(parse_fault("unplug@3.5").begin_s, 3.5);
-    EXPECT_EQ(parse_fault("lost-counts:2:0.1").share, 0.1);
-    EXPECT_EQ(parse_fault("sensor-gain:3:1.1").gain, 1.1);
-    EXPECT_EQ(parse_fault("sensor-gain:3:1.1").channel, 2U);
-    EXPECT_EQ(parse_fault("brown-out:9.5").supply_V, 9.5);
-    for (const FaultName &known : kFaultNames) {
-        EXPECT_NE(fault_usage().find(std::string(known.name)), std::string::npos);
+    EXPECT_EQ(device::parse_fault("stuck-encoder:2").channel, 1U);
+    EXPECT_EQ(device::parse_fault("crossed-motors:3:1").other_channel, 0U);
+    EXPECT_EQ(device::parse_fault("unplug@3.5").begin_s, 3.5);
+    EXPECT_EQ(device::parse_fault("lost-counts:2:0.1").share, 0.1);
+    EXPECT_EQ(device::parse_fault("sensor-gain:3:1.1").size[0], 1.1);
+    EXPECT_EQ(device::parse_fault("sensor-gain:3:1.1").channel, 2U);
+    EXPECT_EQ(device::parse_fault("brown-out:9.5").size[0], 9.5);
+    for (const device::FaultName &known : device::kFaultNames) {
+        EXPECT_NE(device::fault_usage().find(std::string(known.name)), std::string::npos);
     }
 }
 
 TEST(FaultTexts, AreRefusedWithAReason) {
     const auto complaint = [](const char *text) {
-        return testing::complaint_of([&] { static_cast<void>(parse_fault(text)); });
+        return testing::complaint_of([&] { static_cast<void>(device::parse_fault(text)); });
     };
     EXPECT_NE(complaint("dorp:in").find("nearest name is 'drop'"), std::string::npos);
     EXPECT_EQ(complaint("drop:up"), "fault 'drop:up': 'up' is no direction; write "

@@ -185,7 +185,7 @@ TEST(UsbDevice, ABoardThatLostPowerMustBeZeroedAgain) {
     Connected rig;
     rig.device.zero(Vector3::Zero());
     rig.tick();
-    emulator::Fault restart = emulator::parse_fault("restart");
+    device::Fault restart = device::parse_fault("restart");
     restart.begin_s = rig.board.time_s();
     rig.board.set_fault(restart);
     for (int i = 0; i < 100; ++i) {
@@ -218,7 +218,7 @@ TEST(UsbDevice, AFaultOfAnEncoderVoidsTheZeroUntilItIsZeroedWithoutOne) {
     const auto fail_encoder = [&](bool fails) {
         rig.board.clear_faults();
         if (fails) {
-            rig.board.set_fault(emulator::parse_fault("reversed-encoder:2")); // at another angle
+            rig.board.set_fault(device::parse_fault("reversed-encoder:2")); // at another angle
         }
     };
     rig.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.0, 0.03, 0.03));
@@ -266,7 +266,7 @@ TEST(UsbDevice, AFaultOfAnEncoderThatNoReportShowedVoidsTheZero) {
     ASSERT_NE(rig.tick().zeroing, 0);
     Packet lost; // each command lets the board send one
     device::DeviceCommand command = device::DeviceCommand::braking();
-    rig.board.set_fault(emulator::parse_fault("reversed-encoder:2"));
+    rig.board.set_fault(device::parse_fault("reversed-encoder:2"));
     for (const bool resets : {false, true, false}) {
         ASSERT_GT(rig.board.take(lost.data), 0U);
         command.resets_faults = resets;
@@ -286,10 +286,10 @@ TEST(UsbDevice, AZeroingClearsNoStop) {
     for (int i = 0; i < 500; ++i) {
         rig.tick();
     }
-    rig.board.set_fault(emulator::parse_fault("reversed-encoder:2"));
+    rig.board.set_fault(device::parse_fault("reversed-encoder:2"));
     rig.tick();
     ASSERT_TRUE(rig.tick().faults.has(device::BoardFaults::kEncoder));
-    emulator::Fault stop = emulator::parse_fault("stop");
+    device::Fault stop = device::parse_fault("stop");
     stop.begin_s = rig.board.time_s();
     stop.end_s = stop.begin_s + 0.03;
     rig.board.set_fault(stop);
@@ -309,7 +309,7 @@ TEST(UsbDevice, ARestartAtAnyTimeOfAConnectionVoidsTheZero) {
         rig.port->unplug();
         rig.tick();
         rig.port->is_plugged = true;
-        emulator::Fault restart = emulator::parse_fault("restart");
+        device::Fault restart = device::parse_fault("restart");
         restart.begin_s = rig.board.time_s() + 1e-3 * delay_ms;
         rig.board.set_fault(restart);
         static_cast<void>(springdrive::complaint_of([&] { rig.device.reconnect(); }));
@@ -334,7 +334,7 @@ TEST(UsbDevice, ABoardThatAnotherProgramUsedAfterARestartMustBeZeroedAgain) {
     ASSERT_TRUE(rig.device.is_zeroed());
     rig.port->unplug();
     rig.tick();
-    emulator::Fault restart = emulator::parse_fault("restart");
+    device::Fault restart = device::parse_fault("restart");
     restart.begin_s = rig.board.time_s();
     rig.board.set_fault(restart);
     rig.port->pass(0.1);
@@ -460,7 +460,7 @@ TEST(UsbDevice, RefusesABoardThatDoesNotFitInOneLine) {
     EXPECT_NE(damaged.find("checksum"), std::string::npos) << damaged;
 
     EmulatedBoardOptions deaf = options();
-    deaf.faults = {emulator::parse_fault("drop:out:1")};
+    deaf.faults = {device::parse_fault("drop:out:1")};
     const std::string silent = complaint_about([](Kind, std::span<std::uint8_t>) {}, deaf);
     EXPECT_NE(silent.find("accepts no command"), std::string::npos) << silent;
     for (const std::string &text : {version, counts, slow, damaged, silent}) {

@@ -128,7 +128,7 @@ struct TriedCalibration {
     bool is_on_board = true;
     double ambient_C = 25.0;
     bool moves_hand = true;
-    std::vector<emulator::Fault> faults;
+    std::vector<device::Fault> faults;
     CalibrationOptions options;
 
     TriedCalibration() { options.made_at_s = 1'764'000'000; }
@@ -446,14 +446,14 @@ TEST(CalibrationRun, SaysWhatIsMissing) {
 
 TEST(CalibrationRun, ATripEndsIt) {
     TriedCalibration stopped;
-    stopped.faults = {emulator::parse_fault("stop@4")};
+    stopped.faults = {device::parse_fault("stop@4")};
     const CalibrationReport report = stopped.run();
     EXPECT_FALSE(report.is_complete);
     EXPECT_NE(report.problem.find("stop switch"), std::string::npos) << report.problem;
     EXPECT_EQ(stopped.last.command.mode, device::CommandMode::brake);
 
     TriedCalibration latched; // before it began
-    latched.faults = {emulator::parse_fault("stop@0-0.08")};
+    latched.faults = {device::parse_fault("stop@0-0.08")};
     latched.options.lets_go_on = true;
     const CalibrationReport reset = latched.run();
     EXPECT_TRUE(reset.is_complete) << reset.problem;
@@ -470,7 +470,7 @@ TEST(CalibrationRun, AStopAtItsStartEndsIt) {
                 stopped.run([](const CalibrationRun &) { return false; },
                             [&](CalibrationRun &) {
                                 if (!std::exchange(is_set, true)) {
-                                    emulator::Fault stop = emulator::parse_fault("stop");
+                                    device::Fault stop = device::parse_fault("stop");
                                     stop.begin_s = stopped.board.emulated->time_s() + begin_s;
                                     stop.end_s = stop.begin_s + 0.02;
                                     stopped.board.emulated->set_fault(stop);
@@ -604,7 +604,7 @@ TEST(Calibration, ABoardKeepsItWithoutPower) {
         EXPECT_FALSE(device->description().calibration);
         device->bench()->store(calibration_of("board-7"));
     }
-    rig.board.set_fault(emulator::parse_fault("restart"));
+    rig.board.set_fault(device::parse_fault("restart"));
     rig.board.pass(0.2);
     ASSERT_EQ(rig.board.restarts(), 1U);
     rig.board.clear_faults();

@@ -25,7 +25,7 @@
 namespace springdrive::commissioning {
 namespace {
 
-using emulator::FaultKind;
+using device::FaultKind;
 
 /// A problem, and on which channel, from 1; 0: on none.
 using Named = std::set<std::pair<Problem, int>>;
@@ -109,7 +109,7 @@ void PrintTo(const Case &one, std::ostream *out) { *out << one.name; }
 std::vector<Case> cases_of_faults() {
     const auto with_fault = [](const char *fault) {
         return [fault](Tried &tried) {
-            tried.request.emulation.faults = {emulator::parse_fault(fault)};
+            tried.request.emulation.faults = {device::parse_fault(fault)};
         };
     };
     return {
@@ -134,15 +134,15 @@ std::vector<Case> cases_of_faults() {
          {{Problem::open_winding, 1}}},
         {"two sensors too high",
          [](Tried &tried) {
-             tried.request.emulation.faults = {emulator::parse_fault("sensor-gain:1:1.1"),
-                                               emulator::parse_fault("sensor-gain:2:1.1")};
+             tried.request.emulation.faults = {device::parse_fault("sensor-gain:1:1.1"),
+                                               device::parse_fault("sensor-gain:2:1.1")};
          },
          {{Problem::wrong_sensor_gain, 1}, {Problem::wrong_sensor_gain, 2}}},
         {"sensor far too high", with_fault("sensor-gain:1:1.4"), {{Problem::wrong_sensor_gain, 1}}},
         {"another supply",
          [](Tried &tried) {
              tried.request.emulation.settings.measures_supply = false;
-             tried.request.emulation.faults = {emulator::parse_fault("brown-out:16.4")};
+             tried.request.emulation.faults = {device::parse_fault("brown-out:16.4")};
          },
          {{Problem::wrong_voltage, 0}}},
         {"stop switch", with_fault("stop@0.5"), {{Problem::board_fault, 0}}},
@@ -244,7 +244,7 @@ TEST(SelfTestOnBoard, SlowerLoopsGetLongerPulses) {
 
 TEST(SelfTestOnBoard, APersonsTestResetsWhatTheBoardHasLatched) {
     Tried tried;
-    tried.request.emulation.faults = {emulator::parse_fault("stop@0-0.08")}; // before it begins
+    tried.request.emulation.faults = {device::parse_fault("stop@0-0.08")}; // before it begins
     tried.options.lets_go_on = true;
     const SelfTestReport report = tried.run();
     EXPECT_TRUE(report.has_passed()) << text_of(report);
@@ -263,12 +263,12 @@ TEST(SelfTestOnBoard, AStopOfAnyTimeEndsIt) {
             tried.options.lets_go_on = lets_go_on;
             const factory::OpenBoard board = factory::open_board(tried.request);
             board.device->zero(Vector3::Zero());
-            emulator::Fault stop = emulator::parse_fault("stop");
+            device::Fault stop = device::parse_fault("stop");
             stop.begin_s = board.emulated->time_s() + begin_s;
             stop.end_s = stop.begin_s + (is_unseen ? 0.008 : 0.05);
             board.emulated->set_fault(stop);
             if (is_unseen) {
-                emulator::Fault loss = emulator::parse_fault("drop:in");
+                device::Fault loss = device::parse_fault("drop:in");
                 loss.begin_s = stop.begin_s - 0.002;
                 loss.end_s = stop.end_s + 0.003;
                 board.emulated->set_fault(loss);
@@ -291,7 +291,7 @@ TEST(SelfTestOnBoard, PulsesAloneAreAnAnswer) {
 
 TEST(SelfTestOnBoard, SilenceIsSaid) {
     Tried tried;
-    tried.request.emulation.faults = {emulator::parse_fault("stall:in@3.5")};
+    tried.request.emulation.faults = {device::parse_fault("stall:in@3.5")};
     try {
         static_cast<void>(tried.run());
         FAIL();

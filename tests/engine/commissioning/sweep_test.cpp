@@ -334,7 +334,7 @@ factory::OpenBoard board(std::vector<const char *> faults = {}, std::uint64_t se
     request.emulation.start_tip_m = Vector3::Zero();
     request.emulation.simulation.device_seed = seed;
     for (const char *fault : faults) {
-        request.emulation.faults.push_back(emulator::parse_fault(fault));
+        request.emulation.faults.push_back(device::parse_fault(fault));
     }
     factory::OpenBoard open = factory::open_board(request);
     open.device->zero(Vector3::Zero());

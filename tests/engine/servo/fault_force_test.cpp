@@ -31,7 +31,7 @@ TEST(FaultInjection, TipForce) {
         EXPECT_GT(force_N, 0.2);
         // An amplifier with excessive gain.
         const double gain = limit_N / force_N * testing::log_uniform(random, 1.1, 2.0);
-        rig.commit(rig::FaultKind::amplifier_gain, Vector3::Constant(gain));
+        rig.commit(device::FaultKind::amplifier_gain, Vector3::Constant(gain));
         rig.run_to_trip(0.05);
         // If one tick exceeds both limits, the winding's is reported. An amplifier whose force
         // stays below contradicts its motor.
@@ -65,7 +65,7 @@ TEST(FaultInjection, Energy) {
             0.03 * testing::log_uniform(random, 0.001, what.firm ? 0.3 : 1.0);
         // Reversed polarity: the force pulls in instead of pushing out, which contradicts the motor
         // within some 10 ms, if the energy is not above its limit before.
-        rig.commit(rig::FaultKind::amplifier_gain,
+        rig.commit(device::FaultKind::amplifier_gain,
                    -Vector3::Ones() * testing::uniform(random, 1.0, 1.4));
         rig.run_to_trip(1.0);
         const TripCause cause = rig.last.safety.cause;
@@ -80,26 +80,26 @@ TEST(FaultInjection, Energy) {
 }
 
 /// A fault that may show in several ways, or not at all.
-rig::Fault some_fault(std::mt19937 &random, const testing::FaultCase &what) {
+device::Fault some_fault(std::mt19937 &random, const testing::FaultCase &what) {
     switch (std::uniform_int_distribution<int>(0, 4)(random)) {
     case 0: // R falls to R̂, or below it
-        return {rig::FaultKind::sagging_winding,
+        return {device::FaultKind::sagging_winding,
                 Vector3::Constant(what.tuning.dR_Ohm + testing::uniform(random, -0.1, 0.4))};
     case 1:
-        return {rig::FaultKind::sagging_winding,
+        return {device::FaultKind::sagging_winding,
                 Vector3::Unit(static_cast<int>(random() % 3)) *
                     (what.tuning.dR_Ohm + testing::uniform(random, 0.0, 0.4))};
     case 2:
-        return {rig::FaultKind::late_counts,
+        return {device::FaultKind::late_counts,
                 Vector3::Constant(
                     std::floor(what.servo_hz * testing::log_uniform(random, 0.002, 0.04)))};
     case 3: {
         Vector3 gain = Vector3::Ones();
         gain[static_cast<int>(random() % 3)] = -1.0;
-        return {rig::FaultKind::amplifier_gain, gain};
+        return {device::FaultKind::amplifier_gain, gain};
     }
     default:
-        return {rig::FaultKind::amplifier_gain,
+        return {device::FaultKind::amplifier_gain,
                 Vector3::Constant(testing::log_uniform(random, 1.2, 10.0))};
     }
 }
@@ -115,7 +115,7 @@ TEST(FaultInjection, AnyCauseFirst) {
         testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
         rig.run_to_fault();
-        const rig::Fault fault = some_fault(random, rig.what);
+        const device::Fault fault = some_fault(random, rig.what);
         SCOPED_TRACE("fault " + std::to_string(static_cast<int>(fault.kind)) + " of " +
                      std::to_string(fault.size.maxCoeff()));
         rig.commit(fault.kind, fault.size);

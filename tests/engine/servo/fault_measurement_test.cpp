@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -26,7 +27,7 @@ Vector3 some_motors(std::mt19937 &random) {
 }
 
 /// A fault that is present immediately, and after each reset.
-void see_through(testing::FaultTrial &rig, rig::FaultKind kind, const Vector3 &size,
+void see_through(testing::FaultTrial &rig, device::FaultKind kind, const Vector3 &size,
                  TripCause cause) {
     rig.run_to_fault();
     rig.commit(kind, size);
@@ -46,7 +47,7 @@ TEST(FaultInjection, DeviceLost) {
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
-        see_through(rig, rig::FaultKind::lost, Vector3::Zero(), TripCause::device_lost);
+        see_through(rig, device::FaultKind::unplug, Vector3::Zero(), TripCause::device_lost);
     }
 }
 
@@ -57,8 +58,8 @@ TEST(FaultInjection, StaleMeasurements) {
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
-        constexpr std::array<rig::FaultKind, 3> kKinds{
-            rig::FaultKind::absent, rig::FaultKind::corrupt, rig::FaultKind::repeated};
+        constexpr std::array<device::FaultKind, 3> kKinds{
+            device::FaultKind::drop, device::FaultKind::corrupt, device::FaultKind::repeat};
         rig.run_to_fault();
         rig.force_is_bounded = false; // the hand continues to move against a held e_W
         rig.commit(kKinds[static_cast<std::size_t>(i) % kKinds.size()], Vector3::Zero());
@@ -83,7 +84,7 @@ TEST(FaultInjection, BoardFault) {
         // An amplifier's own fault opens the windings, where no brake bounds the hand.
         const double bits =
             static_cast<double>(2 * std::uniform_int_distribution<int>(1, 31)(random));
-        see_through(rig, rig::FaultKind::board, Vector3(bits, 0.0, 0.0), TripCause::board_fault);
+        see_through(rig, device::FaultKind::board, Vector3(bits, 0.0, 0.0), TripCause::board_fault);
     }
 }
 
@@ -93,9 +94,11 @@ TEST(FaultInjection, NotFinite) {
     for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
         testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
         SCOPED_TRACE(rig.what.description());
-        see_through(rig,
-                    random() % 2 == 0 ? rig::FaultKind::not_a_number : rig::FaultKind::infinite,
-                    some_motors(random), TripCause::not_finite);
+        const double wrong_A = random() % 2 == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                                 : std::numeric_limits<double>::infinity();
+        const Vector3 signs = some_motors(random);
+        see_through(rig, device::FaultKind::current_reading,
+                    (signs.array() == 0.0).select(0.0, wrong_A * signs), TripCause::not_finite);
     }
 }
 
@@ -107,7 +110,7 @@ TEST(FaultInjection, CurrentReading) {
         SCOPED_TRACE(rig.what.description());
         const double peak_A = rig.device().description().motor[0].peak_current_A;
         const double read_A = peak_A * (1.0 + testing::log_uniform(random, 1e-4, 0.5));
-        see_through(rig, rig::FaultKind::current_reading, read_A * some_motors(random),
+        see_through(rig, device::FaultKind::current_reading, read_A * some_motors(random),
                     TripCause::current);
         EXPECT_DOUBLE_EQ(rig.inputs.limits.current_A, unlowered().current_A);
     }
@@ -139,7 +142,7 @@ TEST(FaultInjection, EncoderJump) {
         rig.run_to_fault();
         const double way_m = testing::log_uniform(random, 1.3 * surely_a_jump_m(rig), 0.06);
         const bool flickers = i % 2 == 0;
-        rig.commit(flickers ? rig::FaultKind::count_flicker : rig::FaultKind::count_step,
+        rig.commit(flickers ? device::FaultKind::count_flicker : device::FaultKind::count_step,
                    jump_counts(rig, some_motors(random), way_m));
         rig.step();
         rig.expect_tripped_by(TripCause::encoder_jump);

@@ -141,7 +141,7 @@ TEST(FaultInjection, BeyondStopsByDriftingCounts) {
         const double counts_per_tick = rate_rad_per_s / what.servo_hz *
                                        device.geometry.transmission_ratio[joint] *
                                        device.encoder_counts_per_turn / (2.0 * std::numbers::pi);
-        rig.commit(rig::FaultKind::count_drift, sign * counts_per_tick * Vector3::Unit(joint));
+        rig.commit(device::FaultKind::count_drift, sign * counts_per_tick * Vector3::Unit(joint));
         rig.run_to_trip(3.0);
         // A motor that is driven contradicts such counts before.
         const TripCause cause = rig.last.safety.cause;

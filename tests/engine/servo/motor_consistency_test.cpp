@@ -92,7 +92,7 @@ enum class HandGoes : std::uint8_t { lifted, let_go, moved_free };
 
 struct WrongEncoder {
     HandGoes way = HandGoes::lifted;
-    rig::FaultKind kind = rig::FaultKind::count_scale;
+    device::FaultKind kind = device::FaultKind::count_scale;
     double size = 0.0;
     Eigen::Index motor = 1;
     std::string tuning = "firm";
@@ -124,12 +124,12 @@ Outcome outcome_of(const WrongEncoder &what) {
         rig.inputs.tuning.K_P_V_per_rad *= what.dR_Ohm / rig.inputs.tuning.dR_Ohm;
         rig.inputs.tuning.dR_Ohm = what.dR_Ohm;
     }
-    rig::Fault fault{what.kind, Vector3::Zero()};
-    if (what.kind == rig::FaultKind::count_scale) {
+    device::Fault fault{.kind = what.kind, .begin_s = std::floor(kFault_s / kT_s)};
+    if (what.kind == device::FaultKind::count_scale) {
         fault.size = Vector3::Ones();
     }
     fault.size[what.motor] = what.size;
-    rig.device().commit(fault, static_cast<std::uint64_t>(kFault_s / kT_s));
+    rig.device().commit(fault);
     const Vector3 k_T = control::torque_constants(device);
     Outcome found;
     double over_s = 0.0;
@@ -209,13 +209,13 @@ TEST(MotorConsistency, ADeadEncoderTripsOnceItsMotorMoves) {
 // A motor that hardly moves shows nothing, and does no harm; others trip by this or by force, speed
 // or energy.
 TEST(MotorConsistency, NoWrongEncoderMakesMoreThanTheLimits) {
-    constexpr std::array<std::pair<rig::FaultKind, double>, 6> kFaults{
-        {{rig::FaultKind::count_scale, 0.0},
-         {rig::FaultKind::count_scale, 0.5},
-         {rig::FaultKind::count_scale, 2.0},
-         {rig::FaultKind::count_scale, -1.0},
-         {rig::FaultKind::count_stuck_bit, 32.0},
-         {rig::FaultKind::count_flicker, 4.0}}};
+    constexpr std::array<std::pair<device::FaultKind, double>, 6> kFaults{
+        {{device::FaultKind::count_scale, 0.0},
+         {device::FaultKind::count_scale, 0.5},
+         {device::FaultKind::count_scale, 2.0},
+         {device::FaultKind::count_scale, -1.0},
+         {device::FaultKind::count_stuck_bit, 32.0},
+         {device::FaultKind::count_flicker, 4.0}}};
     std::mt19937 random(1);
     const int cases = testing::cases(18, 1000);
     int contradicted = 0;

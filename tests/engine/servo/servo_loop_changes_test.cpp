@@ -376,17 +376,17 @@ TEST(ServoLoopChanges, ADeviceThatWaitsMissesNothing) {
 struct FailingRig : Rig {
     FailingRig() : Rig(firm_contact(), testing::plate()) { run(2.0); }
 
-    void fail(rig::FaultKind kind, double size = 0.0) {
+    void fail(device::FaultKind kind, double size = 0.0) {
         device().commit({kind, Vector3(size, 0.0, 0.0)});
     }
 };
 
 TEST(ServoLoopChanges, TheLastCommandIsHeldWithoutNewMeasurementsWithinTheLimit) {
-    using rig::FaultKind;
+    using device::FaultKind;
     const std::array<std::pair<FaultKind, device::Arrival>, 3> silences{
-        {{FaultKind::repeated, device::Arrival::repeated},
+        {{FaultKind::repeat, device::Arrival::repeated},
          {FaultKind::corrupt, device::Arrival::corrupt},
-         {FaultKind::absent, device::Arrival::absent}}};
+         {FaultKind::drop, device::Arrival::absent}}};
     for (const auto &[fault, arrival] : silences) {
         FailingRig rig;
         ASSERT_TRUE(rig.last.contact.touching);
@@ -424,7 +424,7 @@ TEST(ServoLoopChanges, TheLastCommandIsHeldWithoutNewMeasurementsWithinTheLimit)
 
 TEST(ServoLoopChanges, LateMeasurementsAreUsedAndCountedAsStale) {
     FailingRig rig;
-    rig.fail(rig::FaultKind::late);
+    rig.fail(device::FaultKind::delay);
     for (int tick = 0; tick < 5; ++tick) {
         const ServoSample sample = rig.tick();
         EXPECT_EQ(sample.safety.state, SafetyState::running);
@@ -437,7 +437,7 @@ TEST(ServoLoopChanges, BoardFaultsTripAndOnlyAmplifierFaultsOpenTheWindings) {
     for (int bit = 0; bit < 6; ++bit) {
         FailingRig rig;
         const auto bits = static_cast<std::uint16_t>(1U << static_cast<unsigned>(bit));
-        rig.fail(rig::FaultKind::board, bits);
+        rig.fail(device::FaultKind::board, bits);
         const ServoSample sample = rig.tick();
         EXPECT_EQ(sample.safety.cause, TripCause::board_fault);
         EXPECT_EQ(sample.board_faults, bits);
@@ -447,7 +447,7 @@ TEST(ServoLoopChanges, BoardFaultsTripAndOnlyAmplifierFaultsOpenTheWindings) {
                       : device::CommandMode::brake);
         EXPECT_TRUE(sample.command.e_W_V.isZero(0.0));
         EXPECT_TRUE(sample.command.cancelled_resistance_Ohm.isZero(0.0));
-        rig.fail(rig::FaultKind::absent); // no new measurement: the fault persists
+        rig.fail(device::FaultKind::drop); // no new measurement: the fault persists
         EXPECT_EQ(rig.tick().command.mode, sample.command.mode);
         rig.device().clear_fault(); // it brakes again, until a reset
         EXPECT_EQ(rig.tick().command.mode, device::CommandMode::brake);
@@ -475,7 +475,7 @@ TEST(ServoLoopChanges, OnlyAResetTellsTheBoardToClearItsFaults) {
     for (const std::uint16_t bits :
          {device::BoardFaults::kAmplifier, device::BoardFaults::kNoCommand}) {
         FailingRig rig;
-        rig.fail(rig::FaultKind::board, bits);
+        rig.fail(device::FaultKind::board, bits);
         for (int i = 0; i < 300; ++i) {
             EXPECT_FALSE(rig.tick().command.resets_faults);
         }
@@ -488,7 +488,7 @@ TEST(ServoLoopChanges, OnlyAResetTellsTheBoardToClearItsFaults) {
 
 TEST(ServoLoopChanges, BeforeTheFirstMeasurementItBrakes) {
     Rig rig(firm_contact());
-    rig.device().commit({rig::FaultKind::absent});
+    rig.device().commit({.kind = device::FaultKind::drop});
     for (int i = 0; i < 3; ++i) {
         const ServoSample sample = rig.tick();
         EXPECT_EQ(sample.command.mode, device::CommandMode::brake);

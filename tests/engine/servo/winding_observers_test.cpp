@@ -589,13 +589,13 @@ TEST(WindingObservers, BrushesLeaveAResistance) {
 
 /// A fault of one or all motors' converters; the amplifier's own sensor has none, which is the
 /// worse case: R̂ is applied in full to what the servo misjudges.
-rig::Fault any_sensor_fault(std::mt19937_64 &random) {
+device::Fault any_sensor_fault(std::mt19937_64 &random) {
     std::uniform_real_distribution<double> any(-1.0, 1.0);
     const auto motor = std::uniform_int_distribution<Eigen::Index>(0, 2)(random);
     const auto kind = std::uniform_int_distribution<int>(0, 4)(random);
     const bool are_all = any(random) < 0.0;
-    rig::Fault fault;
-    const auto set = [&](rig::FaultKind of, double size) {
+    device::Fault fault{.kind = device::FaultKind::current_reading}; // none: of no motor
+    const auto set = [&](device::FaultKind of, double size) {
         fault.kind = of;
         if (are_all) {
             fault.size.setConstant(size);
@@ -605,19 +605,19 @@ rig::Fault any_sensor_fault(std::mt19937_64 &random) {
     };
     switch (kind) {
     case 0:
-        set(rig::FaultKind::current_reading, any(random)); // stuck
+        set(device::FaultKind::current_reading, any(random)); // stuck
         break;
     case 1:
-        set(rig::FaultKind::current_offset, 0.1 * any(random));
+        set(device::FaultKind::current_offset, 0.1 * any(random));
         break;
     case 2:
-        set(rig::FaultKind::current_drift, 1e-4 * any(random)); // up to 0.1 A in a second
+        set(device::FaultKind::current_drift, 1e-4 * any(random)); // up to 0.1 A in a second
         break;
     case 3:
-        set(rig::FaultKind::current_gain, 0.05 * any(random));
+        set(device::FaultKind::current_gain, 0.05 * any(random));
         break;
     default:
-        break; // none
+        break;
     }
     return fault;
 }
@@ -647,8 +647,9 @@ TEST(WindingObservers, NeverCancelMoreThanThereIs) {
         // Often when little is known yet.
         const double fault_s =
             any(random) < 0.5 ? kBeforeTouch_s + 0.7 * any(random) : 5.0 * any(random);
-        device.rig.device().commit(any_sensor_fault(random),
-                                   static_cast<std::uint64_t>(fault_s / touch.period_s));
+        device::Fault fault = any_sensor_fault(random);
+        fault.begin_s = std::floor(fault_s / touch.period_s);
+        device.rig.device().commit(fault);
         for (int tick = 0; tick < 5500; ++tick) {
             const double time_s = tick * touch.period_s;
             device.run_to(time_s);

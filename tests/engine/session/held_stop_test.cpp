@@ -19,7 +19,7 @@ SessionOptions at_rest(const std::vector<const char *> &faults = {}) {
         options.device.kind = factory::DeviceKind::emulated;
         options.starts_at_zero = true;
         for (const char *const fault : faults) {
-            options.emulation.faults.push_back(emulator::parse_fault(fault));
+            options.emulation.faults.push_back(device::parse_fault(fault));
         }
     }
     return options;

@@ -148,7 +148,7 @@ TEST(EmulatedSession, MustBeZeroedAgainAfterItsPowerWasLost) {
     Session session(emulated(true));
     session.start();
     ASSERT_TRUE(stands_over_plate(session));
-    emulator::Fault brown_out = emulator::parse_fault("brown-out:3");
+    device::Fault brown_out = device::parse_fault("brown-out:3");
     brown_out.begin_s = board_of(session).time_s();
     brown_out.end_s = brown_out.begin_s + 0.2;
     session.servo().paused([&] { board_of(session).set_fault(brown_out); });
@@ -243,7 +243,7 @@ TEST(LentDevice, AStopEndsItAndItsPulsesAtOnce) {
         ASSERT_TRUE(testing::run_until(
             session, [&] { return largest_A() > 0.2; }, 3.0));
         if (loses_s > 0.0) {
-            emulator::Fault loss = emulator::parse_fault("drop:out");
+            device::Fault loss = device::parse_fault("drop:out");
             loss.begin_s = board.time_s();
             loss.end_s = loss.begin_s + loses_s;
             board.set_fault(loss);

@@ -270,7 +270,7 @@ TEST_F(RealTimeSession, NeitherDoesAnEmulatedBoard) {
         chosen.starts_at_zero = true;
         chosen.delay_periods = chosen.emulation.delay_periods; // so that d need not be adopted
         for (const char *fault : {"drop:in:0.01", "repeat:in:0.01", "corrupt:in:0.01"}) {
-            chosen.emulation.faults.push_back(emulator::parse_fault(fault));
+            chosen.emulation.faults.push_back(device::parse_fault(fault));
         }
         Touch touch(chosen);
         touch.stand_above();
@@ -356,7 +356,7 @@ TEST(RealTimeEmulation, NeitherAllocatesNorLocksWhateverFailsUpToThePulledCable)
     for (const char *fault : {"drop:in:0.05", "delay:out:0.05:2", "repeat:in:0.05",
                               "reorder:in:0.05", "corrupt:in:0.05", "truncate:out:0.05",
                               "reversed-encoder:1@0.2-0.3", "restart@0.5", "unplug@0.7"}) {
-        options.faults.push_back(emulator::parse_fault(fault));
+        options.faults.push_back(device::parse_fault(fault));
     }
     factory::EmulatedDevice device(testing::phantom_1_0(), 1e-3, options, {});
     bool was_lost = false;

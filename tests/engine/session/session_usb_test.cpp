@@ -149,7 +149,7 @@ TEST(SessionOnUsb, ABoardThatLostItsPowerMustBeZeroedAgain) {
     UsbSession usb(true);
     usb.board.phantom().set_hand_target(kAbovePlate_m);
     ASSERT_TRUE(usb.run_until_state(SafetyState::running));
-    emulator::Fault restart = emulator::parse_fault("restart");
+    device::Fault restart = device::parse_fault("restart");
     restart.begin_s = usb.board.time_s();
     usb.board.set_fault(restart);
     testing::run(usb.session, 2.0);

@@ -41,7 +41,7 @@ public:
         options.plays_script = false;
         options.device.kind = factory::DeviceKind::emulated;
         options.starts_at_zero = true;
-        options.emulation.faults = {emulator::parse_fault(fault)};
+        options.emulation.faults = {device::parse_fault(fault)};
         return options;
     }
     [[nodiscard]] emulator::EmulatedBoard &board() { return session.device().emulated()->board(); }
@@ -133,18 +133,18 @@ TEST(SessionZero, ABoardThatRestartedDrivesNoMotor) {
 /// What makes the counts of a device wrong, by the tick in which it is seen.
 struct Cause {
     const char *name;
-    rig::Fault fault;
+    device::Fault fault;
     TripCause trip;
 };
 
 const Cause kCauses[]{
     {"BoardFault",
-     {rig::FaultKind::board, Vector3(device::BoardFaults::kEncoder, 0.0, 0.0), 20},
+     {device::FaultKind::board, Vector3(device::BoardFaults::kEncoder, 0.0, 0.0), 0.0, 20.0},
      TripCause::board_fault},
-    {"Jump", {rig::FaultKind::count_step, Vector3(6000.0, 0.0, 0.0)}, TripCause::encoder_jump},
-    {"Stops", {rig::FaultKind::count_drift, Vector3(2.0, 0.0, 0.0)}, TripCause::beyond_stops},
+    {"Jump", {device::FaultKind::count_step, Vector3(6000.0, 0.0, 0.0)}, TripCause::encoder_jump},
+    {"Stops", {device::FaultKind::count_drift, Vector3(2.0, 0.0, 0.0)}, TripCause::beyond_stops},
     {"OtherStops",
-     {rig::FaultKind::count_drift, Vector3(-2.0, 0.0, 0.0)},
+     {device::FaultKind::count_drift, Vector3(-2.0, 0.0, 0.0)},
      TripCause::beyond_stops}};
 
 class ZeroVoidedBy : public ::testing::TestWithParam<Cause> {
@@ -153,8 +153,9 @@ protected:
     static Vector3 start_m() {
         const device::DeviceDescription device = testing::phantom_1_0();
         const device::JointLimits &stops = device.joint_limits;
-        const double way =
-            GetParam().fault.kind == rig::FaultKind::count_drift ? GetParam().fault.size[0] : 0.0;
+        const double way = GetParam().fault.kind == device::FaultKind::count_drift
+                               ? GetParam().fault.size[0]
+                               : 0.0;
         const double base_rad = way > 0.0   ? stops.max_rad[0] - 0.1
                                 : way < 0.0 ? stops.min_rad[0] + 0.1
                                             : 0.0;

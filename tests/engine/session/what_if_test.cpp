@@ -87,7 +87,7 @@ TEST(WhatIf, TheRecordsOwnTuningChangesNoBitButTheCurrents) {
             rig.inputs.requested_stop = tick >= 2000 ? 1 : 0;
             rig.inputs.reset_count = rig.inputs.released_stop = tick > 2010 ? 1 : 0;
             if (tick == 1400 || tick == 1420) { // ticks that hold the last command
-                rig.device().commit({rig::FaultKind::absent, Vector3::Zero(), 2});
+                rig.device().commit({.kind = device::FaultKind::drop, .end_s = 2.0});
             }
         };
         const Samples recorded = press.samples();
@@ -147,7 +147,7 @@ TEST(WhatIf, CurrentsGoOnAcrossLateTicksAndMissingMeasurements) {
             if (tick % 100 == 50) {
                 rig.device().pass_by(2);
             } else if (tick % 100 == 80) {
-                rig.device().commit({rig::FaultKind::absent, Vector3::Zero(), 2});
+                rig.device().commit({.kind = device::FaultKind::drop, .end_s = 2.0});
             }
         };
         const Samples recorded = press.samples();
@@ -268,7 +268,7 @@ TEST(WhatIf, ACommandHeldAfterAGapIsTheRecordedOne) {
     Press press;
     press.before_tick = [](rig::ServoRig &rig, int tick) {
         if (tick == 1500) {
-            rig.device().commit({rig::FaultKind::absent, Vector3::Zero(), 2});
+            rig.device().commit({.kind = device::FaultKind::drop, .end_s = 2.0});
         }
     };
     Samples recorded = press.samples();

@@ -349,7 +349,7 @@ TEST(SessionWindings, AFormerClockGivesNoLowerBound) {
     ASSERT_GT(on.winding().min_C, kColdestAir_C + 0.05);
     const double before_C = on.winding().max_C;
     // The board loses its power, and runs for longer than before: its clock shows no gap.
-    emulator::Fault restart = emulator::parse_fault("restart");
+    device::Fault restart = device::parse_fault("restart");
     restart.begin_s = on.board.time_s();
     on.board.set_fault(restart);
     const double limit_Ohm = on.winding().R_hat_limit_Ohm;

@@ -128,10 +128,10 @@ LimitTrial late_answers(const loops::StabilityCase &which) {
 }
 
 /// Whether the servo keeps running after that many consecutive reads with the fault.
-bool survives(const loops::StabilityCase &which, rig::FaultKind fault, double reads) {
+bool survives(const loops::StabilityCase &which, device::FaultKind fault, double reads) {
     constexpr int kTicks = 30; // more than the reads tried, with a few to detect the trip
     PressedCorner corner(which, 0.0);
-    corner.device().commit({fault, Vector3::Zero(), static_cast<std::uint64_t>(reads)});
+    corner.device().commit({.kind = fault, .end_s = std::floor(reads)});
     for (int i = 0; i < kTicks; ++i) {
         corner.tick();
     }
@@ -150,7 +150,7 @@ LimitTrial lost_device(const loops::StabilityCase &which) {
             0.0,
             10.0,
             true,
-            [=](double lost) { return survives(which, rig::FaultKind::lost, lost); }};
+            [=](double lost) { return survives(which, device::FaultKind::unplug, lost); }};
 }
 
 /// The servo waits for a silent device until the budget is exhausted; the last command stays
@@ -167,7 +167,7 @@ LimitTrial missing_answers(const loops::StabilityCase &which) {
             0.0,
             3.0 * budget,
             true,
-            [=](double missing) { return survives(which, rig::FaultKind::absent, missing); }};
+            [=](double missing) { return survives(which, device::FaultKind::drop, missing); }};
 }
 
 /// The tick that detects the loss commands braking before it ends.
@@ -183,7 +183,7 @@ LimitTrial volts_off(const loops::StabilityCase &which) {
     trial.reading = [=]() -> std::optional<double> {
         PressedCorner corner(which);
         corner.press(2.0);
-        corner.device().commit({rig::FaultKind::lost});
+        corner.device().commit({.kind = device::FaultKind::unplug});
         for (int ticks = 0; ticks < 100; ++ticks) {
             corner.tick();
             if (corner.device().last_command().e_W_V.isZero(0.0)) {

@@ -38,7 +38,7 @@ TEST(FaultyDevice, IsTheOneBehindItUntilItFails) {
     device.pass_by(1); // as if the same had been said again
     static_cast<void>(truth.advance(command));
     EXPECT_EQ(behind.truth().tip_m, truth.truth().tip_m);
-    device.commit({FaultKind::lost, Vector3::Zero(), 2});
+    device.commit({.kind = device::FaultKind::unplug, .end_s = 2.0});
     for (const device::DeviceHealth health :
          {device::DeviceHealth::lost, device::DeviceHealth::lost, device::DeviceHealth::ok}) {
         const device::Measurement last = answer;
@@ -48,7 +48,7 @@ TEST(FaultyDevice, IsTheOneBehindItUntilItFails) {
         EXPECT_EQ(answer.counts == last.counts, health == device::DeviceHealth::lost);
         EXPECT_TRUE(device.last_command().e_W_V.isZero(0.0));
     }
-    device.commit({FaultKind::absent, Vector3::Zero(), 1});
+    device.commit({.kind = device::FaultKind::drop, .end_s = 1.0});
     const device::Measurement last = answer;
     answer = device.read();
     EXPECT_EQ(answer.arrival, device::Arrival::absent);
@@ -62,7 +62,7 @@ TEST(FaultyDevice, PassesOnWhatItsOwnFaultsMakeOfACommand) {
     simulated::SimulatedPhantom truth(testing::phantom_1_0(), {}, start_m);
     simulated::SimulatedPhantom behind(testing::phantom_1_0(), {}, start_m);
     FaultyDevice device(behind);
-    device.commit({FaultKind::amplifier_gain, Vector3(-1.0, 1.0, 2.0)});
+    device.commit({device::FaultKind::amplifier_gain, Vector3(-1.0, 1.0, 2.0)});
     device::DeviceCommand command;
     command.e_W_V = Vector3(0.3, -0.2, 0.1);
     device::DeviceCommand wrong = command;

@@ -2,7 +2,7 @@
 // make of them.
 #pragma once
 
-#include "device/usb/emulator/emulator_faults.h"
+#include "device/core/faults.h"
 #include "device/usb/protocol.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ struct Packet {
 };
 
 /// How often each fault happened to a packet.
-using FaultCounts = std::array<std::uint64_t, kFaultKinds>;
+using FaultCounts = std::array<std::uint64_t, device::kNamedFaults>;
 
 /// The same packets and faults give the same result for the same seed. Allocates only for more
 /// packets under way than kUsual.
@@ -44,13 +44,14 @@ class PacketLine {
 public:
     static constexpr std::size_t kUsual = 64;
 
-    PacketLine(Direction direction, std::uint64_t seed) : direction_(direction), random_(seed) {
+    PacketLine(device::Direction direction, std::uint64_t seed)
+        : direction_(direction), random_(seed) {
         queue_.reserve(kUsual);
     }
 
     /// @param faults  that act now, of any kind and direction
     /// @param period_loops  T, for delays
-    void put(Packet packet, std::span<const Fault> faults, double period_loops);
+    void put(Packet packet, std::span<const device::Fault> faults, double period_loops);
 
     /// The next packet that has arrived by now.
     [[nodiscard]] std::optional<Packet> take(std::uint64_t now_loop);
@@ -63,12 +64,12 @@ public:
     [[nodiscard]] const FaultCounts &faults() const { return counts_; }
 
 private:
-    [[nodiscard]] bool strikes(const Fault &fault);
+    [[nodiscard]] bool strikes(const device::Fault &fault);
     void flip_bits(Packet &packet);
     void insert(const Packet &packet);
     [[nodiscard]] std::uint64_t below(std::uint64_t bound);
 
-    Direction direction_;
+    device::Direction direction_;
     std::mt19937_64 random_;
     std::uint64_t packets_ = 0;
     std::uint64_t last_due_loop_ = 0; ///< of packets without a delay, which cannot overtake

@@ -1,4 +1,6 @@
-#include "device/usb/emulator/packet_faults.h"
+#include "device/usb/emulator/packet_line.h"
+
+#include "base/split_mix.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,13 +8,16 @@
 
 namespace springdrive::emulator {
 
+using device::Fault;
+using device::FaultKind;
+
 /// Uniform but for 2^-50 of it, and the same on every machine: the standard's distributions are
 /// not.
 std::uint64_t PacketLine::below(std::uint64_t bound) { return (random_() >> 11U) % bound; }
 
 /// Draws whatever the outcome, so that one fault does not change when another one strikes.
 bool PacketLine::strikes(const Fault &fault) {
-    const double drawn = static_cast<double>(random_() >> 11U) * 0x1p-53;
+    const double drawn = split_mix::unit_share(random_());
     const bool does = fault.kind == FaultKind::stall ||
                       (fault.packet != 0 ? fault.packet == packets_ : drawn < fault.share);
     counts_[static_cast<std::size_t>(fault.kind)] += does ? 1U : 0U;
@@ -45,7 +50,8 @@ void PacketLine::put(Packet packet, std::span<const Fault> faults, double period
     std::size_t copies = 1;
     double delay_periods = 0.0;
     for (const Fault &fault : faults) {
-        if (!is_of_packets(fault.kind) || fault.direction != direction_ || !strikes(fault)) {
+        if (!device::is_of_packets(fault.kind) || fault.direction != direction_ ||
+            !strikes(fault)) {
             continue;
         }
         switch (fault.kind) {
