@@ -11,19 +11,9 @@
 
 namespace springdrive::factory {
 
-/// As much of the board's answer as the host asks for.
-inline std::size_t control_in_of(emulator::EmulatedBoard &board, usb::Kind request,
-                                 std::uint16_t value, std::span<std::uint8_t> answer) {
-    std::array<std::uint8_t, board::kLargestPayload> payload{};
-    const std::size_t size = std::min(
-        board.control_in(static_cast<std::uint8_t>(request), value, payload), answer.size());
-    std::copy_n(payload.begin(), size, answer.begin());
-    return size;
-}
-
 /// By the board's frame clock: time stands still while the host computes, and a report that does
 /// not come is known at once not to come.
-class InProcessPort final : public usb::BoardPort {
+class InProcessPort : public usb::BoardPort {
 public:
     /// @param board  must outlive the port
     explicit InProcessPort(emulator::EmulatedBoard &board) : board_(board) {}
@@ -64,7 +54,11 @@ public:
     std::size_t control_in(usb::Kind request, std::uint16_t value,
                            std::span<std::uint8_t> answer) override {
         require_connection();
-        return control_in_of(board_, request, value, answer);
+        std::array<std::uint8_t, board::kLargestPayload> payload{};
+        const std::size_t size = std::min(
+            board_.control_in(static_cast<std::uint8_t>(request), value, payload), answer.size());
+        std::copy_n(payload.begin(), size, answer.begin());
+        return size;
     }
     bool control_out(usb::Kind request, std::uint16_t value,
                      std::span<const std::uint8_t> payload) override {
@@ -88,6 +82,9 @@ public:
         return is_high_speed ? "high speed (480 Mbit/s)" : "full speed (12 Mbit/s)";
     }
 
+protected:
+    emulator::EmulatedBoard &board_;
+
 private:
     void require_connection() const {
         if (!is_connected_) {
@@ -95,7 +92,6 @@ private:
         }
     }
 
-    emulator::EmulatedBoard &board_;
     bool is_connected_ = false;
     double waited_s_ = 0.0;
 };

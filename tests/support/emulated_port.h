@@ -11,7 +11,7 @@ namespace springdrive::testing {
 using EmulatedPort = factory::InProcessPort;
 
 /// By a clock that passes for host and board alike, with packets that need time.
-class TimedPort final : public usb::BoardPort {
+class TimedPort final : public EmulatedPort {
 public:
     struct Way {
         double least_s = 60e-6; ///< of a packet, each way
@@ -21,7 +21,7 @@ public:
     };
 
     TimedPort(emulator::EmulatedBoard &board, const Way &way)
-        : board_(board), way_(way), random_(way.seed) {}
+        : EmulatedPort(board), way_(way), random_(way.seed) {}
 
     /// The host does nothing until then.
     void sleep_until(double time_s) {
@@ -45,25 +45,7 @@ public:
         in_.pop_front();
         return true;
     }
-    [[nodiscard]] bool is_connected() const noexcept override { return is_open_; }
     [[nodiscard]] double now_s() const noexcept override { return now_s_; }
-    std::size_t control_in(usb::Kind request, std::uint16_t value,
-                           std::span<std::uint8_t> answer) override {
-        return factory::control_in_of(board_, request, value, answer);
-    }
-    bool control_out(usb::Kind request, std::uint16_t value,
-                     std::span<const std::uint8_t> payload) override {
-        return board_.control_out(static_cast<std::uint8_t>(request), value, payload);
-    }
-    void close() noexcept override {
-        is_open_ = false;
-        board_.detach();
-    }
-    void open(const std::string & /*serial*/) override {
-        is_open_ = true;
-        board_.attach(true);
-    }
-    [[nodiscard]] std::string_view speed() const override { return "high speed (480 Mbit/s)"; }
 
 private:
     struct UnderWay {
@@ -92,11 +74,9 @@ private:
         }
     }
 
-    emulator::EmulatedBoard &board_;
     Way way_;
     std::mt19937_64 random_;
     double now_s_ = 0.0;
-    bool is_open_ = false;
     std::deque<UnderWay> out_;
     std::deque<UnderWay> in_;
 };
