@@ -1,6 +1,7 @@
 #include "app/doctor/doctor_report.h"
 
 #include "base/print.h"
+#include "base/quoting.h"
 
 #include <nlohmann/json.hpp>
 
@@ -59,7 +60,7 @@ void write_json(std::ostream &out, const DoctorReport &report) {
                                   {"matters", check.matters},
                                   {"mend", check.mend}});
     }
-    out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    out << json_text(json) << '\n';
 }
 
 } // namespace springdrive::app::doctor

@@ -2,6 +2,7 @@
 
 #include "app/host/child_program.h"
 #include "base/input_error.h"
+#include "base/quoting.h"
 
 #include <fmt/core.h>
 
@@ -26,15 +27,6 @@ std::string last_line(const std::string &text) {
     return text.substr(first, last + 1 - first);
 }
 
-/// In gnuplot's single quotes, in which the only escape is a doubled quote.
-std::string in_single_quotes(std::string_view text) {
-    std::string inside;
-    for (const char c : text) {
-        inside += c == '\'' ? "''" : std::string(1, c == '\n' ? ' ' : c);
-    }
-    return "'" + inside + "'";
-}
-
 bool is_whole(const std::filesystem::path &svg) {
     std::ifstream file(svg, std::ios::binary);
     const std::string text(std::istreambuf_iterator<char>(file), {});
@@ -51,14 +43,14 @@ void ChartMarks::add(std::string_view name, double number) {
 }
 
 void ChartMarks::add(std::string_view name, std::string_view text) {
-    assignments_ += fmt::format("{} = {}; ", name, in_single_quotes(text));
+    assignments_ += fmt::format("{} = {}; ", name, gnuplot_string(text));
 }
 
 void draw(const Chart &chart, FilePolicy policy) {
     const std::filesystem::path svg = chart.folder / chart.svg;
     NewFile drawn(svg, policy.readers);
-    const std::string files = "csv = " + in_single_quotes(chart.csv) +
-                              "; svg = " + in_single_quotes(drawn.temporary().string()) + "; ";
+    const std::string files = "csv = " + gnuplot_string(chart.csv) +
+                              "; svg = " + gnuplot_string(drawn.temporary().string()) + "; ";
     // -d: ignore the user's gnuplot settings.
     const std::filesystem::path script = std::filesystem::absolute(chart.script);
     const ProgramEnding ending = run_program({"gnuplot", "-d", "-e", files + chart.assignments,

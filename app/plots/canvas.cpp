@@ -1,5 +1,7 @@
 #include "app/plots/canvas.h"
 
+#include "base/quoting.h"
+
 #include <algorithm>
 #include <fmt/core.h>
 
@@ -55,26 +57,6 @@ void for_each_dash(std::span<const ImVec2> points, const DashLengths &lengths,
     if (is_drawn && dash.size() > 1) {
         draw(dash);
     }
-}
-
-std::string escaped(std::string_view text) {
-    std::string result;
-    for (const char c : text) {
-        switch (c) {
-        case '&':
-            result += "&amp;";
-            break;
-        case '<':
-            result += "&lt;";
-            break;
-        case '>':
-            result += "&gt;";
-            break;
-        default:
-            result += c;
-        }
-    }
-    return result;
 }
 
 /// The attribute of a colour, with its opacity.
@@ -179,7 +161,7 @@ void SvgCanvas::text(ImVec2 corner, const ImVec4 &colour, std::string_view text)
     constexpr float kAscent = 0.8F;
     fmt::format_to(std::back_inserter(body_), "<text x=\"{:.2f}\" y=\"{:.2f}\" {}>{}</text>\n",
                    corner.x - where_.corner.x, corner.y - where_.corner.y + kAscent * text_height(),
-                   paint("fill", colour), escaped(text));
+                   paint("fill", colour), xml_text(text));
 }
 
 void SvgCanvas::clip(const Rectangle &where) {

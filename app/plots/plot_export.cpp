@@ -7,7 +7,7 @@
 #include "app/plots/plot_menu.h"
 #include "app/widgets/look.h"
 #include "base/file_names.h"
-#include "base/print.h"
+#include "base/quoting.h"
 #include "engine/session/telemetry_history.h"
 
 #include <algorithm>

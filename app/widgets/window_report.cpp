@@ -1,5 +1,6 @@
 #include "app/widgets/window_report.h"
 
+#include "base/quoting.h"
 #include "engine/record/telemetry_columns.h"
 
 #include <nlohmann/json.hpp>
@@ -88,8 +89,7 @@ std::string json_line(const WindowReport &report, const WindowFacts &window,
                      {"frame_p99_s", window.frame_p99_s}}},
                    {"items", std::move(items)},
                    {"sample", json_of(sample)}};
-    // File names may hold bytes that are no UTF-8.
-    return all.dump(-1, ' ', false, json::error_handler_t::replace);
+    return json_text(all, -1);
 }
 
 } // namespace springdrive::app

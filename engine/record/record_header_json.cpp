@@ -2,6 +2,7 @@
 #include "engine/record/record_header.h"
 
 #include "base/input_error.h"
+#include "base/quoting.h"
 #include "engine/control/tuning.h"
 #include "engine/record/record_format.h"
 
@@ -176,7 +177,7 @@ std::string to_json(const RecordHeader &header) {
                          {"triangles", header.scene_triangles}};
     document["global_alpha_rad2_per_m2"] = header.global_alpha_rad2_per_m2;
     // File names may contain invalid UTF-8.
-    return document.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+    return json_text(document, -1);
 }
 
 RecordHeader from_json(std::string_view text) {

@@ -2,12 +2,12 @@
 
 #include "base/assertions.h"
 #include "base/file_names.h"
-#include "base/formula_guard.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/number_in.h"
 #include "base/one_line.h"
 #include "base/print.h"
+#include "base/quoting.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -393,8 +393,7 @@ std::string run_json(const RunFacts &facts, const std::filesystem::path &folder)
     for (const std::filesystem::path &picture : facts.screenshots) {
         document["screenshots"].push_back(kept_name(folder, picture).string());
     }
-    // Names of files may contain invalid UTF-8.
-    return document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+    return json_text(document) + '\n';
 }
 
 void read_run_json(std::string_view text, const std::filesystem::path &file, RunFacts &facts) {

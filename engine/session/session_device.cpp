@@ -1,6 +1,7 @@
 // The part of `Session` that opens and exchanges devices.
 #include "base/assertions.h"
 #include "base/input_error.h"
+#include "base/quoting.h"
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
 #include "engine/control/motion_control.h"
@@ -28,9 +29,7 @@ std::array<device::MotorTemperature, 3> hottest_motors(const servo::ServoSample 
 
 } // namespace
 
-std::string dump(const nlohmann::json &json) {
-    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
+std::string dump(const nlohmann::json &json) { return json_text(json, -1); }
 
 std::string text_of_device(const std::filesystem::path &file) {
     static_cast<void>(device::read_device_file(file)); // throws if it is not a valid device file

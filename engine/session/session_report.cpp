@@ -1,6 +1,7 @@
 #include "engine/session/session_report.h"
 
 #include "base/print.h"
+#include "base/quoting.h"
 
 #include <nlohmann/json.hpp>
 
@@ -109,7 +110,7 @@ void write_session_json(std::ostream &out, const Session &session) {
                       {"bytes", record.bytes},
                       {"lost", record.lost},
                       {"error", record.error}};
-    out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    out << json_text(json) << '\n';
 }
 
 bool was_stopped(const Session &session, std::ostream &complaints) {

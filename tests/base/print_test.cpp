@@ -4,10 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <bit>
-#include <cmath>
-#include <cstdlib>
-#include <random>
 #include <sstream>
 #include <string>
 
@@ -49,26 +45,6 @@ TEST(Print, IntoABufferEndsWithTheBuffer) {
     EXPECT_STREQ(text.data(), "1234567");
     print(text, "{}", 123456789);
     EXPECT_STREQ(text.data(), "1234567");
-}
-
-TEST(CsvCell, IsQuotedIfNeeded) {
-    EXPECT_EQ(csv_cell("100 µs"), "100 µs");
-    EXPECT_EQ(csv_cell("a, \"b\""), "\"a, \"\"b\"\"\"");
-    EXPECT_EQ(csv_cell("two\nlines"), "\"two\nlines\"");
-    EXPECT_EQ(csv_cell(""), "");
-}
-
-TEST(CsvCell, OfANumberReadsBackAsTheSameNumber) {
-    std::mt19937_64 random(1);
-    for (int trial = 0; trial < 1000; ++trial) {
-        const auto number = std::bit_cast<double>(random());
-        if (std::isfinite(number)) {
-            EXPECT_EQ(std::strtod(csv_cell(number).c_str(), nullptr), number);
-        }
-    }
-    EXPECT_EQ(csv_cell(0.1), "0.1");
-    EXPECT_EQ(csv_cell(INFINITY), "");
-    EXPECT_EQ(csv_cell(NAN), "");
 }
 
 } // namespace

@@ -59,14 +59,18 @@ void export_study(const TypedStudyExport &typed) {
     if (!typed.answers.empty()) {
         write_output(typed.answers,
                      [&](std::ostream &out) {
-                         study::write_answers_csv(contents, questionnaire, {typed.device}, out);
+                         write_csv(out,
+                                   study::answer_table(contents, questionnaire, {typed.device}));
                      },
                      {typed.existing, Readers::owner});
     }
     if (!typed.csv.empty()) {
         write_output(
             typed.csv,
-            [&](std::ostream &out) { study::write_trials_csv(contents, {typed.device}, out); },
+            [&](std::ostream &out) {
+                write_csv(out, study::table_of(study::trial_columns(contents),
+                                               study::trials_in_study(contents, {typed.device})));
+            },
             {typed.existing, Readers::owner});
     }
     if (const std::string text = left_out_text(contents, typed.device, typed.study);

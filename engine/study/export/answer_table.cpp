@@ -1,17 +1,14 @@
 #include "engine/study/export/answer_table.h"
 
-#include "base/print.h"
-
 #include <algorithm>
 #include <iterator>
-#include <ostream>
 
 namespace springdrive::study {
 
-void write_answers_csv(const StudyContents &contents, const std::vector<QuestionnaireItem> &items,
-                       const std::vector<DeviceKind> &devices, std::ostream &out) {
-    out << "participant,participant_number,session,device_kind,when,item,kind,question,answer,"
-           "at_utc\n";
+Table answer_table(const StudyContents &contents, const std::vector<QuestionnaireItem> &items,
+                   const std::vector<DeviceKind> &devices) {
+    Table table = Table::with_columns("participant,participant_number,session,device_kind,when,"
+                                      "item,kind,question,answer,at_utc");
     for (const QuestionnaireAnswer &answer : contents.answers) {
         const Session &session = session_of(contents, answer.session);
         if (std::ranges::count(devices, session.device) == 0) {
@@ -20,14 +17,14 @@ void write_answers_csv(const StudyContents &contents, const std::vector<Question
         const auto item = std::ranges::find(items, answer.item, &QuestionnaireItem::name);
         const bool is_known = item != items.end();
         using Place = std::size_t;
-        print(out, "{},{},{},{},{},{},{},{},{},{}\n", answer.participant,
-              participant_of(contents, answer.participant).number, session.id,
-              name_of(session.device),
-              is_known ? kQuestionnaireTimeNames[static_cast<Place>(item->when)] : "",
-              csv_cell(answer.item),
-              is_known ? kQuestionnaireKindNames[static_cast<Place>(item->kind)] : "",
-              csv_cell(answer.question), csv_cell(answer.answer), utc_text(answer.at));
+        table.rows.push_back(
+            {answer.participant, participant_of(contents, answer.participant).number, session.id,
+             name_of(session.device),
+             is_known ? kQuestionnaireTimeNames[static_cast<Place>(item->when)] : "", answer.item,
+             is_known ? kQuestionnaireKindNames[static_cast<Place>(item->kind)] : "",
+             answer.question, answer.answer, utc_text(answer.at)});
     }
+    return table;
 }
 
 std::vector<std::string> answers_of(const StudyContents &contents,

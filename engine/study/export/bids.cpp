@@ -3,10 +3,10 @@
 #include "engine/study/export/answer_table.h"
 #include "engine/study/export/trial_table.h"
 
-#include "base/formula_guard.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/one_line.h"
+#include "base/quoting.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <map>
-#include <ostream>
+#include <sstream>
 #include <system_error>
 
 namespace springdrive::study {
@@ -25,23 +25,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char *kBidsVersion = "1.9.0";
-
-/// Of a TSV file: on one line, guarded as in CSV files, in quotes if it has some itself.
-std::string tsv_cell(const std::string &text) {
-    constexpr std::size_t kMaxBytes = 100'000;
-    std::string line = guard_formula(one_line(text, kMaxBytes));
-    if (line.empty()) {
-        return "n/a";
-    }
-    if (line.find('"') == std::string::npos) {
-        return line;
-    }
-    std::string quoted = "\"";
-    for (const char c : line) {
-        quoted += c == '"' ? "\"\"" : std::string(1, c);
-    }
-    return quoted + '"';
-}
 
 double seconds(UtcTime::duration time) { return std::chrono::duration<double>(time).count(); }
 
@@ -72,40 +55,38 @@ std::vector<double> onsets_s(const std::vector<TrialInStudy> &trials) {
     return onsets_s;
 }
 
-constexpr const char *kOnset = "onset";
-constexpr const char *kOnsetDescription =
-    "from the start of the session to that of the first presentation, by the wall clock: the end "
-    "of the trial less response time and presentations, but not before the trial before was "
-    "answered. A simulated session, which passes faster than the clock, is thus a sum of "
-    "presentations and response times, without pauses and breaks. Exact times by the servo's clock "
-    "are in presentation1_start_s and its like";
+const Column kOnset{
+    .name = "onset",
+    .meaning =
+        "from the start of the session to that of the first presentation, by the wall clock: the "
+        "end "
+        "of the trial less response time and presentations, but not before the trial before was "
+        "answered. A simulated session, which passes faster than the clock, is thus a sum of "
+        "presentations and response times, without pauses and breaks. Exact times by the servo's "
+        "clock "
+        "are in presentation1_start_s and its like",
+    .unit = "s"};
+
+Cell seconds_cell(std::optional<double> number) {
+    return number ? Cell::like_number(shortest_text(*number)) : Cell();
+}
 
 /// The columns that BIDS defines, after the onset.
 std::vector<TrialColumn> bids_columns() {
-    const auto text = [](std::optional<double> number) {
-        return number ? shortest_text(*number) : std::string();
-    };
-    return {
-        {"duration",
-         "from the start of the first presentation to the end of the last",
-         "s",
-         {},
-         [text](const TrialInStudy &row) { return text(presented_s(row.trial)); }},
-        {"trial_type",
-         "name of the condition in the protocol",
-         "",
-         {},
-         [](const TrialInStudy &row) { return row.trial.condition; }},
-        {"response_time",
-         "from the end of the last presentation to the response",
-         "s",
-         {},
-         [text](const TrialInStudy &row) { return text(row.trial.response_time_s); }},
-    };
+    return {{{.name = "duration",
+              .meaning = "from the start of the first presentation to the end of the last",
+              .unit = "s"},
+             [](const TrialInStudy &row) { return seconds_cell(presented_s(row.trial)); }},
+            {{.name = "trial_type", .meaning = "name of the condition in the protocol"},
+             [](const TrialInStudy &row) { return row.trial.condition; }},
+            {{.name = "response_time",
+              .meaning = "from the end of the last presentation to the response",
+              .unit = "s"},
+             [](const TrialInStudy &row) { return seconds_cell(row.trial.response_time_s); }}};
 }
 
-Json description_of(const TrialColumn &column) {
-    Json json{{"Description", column.description}};
+Json description_of(const Column &column) {
+    Json json{{"Description", column.meaning}};
     if (!column.unit.empty()) {
         json["Units"] = column.unit;
     }
@@ -174,9 +155,13 @@ public:
         write_file(temporary_ / file, [&](std::ostream &out) { out << text; },
                    {Existing::keep, Readers::owner});
     }
+    void write(const std::filesystem::path &file, const Table &table) const {
+        std::ostringstream text;
+        write_tsv(text, table);
+        write(file, text.str());
+    }
     void write(const std::filesystem::path &file, const Json &json) const {
-        constexpr int kIndent = 2;
-        write(file, json.dump(kIndent, ' ', false, Json::error_handler_t::replace) + '\n');
+        write(file, json_text(json) + '\n');
     }
     void publish() const {
         std::error_code error;
@@ -223,22 +208,14 @@ std::vector<TrialColumn> all_columns(const StudyContents &contents) {
     return columns;
 }
 
-std::string events_text(const std::vector<TrialColumn> &columns,
-                        const std::vector<TrialInStudy> &trials) {
-    std::string text = kOnset;
-    for (const TrialColumn &column : columns) {
-        text += '\t' + tsv_cell(column.name);
-    }
-    text += '\n';
+Table events_of(const std::vector<TrialColumn> &columns, const std::vector<TrialInStudy> &trials) {
+    Table events = table_of(columns, trials);
+    events.columns.insert(events.columns.begin(), kOnset);
     const std::vector<double> onsets = onsets_s(trials);
     for (std::size_t i = 0; i < trials.size(); ++i) {
-        text += shortest_text(onsets[i]);
-        for (const TrialColumn &column : columns) {
-            text += '\t' + tsv_cell(column.cell(trials[i]));
-        }
-        text += '\n';
+        events.rows[i].insert(events.rows[i].begin(), seconds_cell(onsets[i]));
     }
-    return text;
+    return events;
 }
 
 } // namespace
@@ -269,20 +246,18 @@ void write_bids(const StudyContents &contents, const std::filesystem::path &fold
     const NewFolder created(folder);
     created.write("dataset_description.json", dataset_description(contents, options));
     created.write("README", readme(contents, options));
-    Json sidecar{{"TaskName", contents.facts.title},
-                 {kOnset, {{"Description", kOnsetDescription}, {"Units", "s"}}}};
+    Json sidecar{{"TaskName", contents.facts.title}, {kOnset.name, description_of(kOnset)}};
     for (const TrialColumn &column : columns) {
         sidecar[column.name] = description_of(column);
     }
     sidecar["StimulusPresentation"] = {{"SoftwareName", "springdrive"},
                                        {"SoftwareVersion", contents.facts.software}};
     created.write(task + "_events.json", sidecar);
-    std::string answers = "participant_id\tsession_id";
+    Table answers = Table::with_columns("participant_id,session_id");
     for (const QuestionnaireItem &item : options.questionnaire) {
-        answers += '\t' + item.name;
+        answers.columns.push_back({item.name});
     }
-    answers += '\n';
-    std::string participants = "participant_id\tnumber\tsessions\ttrials\n";
+    Table participants = Table::with_columns("participant_id,number,sessions,trials");
     for (const auto &[code, sessions] : trials) {
         std::size_t count = 0;
         int number = 0;
@@ -290,16 +265,15 @@ void write_bids(const StudyContents &contents, const std::filesystem::path &fold
             const std::string stem = fmt::format("sub-{}_ses-{:02}", code, ++number);
             created.write( // without a row if the session has answers only
                 fmt::format("sub-{}/ses-{:02}/beh/{}_{}_events.tsv", code, number, stem, task),
-                events_text(columns, of_session));
-            answers += fmt::format("sub-{}\tses-{:02}", code, number);
-            for (const std::string &answer : answers_of(contents, options.questionnaire, id)) {
-                answers += '\t' + tsv_cell(answer);
-            }
-            answers += '\n';
+                events_of(columns, of_session));
+            std::vector<Cell> row{"sub-" + code, fmt::format("ses-{:02}", number)};
+            std::ranges::copy(answers_of(contents, options.questionnaire, id),
+                              std::back_inserter(row));
+            answers.rows.push_back(std::move(row));
             count += of_session.size();
         }
-        participants += fmt::format("sub-{}\t{}\t{}\t{}\n", code,
-                                    participant_of(contents, code).number, number, count);
+        participants.rows.push_back(
+            {"sub-" + code, participant_of(contents, code).number, number, count});
     }
     created.write("participants.tsv", participants);
     created.write("participants.json",

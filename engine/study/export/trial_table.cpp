@@ -1,32 +1,25 @@
 #include "engine/study/export/trial_table.h"
 
 #include "base/one_line.h"
-#include "base/print.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-#include <concepts>
-#include <ostream>
 
 namespace springdrive::study {
 
 namespace {
 
-std::string cell_of(double number) {
-    return std::isnan(number) ? std::string() : shortest_text(number);
+template <typename Value> Cell cell_of(const Value &value) { return value; }
+Cell cell_of(double number) {
+    return std::isnan(number) ? Cell() : Cell::like_number(shortest_text(number));
 }
-template <std::integral Integer> std::string cell_of(Integer number) {
-    return fmt::format("{}", +number);
-}
-std::string cell_of(const std::string &text) { return text; }
-std::string cell_of(std::string_view text) { return std::string(text); }
-std::string cell_of(const TrialPlace &place) {
+Cell cell_of(const TrialPlace &place) {
     return fmt::format("{}-{}-{}", place.block, place.position, place.attempt);
 }
-template <typename Value> std::string cell_of(const std::optional<Value> &value) {
-    return value ? cell_of(*value) : std::string();
+template <typename Value> Cell cell_of(const std::optional<Value> &value) {
+    return value ? cell_of(*value) : Cell();
 }
 
 std::string joined(const std::vector<std::string> &texts) {
@@ -48,7 +41,7 @@ std::string safety_text(const Trial &trial) {
 constexpr std::array<std::string_view, std::variant_size_v<Response>> kResponseKinds{
     "none", "chosen", "yes_no", "adjusted"};
 
-std::string response_text(const Response &response) {
+Cell cell_of(const Response &response) {
     if (const auto *const chosen = std::get_if<Chosen>(&response)) {
         return cell_of(chosen->alternative);
     }
@@ -56,7 +49,7 @@ std::string response_text(const Response &response) {
         return cell_of(answer->yes);
     }
     const auto *const adjusted = std::get_if<Adjusted>(&response);
-    return adjusted != nullptr ? cell_of(adjusted->level) : std::string();
+    return adjusted != nullptr ? cell_of(adjusted->level) : Cell();
 }
 
 /// Columns are added one after the other.
@@ -66,9 +59,8 @@ public:
     template <typename Value>
     TrialColumn &add(std::string name, std::string description, Value &&value) {
         columns.push_back(
-            {std::move(name), std::move(description), "", {}, [value](const TrialInStudy &row) {
-                 return cell_of(value(row));
-             }});
+            {{.name = std::move(name), .meaning = std::move(description)},
+             [value](const TrialInStudy &row) -> Cell { return cell_of(value(row)); }});
         return columns.back();
     }
 
@@ -120,7 +112,7 @@ void add_stimulus_and_response(Columns &to) {
                    {"yes_no", "1 yes, 0 no"},
                    {"adjusted", "a level, in the unit of level_name"}};
     to.add("response", "the response, see response_kind",
-           [](Row row) { return response_text(row.trial.response); });
+           [](Row row) { return cell_of(row.trial.response); });
     to.add("is_correct", "1 for a right response", [](Row row) { return row.trial.is_correct; });
     to.add("response_time_s", "from the end of the last presentation to the response", [](Row row) {
           return row.trial.response_time_s;
@@ -142,10 +134,10 @@ void add_circumstances(Columns &to) {
     to.add("repeated_by", "block-position-attempt of the trial that repeats it",
            [](Row row) { return row.trial.repeated_by; });
     to.add("record", "file of the servo record, relative to the study's folder", [](Row row) {
-        return row.trial.record ? row.trial.record->path.string() : std::string();
+        return row.trial.record ? Cell(row.trial.record->path.string()) : Cell();
     });
     to.add("record_sha256", "SHA-256 of that file",
-           [](Row row) { return row.trial.record ? row.trial.record->sha256 : std::string(); });
+           [](Row row) { return row.trial.record ? Cell(row.trial.record->sha256) : Cell(); });
 }
 
 /// Names in the order of their first appearance.
@@ -226,7 +218,7 @@ void add_own_of_study(Columns &to, const StudyContents &contents) {
     for (const std::string &name : settings) {
         to.add("tuning_" + name, name + " of the tuning in force", [name](Row row) {
             const Setting *const setting = named(row.trial.tuning, name);
-            return setting == nullptr ? std::string()
+            return setting == nullptr ? Cell()
                                       : std::visit([](const auto &value) { return cell_of(value); },
                                                    setting->value);
         });
@@ -256,22 +248,15 @@ std::vector<TrialInStudy> trials_in_study(const StudyContents &contents,
     return trials;
 }
 
-void write_trials_csv(const StudyContents &contents, const std::vector<DeviceKind> &devices,
-                      std::ostream &out) {
-    const std::vector<TrialColumn> columns = trial_columns(contents);
-    const auto put_line = [&](auto &&cell) {
-        std::string line;
+Table table_of(const std::vector<TrialColumn> &columns, const std::vector<TrialInStudy> &trials) {
+    Table table{.columns = {columns.begin(), columns.end()}};
+    for (const TrialInStudy &trial : trials) {
+        std::vector<Cell> &row = table.rows.emplace_back();
         for (const TrialColumn &column : columns) {
-            line += csv_cell(std::string_view(cell(column)));
-            line += ',';
+            row.push_back(column.cell(trial));
         }
-        line.back() = '\n';
-        out << line;
-    };
-    put_line([](const TrialColumn &column) { return column.name; });
-    for (const TrialInStudy &trial : trials_in_study(contents, devices)) {
-        put_line([&](const TrialColumn &column) { return column.cell(trial); });
     }
+    return table;
 }
 
 } // namespace springdrive::study

@@ -1,15 +1,11 @@
-// Trials as a table, a row a trial: its columns with what they mean, and CSV.
-//
-// Numbers have the fewest digits that read back as the same value; true is 1, false is 0. What is
-// not known or does not apply is an empty cell.
+// Trials as a table, a row a trial: its columns with what they mean. Numbers have the fewest digits
+// that read back as the same value.
 #pragma once
 
+#include "base/table.h"
 #include "engine/study/store/study_contents.h"
 
 #include <functional>
-#include <iosfwd>
-#include <string>
-#include <utility>
 #include <vector>
 
 namespace springdrive::study {
@@ -21,12 +17,8 @@ struct TrialInStudy {
     const Participant &participant;
 };
 
-struct TrialColumn {
-    std::string name;
-    std::string description;
-    std::string unit;                                        ///< as in BIDS; empty: none
-    std::vector<std::pair<std::string, std::string>> levels; ///< values with their meaning
-    std::function<std::string(const TrialInStudy &)> cell;   ///< text, not quoted
+struct TrialColumn : Column {
+    std::function<Cell(const TrialInStudy &)> cell;
 };
 
 /// The same columns for every study, in the same order; after them those of its own: of each
@@ -38,8 +30,8 @@ struct TrialColumn {
 [[nodiscard]] std::vector<TrialInStudy> trials_in_study(const StudyContents &contents,
                                                         const std::vector<DeviceKind> &devices);
 
-/// A line of names, then a line a trial.
-void write_trials_csv(const StudyContents &contents, const std::vector<DeviceKind> &devices,
-                      std::ostream &out);
+/// A row a trial.
+[[nodiscard]] Table table_of(const std::vector<TrialColumn> &columns,
+                             const std::vector<TrialInStudy> &trials);
 
 } // namespace springdrive::study

@@ -6,6 +6,7 @@
 #include "engine/study/store/study_store.h"
 #include "tests/engine/study/store/sample_study.h"
 #include "tests/support/complaint.h"
+#include "tests/support/csv.h"
 #include "tests/support/files.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/modes.h"
@@ -24,30 +25,9 @@ using testing::complaint_of;
 using testing::contents_of;
 using testing::fresh_folder;
 using testing::kStart;
+using testing::parsed_csv;
 
 const std::vector<DeviceKind> kAll{DeviceKind::simulated, DeviceKind::emulated, DeviceKind::usb};
-
-/// Cells of a CSV by RFC 4180.
-std::vector<std::vector<std::string>> parsed_csv(const std::string &text) {
-    std::vector<std::vector<std::string>> lines(1, {""});
-    bool is_quoted = false;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        std::string &cell = lines.back().back();
-        if (text[i] == '"' && is_quoted && i + 1 < text.size() && text[i + 1] == '"') {
-            cell += text[++i];
-        } else if (text[i] == '"') {
-            is_quoted = !is_quoted;
-        } else if (text[i] == ',' && !is_quoted) {
-            lines.back().emplace_back();
-        } else if (text[i] == '\n' && !is_quoted) {
-            lines.push_back({""});
-        } else {
-            cell += text[i];
-        }
-    }
-    lines.pop_back();
-    return lines;
-}
 
 /// A study of two participants, of which the second is a person.
 StudyContents sample_contents() {
@@ -64,7 +44,7 @@ StudyContents sample_contents() {
 TEST(TrialTable, HoldsEachTrial) {
     const StudyContents contents = sample_contents();
     std::ostringstream out;
-    write_trials_csv(contents, kAll, out);
+    write_csv(out, table_of(trial_columns(contents), trials_in_study(contents, kAll)));
     const auto lines = parsed_csv(out.str());
     ASSERT_EQ(lines.size(), 41U);
     const auto &names = lines[0];
@@ -134,7 +114,7 @@ StudyContents contents_with_formulas() {
 TEST(Formulas, AreTextsInCsvAndNumbersStayNumbers) {
     const StudyContents contents = contents_with_formulas();
     std::ostringstream trials;
-    write_trials_csv(contents, kAll, trials);
+    write_csv(trials, table_of(trial_columns(contents), trials_in_study(contents, kAll)));
     const auto lines = parsed_csv(trials.str());
     const auto cell = [&](const std::string &name) {
         const auto column = std::ranges::find(lines[0], name);
@@ -145,7 +125,7 @@ TEST(Formulas, AreTextsInCsvAndNumbersStayNumbers) {
     EXPECT_EQ(cell("level"), "-0.5");
     EXPECT_EQ(cell("response"), "-0.001");
     std::ostringstream answers;
-    write_answers_csv(contents, {}, kAll, answers);
+    write_csv(answers, answer_table(contents, {}, kAll));
     const auto rows = parsed_csv(answers.str());
     EXPECT_EQ(rows[1][7], "'=A1");
     EXPECT_EQ(rows[1][8], "'=HYPERLINK(\"http://x\")");
@@ -323,7 +303,7 @@ StudyContents answered_contents() {
 
 TEST(AnswerTable, HasARowAnAnswer) {
     std::ostringstream out;
-    write_answers_csv(answered_contents(), kQuestions, kAll, out);
+    write_csv(out, answer_table(answered_contents(), kQuestions, kAll));
     const std::string at = utc_text(kStart);
     EXPECT_EQ(
         parsed_csv(out.str()),
@@ -336,7 +316,7 @@ TEST(AnswerTable, HasARowAnAnswer) {
             {"P01", "1", "2", "usb", "after", "tiring", "scale", "How tiring?", "3", at},
             {"P02", "2", "3", "simulated", "", "mood", "", "How are you?", "fine", at}}));
     std::ostringstream of_people;
-    write_answers_csv(answered_contents(), kQuestions, {DeviceKind::usb}, of_people);
+    write_csv(of_people, answer_table(answered_contents(), kQuestions, {DeviceKind::usb}));
     EXPECT_EQ(parsed_csv(of_people.str()).size(), 4U);
     EXPECT_EQ(of_people.str().find("P02"), std::string::npos);
     EXPECT_EQ(answers_on(answered_contents(), DeviceKind::simulated).size(), 1U);

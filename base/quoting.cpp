@@ -1,0 +1,97 @@
+#include "base/quoting.h"
+
+#include "base/one_line.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace springdrive {
+
+namespace {
+
+bool begins_formula(std::string_view text) {
+    constexpr std::array<std::string_view, 11> kBegins{"=",  "+",  "-",  "@",  "\t", "\r",
+                                                       "\n", "＝", "＋", "－", "＠"};
+    return std::ranges::any_of(kBegins,
+                               [text](std::string_view begin) { return text.starts_with(begin); });
+}
+
+bool is_number(std::string_view text) {
+    double number = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error != std::errc::invalid_argument && end == text.data() + text.size();
+}
+
+std::string_view after_quotes(std::string_view text) {
+    return text.substr(std::min(text.find_first_not_of('\''), text.size()));
+}
+
+/// Between two quotes, with those inside doubled.
+std::string enclosed(std::string_view text, char quote) {
+    std::string inside(1, quote);
+    for (const char c : text) {
+        inside.append(c == quote ? 2 : 1, c);
+    }
+    return inside + quote;
+}
+
+} // namespace
+
+std::string guard_formula(std::string_view text) {
+    const bool needs_it = begins_formula(after_quotes(text)) && !is_number(text);
+    return (needs_it ? "'" : "") + std::string(text);
+}
+
+std::string unguard_formula(std::string_view guarded) {
+    const bool has_it = guarded.starts_with('\'') && begins_formula(after_quotes(guarded));
+    return std::string(guarded.substr(has_it ? 1 : 0));
+}
+
+std::string csv_cell(std::string_view text) {
+    const std::string guarded = guard_formula(text);
+    return guarded.find_first_of(",\"\n\r") == std::string::npos ? guarded : enclosed(guarded, '"');
+}
+
+std::string csv_cell(double number) {
+    return std::isfinite(number) ? fmt::format("{}", number) : "";
+}
+
+std::string tsv_cell(std::string_view text) {
+    constexpr std::size_t kMaxBytes = 100'000;
+    const std::string line = guard_formula(one_line(std::string(text), kMaxBytes));
+    return line.empty() ? "n/a" : line.find('"') == std::string::npos ? line : enclosed(line, '"');
+}
+
+std::string gnuplot_string(std::string_view text) {
+    std::string line(text);
+    std::ranges::replace(line, '\n', ' ');
+    return enclosed(line, '\'');
+}
+
+std::string xml_text(std::string_view text) {
+    std::string escaped;
+    for (const char c : text) {
+        switch (c) {
+        case '&':
+            escaped += "&amp;";
+            break;
+        case '<':
+            escaped += "&lt;";
+            break;
+        case '>':
+            escaped += "&gt;";
+            break;
+        default:
+            if (static_cast<unsigned char>(c) >= ' ' || c == '\t' || c == '\n' || c == '\r') {
+                escaped += c;
+            }
+        }
+    }
+    return escaped;
+}
+
+} // namespace springdrive

@@ -1,0 +1,43 @@
+// Text for other readers, quoted by the rules of each.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace springdrive {
+
+/// What begins with = + - @, also of full width, with a tab or a line end, and is no number, has a
+/// ' in front, as people type it there; so has what begins so after other '. For tables that are
+/// opened with a spreadsheet, which runs what begins like a formula.
+[[nodiscard]] std::string guard_formula(std::string_view text);
+
+/// What `guard_formula` was given.
+[[nodiscard]] std::string unguard_formula(std::string_view guarded);
+
+/// A cell of a CSV file: guarded, and in quotes if needed (RFC 4180).
+[[nodiscard]] std::string csv_cell(std::string_view text);
+
+/// The fewest digits that read back as the same number; empty if infinite or not a number.
+[[nodiscard]] std::string csv_cell(double number);
+
+/// A cell of a TSV file as in BIDS: on one line, guarded, in quotes if it has some itself; "n/a" if
+/// empty.
+[[nodiscard]] std::string tsv_cell(std::string_view text);
+
+/// A string in gnuplot's language. A line end becomes a blank.
+///
+/// In a CSV file gnuplot takes a text only up to the first comma or quote in it, and a line end for
+/// the end of the row: rows are to be told apart by their number, not by their text.
+[[nodiscard]] std::string gnuplot_string(std::string_view text);
+
+/// Text between the tags of SVG. Characters that XML forbids are left out.
+[[nodiscard]] std::string xml_text(std::string_view text);
+
+/// A JSON document, a value of nlohmann's library. Bytes that are no UTF-8, as names of files may
+/// hold, are replaced.
+/// @param indent  -1: on one line
+template <typename Json> [[nodiscard]] std::string json_text(const Json &json, int indent = 2) {
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+} // namespace springdrive
