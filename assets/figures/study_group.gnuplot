@@ -1,6 +1,7 @@
 # Thresholds of all participants and their mean, by condition; see app/figures/study_pictures.h.
 # Columns of thresholds.csv: 1 participant, 2 number, 3 condition, 8 to 10 threshold with its
-# interval, 31 to 33 mean setting likewise; of group.csv: 1 condition, 5 to 7 mean likewise.
+# interval, 31 to 33 mean setting likewise; of group.csv, a row a panel: 5 to 7 mean likewise. Which
+# panel a row of thresholds.csv belongs to is told apart, as gnuplot takes a name to end at a comma.
 columns = is_adjustment ? 31 : 8
 width = 160.0 + 150*(panels < 3 ? 3 : panels)
 height = 560.0
@@ -31,5 +32,5 @@ if (is_logarithmic) {
 set key at screen 0.5,25/height center center maxrows 1 samplen 2 width 2 noenhanced
 # Participants side by side, the mean to their right.
 x_of(i, number) = i - 0.3 + (highest_number > 1 ? 0.45*(number - 1)/(highest_number - 1) : 0.2)
-plot for [i=1:panels] csv using (x_of(i, $2)):(strcol(3) eq value(sprintf("title_%d", i)) ? column(columns) : NaN):(column(columns + 1)):(column(columns + 2)) skip 1 with yerrorbars pointtype 7 pointsize 0.6 linewidth 1 linecolor rgb grey title (i == 1 ? "participants" : ""), \
-     for [i=1:panels] group_csv using (i + 0.32):(strcol(1) eq value(sprintf("title_%d", i)) ? column(5) : NaN):(valid(6) ? column(6) : column(5)):(valid(7) ? column(7) : column(5)) skip 1 with yerrorbars pointtype 5 pointsize 1 linewidth 2.5 linecolor rgb blue title (i == 1 ? "mean of the group" : "")
+plot for [i=1:panels] csv using (x_of(i, $2)):(word(condition_of_rows, int($0) + 1) eq sprintf("%d", i) ? column(columns) : NaN):(column(columns + 1)):(column(columns + 2)) skip 1 with yerrorbars pointtype 7 pointsize 0.6 linewidth 1 linecolor rgb grey title (i == 1 ? "participants" : ""), \
+     for [i=1:panels] group_csv using (i + 0.32):($0 == i - 1 ? column(5) : NaN):(valid(6) ? column(6) : column(5)):(valid(7) ? column(7) : column(5)) skip 1 with yerrorbars pointtype 5 pointsize 1 linewidth 2.5 linecolor rgb blue title (i == 1 ? "mean of the group" : "")

@@ -1,41 +1,50 @@
 #include "app/commands/study/check_report.h"
 
 #include "base/print.h"
+#include "base/table.h"
 
-#include <algorithm>
 #include <cstddef>
 
 namespace springdrive::app {
 
 namespace {
 
+Cell range(int fewest, int most) { return Cell::like_number(fmt::format("{}-{}", fewest, most)); }
+
+Cell minutes(double fewest_s, double most_s) {
+    return Cell::like_number(fmt::format("{:.1f}-{:.1f}", fewest_s / 60.0, most_s / 60.0));
+}
+
 void write_length(std::ostream &out, const study::Protocol &protocol,
                   const study::SessionLength &length) {
-    print(out, "\n{:<24} {:>13} {:>13}\n", "block", "trials", "min");
+    Table table = Table::with_columns("block,trials,min");
     for (std::size_t i = 0; i < length.blocks.size(); ++i) {
         const study::BlockLength &block = length.blocks[i];
-        print(out, "{:<24} {:>6}-{:<6} {:>6.1f}-{:<6.1f}\n", protocol.blocks[i].name,
-              block.fewest_trials, block.most_trials, block.fewest_s / 60.0, block.most_s / 60.0);
+        table.rows.push_back({protocol.blocks[i].name,
+                              range(block.fewest_trials, block.most_trials),
+                              minutes(block.fewest_s, block.most_s)});
     }
     if (!protocol.questionnaire.empty()) {
-        print(out, "{:<24} {:>13} {:>6.1f}-{:<6.1f}\n", "questions", "",
-              length.fewest_questions_s / 60.0, length.most_questions_s / 60.0);
+        table.rows.push_back(
+            {"questions", "", minutes(length.fewest_questions_s, length.most_questions_s)});
     }
-    print(out, "{:<24} {:>6}-{:<6} {:>6.1f}-{:<6.1f}\n", "session, with breaks",
-          length.fewest_trials, length.most_trials, length.fewest_s / 60.0, length.most_s / 60.0);
+    table.rows.push_back({"session, with breaks", range(length.fewest_trials, length.most_trials),
+                          minutes(length.fewest_s, length.most_s)});
+    out << '\n';
+    write_text(out, table);
 }
 
 void write_trials(std::ostream &out, const std::vector<study::ConditionTrial> &trials) {
     if (trials.empty()) {
         return;
     }
-    print(out, "\n{:<64} {:>7} {:>8} {:>8} {:>8}\n", "simulated", "force N", "slid mm", "deep mm",
-          "given mJ");
+    Table table = Table::with_columns("simulated:,force N,slid mm,deep mm,given mJ", ".2f");
     for (const study::ConditionTrial &trial : trials) {
-        print(out, "{:<64} {:>7.2f} {:>8.2f} {:>8.2f} {:>8.2f}\n", trial.name,
-              trial.largest_force_N, 1e3 * trial.slid_m, 1e3 * trial.deepest_m,
-              1e3 * trial.generated_J);
+        table.rows.push_back({trial.name, trial.largest_force_N, 1e3 * trial.slid_m,
+                              1e3 * trial.deepest_m, 1e3 * trial.generated_J});
     }
+    out << '\n';
+    write_text(out, table);
 }
 
 } // namespace

@@ -58,31 +58,34 @@ void write_plan(std::ostream &out, const study::Protocol &protocol, const Precis
     const study::Scale scale = plan.question.analysis.family.scale;
     print(out, "{}\n{} simulated studies of {}\n\n", protocol.title, plan.question.studies,
           observer_text(plan.observer));
-    print(out, "{:>6} {:>7} {:>24} {:>15} {:>15} {:>9}\n", "", "",
-          are_ratios(plan) ? "95 % interval, factor" : "95 % interval, width", "bias", "rms error",
-          "interval");
-    print(out, "{:>6} {:>7} {:>12} {:>11} {:>15} {:>15} {:>9}\n", "trials", "min", "median",
-          "4 of 5", are_ratios(plan) ? "%" : "level's unit",
-          are_ratios(plan) ? "%" : "level's unit", "holds it");
+    Table table = Table::with_columns(
+        are_ratios(plan)
+            ? "trials,min:.1f,95 % interval\nmedian:.3g,as a factor\n4 of 5:.3g,bias\n%:.2g,"
+              "rms error\n%:.2g,interval\nholds it"
+            : "trials,min:.1f,95 % interval\nmedian:.3g,width\n4 of 5:.3g,bias\nlevel's unit:.2g,"
+              "rms error\nlevel's unit:.2g,interval\nholds it");
     for (const study::Precision &row : plan.rows) {
-        print(out, "{:>6} {:>7.1f} {:>12.3g} {:>11.3g} {:>15.2g} {:>15.2g} {:>7.0f} %\n",
-              row.trials, minutes_of(protocol, row.trials), shown_width(scale, row.median_width),
-              shown_width(scale, row.width_of_most), shown_error(plan, row.bias),
-              shown_error(plan, row.rms_error), 100.0 * row.coverage);
+        table.rows.push_back({row.trials, minutes_of(protocol, row.trials),
+                              shown_width(scale, row.median_width),
+                              shown_width(scale, row.width_of_most), shown_error(plan, row.bias),
+                              shown_error(plan, row.rms_error),
+                              Cell::like_number(fmt::format("{:.0f} %", 100.0 * row.coverage))});
     }
+    write_text(out, table);
     print(out, "\nthe protocol takes {} trials of a participant in a condition\n",
           plan.usual_trials);
     write_wanted(out, protocol, plan);
 }
 
-void write_plan_csv(std::ostream &out, const study::Protocol &protocol, const PrecisionPlan &plan) {
-    out << "trials,minutes,median_width,width_of_most,bias,rms_error,coverage,scale\n";
+Table plan_table(const study::Protocol &protocol, const PrecisionPlan &plan) {
+    Table table = Table::with_columns(
+        "trials,minutes,median_width,width_of_most,bias,rms_error,coverage,scale");
     for (const study::Precision &row : plan.rows) {
-        print(out, "{},{},{},{},{},{},{},{}\n", row.trials,
-              csv_cell(minutes_of(protocol, row.trials)), csv_cell(row.median_width),
-              csv_cell(row.width_of_most), csv_cell(row.bias), csv_cell(row.rms_error),
-              csv_cell(row.coverage), are_ratios(plan) ? "logarithmic" : "linear");
+        table.rows.push_back({row.trials, minutes_of(protocol, row.trials), row.median_width,
+                              row.width_of_most, row.bias, row.rms_error, row.coverage,
+                              are_ratios(plan) ? "logarithmic" : "linear"});
     }
+    return table;
 }
 
 } // namespace springdrive::app

@@ -1,6 +1,7 @@
 // How many trials a precision takes, for people and other programs.
 #pragma once
 
+#include "base/table.h"
 #include "engine/study/analysis/precision_plan.h"
 #include "engine/study/protocol/protocol.h"
 
@@ -26,8 +27,8 @@ struct PrecisionPlan {
 /// A table, and what the wanted precision takes.
 void write_plan(std::ostream &out, const study::Protocol &protocol, const PrecisionPlan &plan);
 
-/// A row a number of trials; widths and errors on the scale.
-void write_plan_csv(std::ostream &out, const study::Protocol &protocol, const PrecisionPlan &plan);
+/// For programs: a row a number of trials; widths and errors on the scale.
+[[nodiscard]] Table plan_table(const study::Protocol &protocol, const PrecisionPlan &plan);
 
 /// "observers with threshold 25, slope 2, lapse rate 0.02", for people.
 [[nodiscard]] std::string observer_text(const study::PsychometricFunction &observer);

@@ -1,9 +1,9 @@
 #include "app/commands/study/results_report.h"
 
 #include "base/print.h"
+#include "base/table.h"
 #include "engine/study/conduct/stored_trial.h"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <variant>
@@ -12,28 +12,14 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr int kLeastWidth = 9; ///< of the column of conditions
-
-std::string interval_text(double value, double low, double high) {
-    return fmt::format("{:.3g} ({:.3g} to {:.3g})", value, low, high);
+Cell interval(double value, double low, double high) {
+    return Cell::like_number(fmt::format("{:.3g} ({:.3g} to {:.3g})", value, low, high));
 }
 
-std::string interval_text(double value, const study::ProfileInterval &interval) {
-    return fmt::format("{:.3g} ({}{:.3g} to {:.3g}{})", value, interval.is_low_open ? "below " : "",
-                       interval.low, interval.high, interval.is_high_open ? " or more" : "");
-}
-
-/// Characters, not bytes.
-int letters_in(const std::string &text) {
-    return static_cast<int>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
-}
-
-int width_of_names(const study::Protocol &protocol) {
-    int width = kLeastWidth;
-    for (const study::Condition &condition : protocol.conditions) {
-        width = std::max(width, letters_in(condition.name));
-    }
-    return width;
+Cell interval(double value, const study::ProfileInterval &ends) {
+    return Cell::like_number(fmt::format("{:.3g} ({}{:.3g} to {:.3g}{})", value,
+                                         ends.is_low_open ? "below " : "", ends.low, ends.high,
+                                         ends.is_high_open ? " or more" : ""));
 }
 
 /// What the threshold is: a level at a proportion of positive answers.
@@ -51,44 +37,41 @@ std::string definition_of(const study::Protocol &protocol, const study::StudyRes
 
 void write_fits(std::ostream &out, const study::Protocol &protocol,
                 const study::StudyResults &results) {
-    const int width = width_of_names(protocol);
     print(out, "{}\n\n", definition_of(protocol, results));
-    print(out, "{:<4}  {:<{}} {:>6} {:>26} {:>24} {:>26} {:>6} {:>6} {:>6}\n", "who", "condition",
-          width, "trials", "threshold (95 %)", "slope (95 %)", "max. likelihood", "Weber", "fit p",
-          "catch");
+    Table table = Table::with_columns("who,condition,trials,threshold (95 %),slope (95 %),"
+                                      "max. likelihood,Weber:.3f,fit p:.2f,catch");
     for (const study::SeriesResult &result : results.series) {
         if (!result.fitted) {
             continue;
         }
         const study::FittedFunction &fit = *result.fitted;
         const study::Series &series = result.series;
-        print(out, "{:<4}  {:<{}} {:>6} {:>26} {:>24} {:>26} {:>6} {:>6.2f} {:>6}\n",
-              series.participant, protocol.conditions[series.condition].name, width, result.trials,
-              interval_text(fit.threshold.median, fit.threshold.low, fit.threshold.high),
-              interval_text(fit.slope.median, fit.slope.low, fit.slope.high),
-              interval_text(fit.likelihood.function.threshold, fit.likelihood_threshold),
-              result.weber_fraction ? fmt::format("{:.3f}", *result.weber_fraction)
-                                    : std::string("-"),
-              fit.goodness.p_value,
-              series.catch_trials > 0
-                  ? fmt::format("{}/{}", series.catch_right, series.catch_trials)
-                  : std::string("-"));
+        table.rows.push_back(
+            {series.participant, protocol.conditions[series.condition].name, result.trials,
+             interval(fit.threshold.median, fit.threshold.low, fit.threshold.high),
+             interval(fit.slope.median, fit.slope.low, fit.slope.high),
+             interval(fit.likelihood.function.threshold, fit.likelihood_threshold),
+             result.weber_fraction, fit.goodness.p_value,
+             series.catch_trials > 0
+                 ? Cell::like_number(fmt::format("{}/{}", series.catch_right, series.catch_trials))
+                 : Cell()});
     }
+    write_text(out, table);
 }
 
 void write_settings(std::ostream &out, const study::Protocol &protocol,
                     const study::StudyResults &results) {
-    const int width = width_of_names(protocol);
-    print(out, "{:<4}  {:<{}} {:>8} {:>26}\n", "who", "condition", width, "settings",
-          study::level_name_of(protocol) + " (95 %)");
+    Table table = Table::with_columns("who,condition,settings");
+    table.columns.push_back({study::level_name_of(protocol) + " (95 %)"});
     for (const study::SeriesResult &result : results.series) {
         if (result.settings) {
-            print(
-                out, "{:<4}  {:<{}} {:>8} {:>26}\n", result.series.participant,
-                protocol.conditions[result.series.condition].name, width, result.trials,
-                interval_text(result.settings->mean, result.settings->low, result.settings->high));
+            table.rows.push_back(
+                {result.series.participant, protocol.conditions[result.series.condition].name,
+                 result.trials,
+                 interval(result.settings->mean, result.settings->low, result.settings->high)});
         }
     }
+    write_text(out, table);
 }
 
 void write_reversals(std::ostream &out, const study::Protocol &protocol,
@@ -99,30 +82,35 @@ void write_reversals(std::ostream &out, const study::Protocol &protocol,
     }
     print(out, "\nmean of reversals, which converges to {:.1f} % right answers\n",
           100.0 * study::convergence_proportion(*method));
-    const int width = width_of_names(protocol);
+    Table table = Table::with_columns("who,condition,track,mean:.3g,reversals");
     for (const study::SeriesResult &result : results.series) {
         for (const study::TrackEstimate &track : result.reversals) {
-            print(out, "{:<4}  {:<{}} track {}: {:.3g}, of {} reversals\n",
-                  result.series.participant, protocol.conditions[result.series.condition].name,
-                  width, track.track + 1, track.estimate.level, track.estimate.reversals);
+            table.rows.push_back({result.series.participant,
+                                  protocol.conditions[result.series.condition].name,
+                                  track.track + 1, track.estimate.level, track.estimate.reversals});
         }
     }
+    write_text(out, table);
 }
 
 void write_groups(std::ostream &out, const study::Protocol &protocol,
                   const study::StudyResults &results) {
-    const int width = width_of_names(protocol);
     const bool are_ratios = results.family.scale == study::Scale::logarithmic;
-    print(out, "\n{:<5} {:<{}} {:>12} {:>26} {:>27}\n", "group", "condition", width, "participants",
-          "mean (95 %)", are_ratios ? "deviation between, factor" : "deviation between");
+    Table table =
+        Table::with_columns("group,condition,participants,mean (95 %):.3g,deviation between:.3g");
+    if (are_ratios) {
+        table.columns.back().name += ", factor";
+    }
     for (const study::ConditionSummary &group : results.conditions) {
         const double between = group.on_scale.deviation_between;
-        print(out, "{:<5} {:<{}} {:>12} {:>26} {:>27.3g}\n", "",
-              protocol.conditions[group.condition].name, width, group.on_scale.participants,
-              group.on_scale.participants > 1 ? interval_text(group.mean, group.low, group.high)
-                                              : fmt::format("{:.3g}", group.mean),
-              are_ratios ? std::exp(between) : between);
+        table.rows.push_back(
+            {"", protocol.conditions[group.condition].name, group.on_scale.participants,
+             group.on_scale.participants > 1 ? interval(group.mean, group.low, group.high)
+                                             : Cell(group.mean),
+             are_ratios ? std::exp(between) : between});
     }
+    out << '\n';
+    write_text(out, table);
 }
 
 } // namespace

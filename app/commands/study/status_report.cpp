@@ -3,6 +3,7 @@
 #include "app/commands/study/observer_options.h"
 #include "base/one_line.h"
 #include "base/print.h"
+#include "base/table.h"
 #include "engine/study/protocol/session_length.h"
 
 #include <algorithm>
@@ -86,17 +87,17 @@ void write_study_status(std::ostream &out, const std::filesystem::path &file,
     print(out, "{}: {}\n", file.string(), one_line(facts.title));
     print(out, "begun {} with springdrive {}\n\n", study::utc_text(facts.created),
           one_line(facts.software));
-    print(out, "{:<12} {:<10} {:>8} {:>7} {:>9} {:>7}  {}\n", "participant", "device", "sessions",
-          "trials", "practice", "marked", "at");
+    Table table = Table::with_columns("participant,device,sessions,trials,practice,marked,at");
     int trials = 0;
     int marked = 0;
     for (const study::Progress &one : participants) {
-        print(out, "{:<12} {:<10} {:>8} {:>7} {:>9} {:>7}  {}\n", one.participant,
-              devices_text(one.devices), one.sessions, one.trials, one.practice, one.marked,
-              stand_of(study.protocol, study.contents, one));
+        table.rows.push_back({one.participant, devices_text(one.devices), one.sessions, one.trials,
+                              one.practice, one.marked,
+                              stand_of(study.protocol, study.contents, one)});
         trials += one.trials;
         marked += one.marked;
     }
+    write_text(out, table);
     const auto through = std::ranges::count_if(
         participants, [](const study::Progress &one) { return !one.next.has_value(); });
     const study::SessionLength length = study::session_length(study.protocol);

@@ -5,7 +5,7 @@
 #include "app/commands/study/opened_study.h"
 #include "app/commands/study/results_report.h"
 #include "app/commands/study/study_pictures.h"
-#include "engine/study/results/results_csv.h"
+#include "engine/study/results/results_tables.h"
 
 #include <iostream>
 #include <memory>
@@ -48,7 +48,7 @@ void write_files(const TypedAnalysis &typed, const study::Protocol &protocol,
                  const study::StudyResults &results, const std::vector<Chart> &pictures) {
     for (const study::ResultsTable &table : study::kResultsTables) {
         write_output((typed.out / table.file).string(),
-                     [&](std::ostream &out) { table.write(out, protocol, results); },
+                     [&](std::ostream &out) { write_csv(out, table.make(protocol, results)); },
                      {typed.existing, Readers::owner});
     }
     ProgressLine line;

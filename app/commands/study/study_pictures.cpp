@@ -2,7 +2,6 @@
 
 #include "app/host/asset_folder.h"
 #include "engine/study/conduct/stored_trial.h"
-#include "engine/study/results/results_csv.h"
 
 #include <fmt/core.h>
 
@@ -167,10 +166,15 @@ Chart group_picture(const study::Protocol &protocol, const study::StudyResults &
     marks.add("group_csv", "group.csv");
     marks.add("is_adjustment", is_adjustment ? 1.0 : 0.0);
     int most = 1;
+    std::string condition_of_rows; // in the format of gnuplot's word()
     for (const study::SeriesResult &result : results.series) {
         most = std::max(most, result.series.number);
+        const auto panel = std::ranges::find(results.conditions, result.series.condition,
+                                             &study::ConditionSummary::condition);
+        condition_of_rows += fmt::format("{} ", panel - results.conditions.begin() + 1);
     }
     marks.add("highest_number", most);
+    marks.add("condition_of_rows", condition_of_rows);
     for (std::size_t i = 0; i < results.conditions.size(); ++i) {
         const std::size_t condition = results.conditions[i].condition;
         marks.add(fmt::format("title_{}", i + 1), protocol.conditions[condition].name);

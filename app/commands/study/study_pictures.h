@@ -15,7 +15,7 @@ namespace springdrive::app {
                                  const std::filesystem::path &folder);
 
 /// Of each participant the fitted functions and the traces of the method, functions_P01.svg and
-/// traces_P01.svg, and the group, group.svg; from the tables of results_csv.h. Constant stimuli
+/// traces_P01.svg, and the group, group.svg; from the tables of results_tables.h. Constant stimuli
 /// have no traces worth drawing, adjustments no functions.
 [[nodiscard]] std::vector<Chart> results_pictures(const study::Protocol &protocol,
                                                   const study::StudyResults &results,

@@ -102,7 +102,7 @@ void plan_typed(const TypedPlan &typed) {
     write_plan(std::cout, protocol, plan);
     if (!typed.out.empty()) {
         write_output((typed.out / "precision.csv").string(),
-                     [&](std::ostream &out) { write_plan_csv(out, protocol, plan); },
+                     [&](std::ostream &out) { write_csv(out, plan_table(protocol, plan)); },
                      typed.existing);
         draw(plan_picture(protocol, plan, typed.out), typed.existing);
         std::cerr << "written: " << (typed.out / "precision.svg").string() << '\n';

@@ -1,11 +1,14 @@
 // The study commands as a user types them, and protocols that take seconds instead of an hour.
 #pragma once
 
+#include "tests/support/csv.h"
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <ranges>
 #include <regex>
 #include <string>
 #include <utility>
@@ -43,39 +46,13 @@ inline std::filesystem::path without_expected(const std::string &name,
     return file;
 }
 
-/// Rows of a CSV file without its header.
-inline std::vector<std::string> rows_of(const std::string &csv) {
-    std::vector<std::string> rows;
-    std::size_t begin = csv.find('\n') + 1;
-    for (std::size_t end = csv.find('\n', begin); end != std::string::npos;
-         end = csv.find('\n', begin)) {
-        rows.push_back(csv.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return rows;
-}
-
-/// A column of a CSV file, by its name; no cell may have a comma.
+/// A column of a CSV file, by its name.
 inline std::vector<std::string> column_of(const std::string &csv, const std::string &name) {
-    const auto cells = [](const std::string &line) {
-        std::vector<std::string> all(1);
-        for (const char c : line) {
-            if (c == ',') {
-                all.emplace_back();
-            } else {
-                all.back() += c;
-            }
-        }
-        return all;
-    };
-    const std::vector<std::string> names = cells(csv.substr(0, csv.find('\n')));
+    const auto lines = parsed_csv(csv);
+    const auto at = std::ranges::find(lines.front(), name) - lines.front().begin();
     std::vector<std::string> column;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-        if (names[i] == name) {
-            for (const std::string &row : rows_of(csv)) {
-                column.push_back(cells(row).at(i));
-            }
-        }
+    for (const auto &line : lines | std::views::drop(1)) {
+        column.push_back(line.at(static_cast<std::size_t>(at)));
     }
     return column;
 }

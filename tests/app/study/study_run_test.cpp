@@ -143,7 +143,7 @@ TEST_F(StudyRun, ExportsNobodysDataOnlyIfAskedTo) {
                   .exit_status,
               0);
     const std::string csv = testing::contents_of(file("t.csv"));
-    EXPECT_EQ(testing::rows_of(csv).size(), trials);
+    EXPECT_EQ(testing::parsed_csv(csv).size(), 1 + trials);
     EXPECT_TRUE(fs::exists(file("bids/dataset_description.json")));
     testing::expect_refused(
         study({"export", study_file, "--csv", file("t.csv"), "--device", "simulated"}), "exists");
