@@ -6,8 +6,6 @@
 #include <array>
 #include <cstddef>
 #include <iosfwd>
-#include <string>
-#include <string_view>
 #include <type_traits>
 
 namespace springdrive {
@@ -60,11 +58,5 @@ void print(std::array<char, size> &text, CheckedFormat<std::type_identity_t<Valu
         fmt::vformat_to_n(text.data(), size - 1, format.text(), fmt::make_format_args(values...));
     *written.out = '\0';
 }
-
-/// Text as one cell of a CSV file, in quotes if needed.
-[[nodiscard]] std::string csv_cell(std::string_view text);
-
-/// The fewest digits that read back as the same number; empty if infinite or not a number.
-[[nodiscard]] std::string csv_cell(double number);
 
 } // namespace springdrive

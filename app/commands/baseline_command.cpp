@@ -68,9 +68,10 @@ void run(const TypedBaseline &typed) {
             line.show("tuning both drives", share);
         });
     }
-    write_report([&](std::ostream &out) { limits::write_comparison_table(out, all); },
-                 {{typed.csv, [&](std::ostream &out) { limits::write_comparison_csv(out, all); }}},
-                 typed.existing);
+    write_report(
+        [&](std::ostream &out) { limits::write_comparison_table(out, all); },
+        {{typed.csv, [&](std::ostream &out) { write_csv(out, limits::comparison_table(all)); }}},
+        typed.existing);
 }
 
 } // namespace

@@ -70,9 +70,10 @@ void make_charts(const TypedChart &typed) {
         }
         const charts::SpeedAccuracyChart chart =
             maker.make(setting, [&](double share) { line.show(maker.name, share); });
-        write_output((typed.out / (chart.name + ".csv")).string(),
-                     [&](std::ostream &out) { charts::write_chart_csv(out, chart, machine); },
-                     typed.existing);
+        write_output(
+            (typed.out / (chart.name + ".csv")).string(),
+            [&](std::ostream &out) { write_csv(out, charts::chart_table(chart, machine)); },
+            typed.existing);
         pictures.push_back({asset_folder() / "figures" / "speed_accuracy.gnuplot",
                             speed_accuracy_marks(chart, footnote(setting, machine)).assignments(),
                             typed.out, chart.name + ".csv", chart.name + ".svg"});

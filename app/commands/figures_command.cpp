@@ -73,7 +73,7 @@ void make_figures(const TypedFigures &typed) {
         const std::string name(maker.name);
         const Figure figure = maker.make(setting, [&](double share) { line.show(name, share); });
         write_output((typed.out / (name + ".csv")).string(),
-                     [&](std::ostream &out) { out << figure.csv; }, typed.existing);
+                     [&](std::ostream &out) { write_csv(out, figure.numbers); }, typed.existing);
         charts.push_back({asset_folder() / "figures" / (name + ".gnuplot"),
                           figure.marks.assignments(), typed.out, name + ".csv", name + ".svg"});
     }

@@ -3,6 +3,8 @@
 #include "base/assertions.h"
 #include "base/degrees.h"
 #include "base/print.h"
+#include "base/quoting.h"
+#include "base/table.h"
 #include "engine/contact/mesh/mesh_remarks.h"
 #include "engine/lab/model_selection/selection_json.h"
 #include "engine/session/model/model_selection.h"
@@ -135,16 +137,17 @@ void write_head(std::ostream &out, const InspectReport &report) {
 }
 
 void write_nodes(std::ostream &out, const InspectReport &report) {
-    out << "\n   triangles  one-sided  two-sided      η  friction static, dynamic  sides      "
-           "node\n";
+    Table table = Table::with_columns("triangles,one-sided,two-sided,η:.3g,friction\nstatic:.3g,"
+                                      "dynamic:.3g,sides,node");
     const std::vector<NodeFacets> facets = facets_of_nodes(*report.scene, *report.surface);
     for (std::size_t i = 0; i < facets.size(); ++i) {
         const contact::SurfaceMaterial &material = report.surface->materials()[i];
-        print(out, "{:>12}{:>11}{:>11}{:>7.3g}", facets[i].triangles, facets[i].one_sided,
-              facets[i].two_sided, material.eta);
-        print(out, "{:>17.3g}{:>9.3g}", material.static_friction, material.dynamic_friction);
-        print(out, "  {:<11}{}\n", name_of(material.sides), material.name);
+        table.rows.push_back({facets[i].triangles, facets[i].one_sided, facets[i].two_sided,
+                              material.eta, material.static_friction, material.dynamic_friction,
+                              name_of(material.sides), material.name});
     }
+    out << '\n';
+    write_text(out, table);
 }
 
 /// Whether a candidate is selected, or its verdict in combination with the selected others.
@@ -162,28 +165,24 @@ std::string further(const model_selection::ModelAxis &axis, std::size_t candidat
     return "";
 }
 
-void write_axis(std::ostream &out, const model_selection::ModelAxis &axis,
-                const scene::ModelTolerance &tolerance) {
-    for (std::size_t i = 0; i < axis.candidates.size(); ++i) {
-        const model_selection::Candidate &candidate = axis.candidates[i];
-        print(out, "{:<11}{:<21}{:>9.0f}", i == 0 ? axis.name : "", candidate.name,
-              candidate.cost.min_ns);
-        print(out, "{:>10.3f}{:>11.2f}  ", candidate.error.force_N,
-              candidate.error.direction_rad * kDegreesPerRadian);
-        print(out, "{}{}\n", model_selection::verdict(candidate.error, tolerance),
-              further(axis, i, tolerance));
-    }
-}
-
 /// A model choice as text: the measurements of each candidate, the selection and its reason.
 void write_model_table(std::ostream &out, const model_selection::ModelSelection &choice) {
     const scene::ModelTolerance &tolerance = choice.tolerance;
     print(out, "\nmodel: force to {:.3g} N, direction to {:.3g}°, below {:.3g} Hz\n",
           tolerance.force_N, tolerance.direction_rad * kDegreesPerRadian, tolerance.bandwidth_hz);
-    out << "           candidate             cost [ns] force [N] direction [°]\n";
+    Table table =
+        Table::with_columns("axis,candidate,cost [ns]:.0f,force [N]:.3f,direction [°]:.2f,verdict");
     for (const model_selection::ModelAxis &axis : choice.axes) {
-        write_axis(out, axis, tolerance);
+        for (std::size_t i = 0; i < axis.candidates.size(); ++i) {
+            const model_selection::Candidate &candidate = axis.candidates[i];
+            table.rows.push_back({i == 0 ? axis.name : "", candidate.name, candidate.cost.min_ns,
+                                  candidate.error.force_N,
+                                  candidate.error.direction_rad * kDegreesPerRadian,
+                                  model_selection::verdict(candidate.error, tolerance) +
+                                      further(axis, i, tolerance)});
+        }
     }
+    write_text(out, table);
     print(out, "selected: error {:.3f} N and {:.2f}° relative to the full model, ",
           choice.error.force_N, choice.error.direction_rad * kDegreesPerRadian);
     print(out, "at {:.2f} µs per tick instead of {:.2f} µs\n", 1e-3 * choice.cost_ns,
@@ -237,7 +236,7 @@ void write_inspect_json(std::ostream &out, const InspectReport &report) {
         json["model"] = model_selection::json_of(*report.model);
     }
     json["remarks"] = remarks_of(report);
-    out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    out << json_text(json) << '\n';
 }
 
 void write_inspect_table(std::ostream &out, const InspectReport &report) {

@@ -178,8 +178,9 @@ void write_table(const TypedStability &typed) {
         lines = limits::method_limits(which, [&](double share) { line.show("limits", share); });
     }
     write_report(
-        [&](std::ostream &out) { limits::write_method_limits(out, lines); },
-        {{typed.csv, [&](std::ostream &out) { limits::write_method_limits_csv(out, lines); }}},
+        [&](std::ostream &out) { write_markdown(out, limits::method_limits_document(lines)); },
+        {{typed.csv,
+          [&](std::ostream &out) { write_csv(out, limits::method_limits_table(lines)); }}},
         typed.existing);
 }
 

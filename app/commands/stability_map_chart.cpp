@@ -49,14 +49,9 @@ std::string instead_of_a_line(const std::string &line, std::size_t stable, std::
                          : "";
 }
 
-} // namespace
-
-std::filesystem::path numbers_of_map(std::filesystem::path svg) {
-    return svg.replace_extension(".csv");
-}
-
-std::string stability_map_csv(const limits::MapAxis &x, const limits::MapAxis &y,
-                              const std::vector<limits::MapCell> &cells) {
+/// A header and a row for each cell.
+std::string csv_of(const limits::MapAxis &x, const limits::MapAxis &y,
+                   const std::vector<limits::MapCell> &cells) {
     std::string csv = fmt::format("{},{},largest_eigenvalue,stable_simulated,remaining_m_per_s\n",
                                   x.parameter->name, y.parameter->name);
     const std::size_t columns = x.values().size();
@@ -71,12 +66,18 @@ std::string stability_map_csv(const limits::MapAxis &x, const limits::MapAxis &y
     return csv;
 }
 
+} // namespace
+
+std::filesystem::path numbers_of_map(std::filesystem::path svg) {
+    return svg.replace_extension(".csv");
+}
+
 void draw_stability_map(const std::filesystem::path &svg, const MapSetting &setting,
                         const limits::MapAxis &x, const limits::MapAxis &y,
                         const std::vector<limits::MapCell> &cells, Existing existing) {
     const std::filesystem::path csv = numbers_of_map(svg);
     write_output(
-        csv.string(), [&](std::ostream &out) { out << stability_map_csv(x, y, cells); }, existing);
+        csv.string(), [&](std::ostream &out) { out << csv_of(x, y, cells); }, existing);
     ChartMarks marks;
     marks.add("heading", "Stability over " + std::string(x.parameter->symbol) + " and " +
                              std::string(y.parameter->symbol));

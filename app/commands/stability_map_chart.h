@@ -10,10 +10,6 @@
 
 namespace springdrive::app {
 
-/// A header and a row for each cell.
-[[nodiscard]] std::string stability_map_csv(const limits::MapAxis &x, const limits::MapAxis &y,
-                                            const std::vector<limits::MapCell> &cells);
-
 /// The settings of a map, for the lines below its title.
 struct MapSetting {
     std::string values; ///< the device, and fixed parameters

@@ -1,6 +1,8 @@
 #include "app/commands/stability_report.h"
 
 #include "base/print.h"
+#include "base/quoting.h"
+#include "base/table.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
 #include "engine/control/tuning.h"
@@ -69,18 +71,9 @@ void write_verdict(std::ostream &out, const StabilityReport &report) {
     }
 }
 
-void write_found(std::ostream &out, const limits::StabilityLimit &limit,
-                 const std::optional<double> &found) {
-    if (found) {
-        print(out, "{:>11.5g}", *found);
-        if (limit.predicted != 0.0) {
-            print(out, " {:>6.3f}", *found / limit.predicted);
-        } else {
-            out << "      –";
-        }
-    } else {
-        out << "          –      –";
-    }
+/// To the prediction.
+Cell ratio(const std::optional<double> &found, const limits::StabilityLimit &limit) {
+    return found && limit.predicted != 0.0 ? Cell(*found / limit.predicted) : Cell();
 }
 
 void write_limits(std::ostream &out, const StabilityReport &report) {
@@ -93,17 +86,22 @@ void write_limits(std::ostream &out, const StabilityReport &report) {
         return;
     }
     out << (report.limits.size() == 1 ? "one limit\n\n" : "more than one limit\n\n");
-    out << "  stable    predicted      no effects   ratio   counts, supply   + friction  "
-           "limited by\n";
+    Table table = Table::with_columns(
+        "stable,predicted:.6g,no effects:.5g,ratio:.3f,counts and supply:.5g,ratio:.3f,"
+        "+ friction:.5g,ratio:.3f,limited by");
     for (const limits::StabilityLimit &limit : report.limits) {
-        print(out, "  {:<6}  {:>11.6g}", limit.stable_below ? "up to" : "from", limit.predicted);
-        write_found(out, limit, limit.simulated_linear);
-        write_found(out, limit, limit.simulated);
-        write_found(out, limit, limit.simulated_all);
+        std::vector<Cell> row{limit.stable_below ? "up to" : "from", limit.predicted};
+        for (const std::optional<double> &found :
+             {limit.simulated_linear, limit.simulated, limit.simulated_all}) {
+            row.emplace_back(found);
+            row.push_back(ratio(found, limit));
+        }
         loops::StabilityCase there = report.which;
         varied.set(there, limit.predicted);
-        out << "  " << who(there, limit.worst) << '\n';
+        row.emplace_back(who(there, limit.worst));
+        table.rows.push_back(std::move(row));
     }
+    write_text(out, table);
     out << "\nEach simulated limit is followed by its ratio to the prediction. Counts can sustain\n"
            "a slowly decaying motion, and cease to do so farther on: the limit given is the first\n"
            "from the stable side. Friction stops small motions. Slow motions are simulated for\n"
@@ -179,7 +177,7 @@ void write_stability_json(std::ostream &out, const StabilityReport &report) {
                  {"limited_by", member_json(report.which, limit.worst)}});
         }
     }
-    out << json.dump(2) << '\n';
+    out << json_text(json) << '\n';
 }
 
 } // namespace springdrive::app

@@ -86,9 +86,10 @@ void sweep(const TypedStiffness &typed) {
     drive.delay_periods = typed.delay_periods;
     const std::vector<loops::StiffnessPoint> points =
         loops::stiffness_sweep(drive, range_of(typed));
-    write_report([&](std::ostream &out) { write_stiffness_report(out, device, drive, points); },
-                 {{typed.csv, [&](std::ostream &out) { loops::write_stiffness_csv(out, points); }}},
-                 typed.existing);
+    write_report(
+        [&](std::ostream &out) { write_stiffness_report(out, device, drive, points); },
+        {{typed.csv, [&](std::ostream &out) { write_csv(out, loops::stiffness_table(points)); }}},
+        typed.existing);
 }
 
 void hold(const TypedStiffness &typed) {
@@ -103,9 +104,10 @@ void hold(const TypedStiffness &typed) {
     options.force_N = *typed.hold_N;
     options.seconds = typed.seconds.value_or(600.0);
     const std::vector<limits::ThermalRow> rows = limits::thermal_hold(device, options);
-    write_report([&](std::ostream &out) { limits::write_thermal_table(out, rows); },
-                 {{typed.csv, [&](std::ostream &out) { limits::write_thermal_csv(out, rows); }}},
-                 typed.existing);
+    write_report(
+        [&](std::ostream &out) { limits::write_thermal_table(out, rows); },
+        {{typed.csv, [&](std::ostream &out) { write_csv(out, limits::thermal_table(rows)); }}},
+        typed.existing);
 }
 
 void run(const TypedStiffness &typed) {

@@ -49,16 +49,12 @@ void write_stiffness_report(std::ostream &out, const device::DeviceDescription &
                             const loops::SpringDrive &drive,
                             const std::vector<loops::StiffnessPoint> &points) {
     write_head(out, device, drive);
-    out << "  frequency      (12)               sampled            measured\n"
-           "         Hz   N·m/rad      deg   N·m/rad      deg   N·m/rad      deg\n";
-    for (const loops::StiffnessPoint &point : points) {
-        print(out, "{:>11.5g}", point.frequency_hz);
-        for (const std::complex<double> &stiffness :
-             {point.analytic_Nm_per_rad, point.sampled_Nm_per_rad, point.measured_Nm_per_rad}) {
-            print(out, "{:>10.5f} {:>8.2f}", std::abs(stiffness), loops::phase_deg(stiffness));
-        }
-        out << '\n';
-    }
+    const Table table{Table::with_columns("frequency\nHz:.5g,(12)\nN·m/rad:.5f,deg:.2f,"
+                                          "sampled\nN·m/rad:.5f,deg:.2f,measured\nN·m/rad:.5f,"
+                                          "deg:.2f")
+                          .columns,
+                      loops::stiffness_table(points).rows};
+    write_text(out, table);
 }
 
 } // namespace springdrive::app

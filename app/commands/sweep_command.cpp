@@ -159,7 +159,8 @@ void sweep_device(const TypedSweep &typed) {
     }
     if (!typed.csv.empty()) {
         write_output(
-            typed.csv, [&](std::ostream &out) { write_sweep_csv(out, report); }, typed.existing);
+            typed.csv, [&](std::ostream &out) { write_csv(out, sweep_table(report)); },
+            typed.existing);
     }
     if (!typed.svg.empty()) {
         const device::DeviceIdentity identity = board.device->identity();

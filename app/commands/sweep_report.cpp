@@ -28,15 +28,21 @@ std::string settings_text(const SweepOptions &options) {
                        tuning.lambda_rad_per_s, options.servo_hz);
 }
 
-void write_point(std::ostream &out, const SweepPoint &point) {
-    print(out, "{:>10.4g}", point.frequency_hz);
-    for (const std::complex<double> &stiffness :
-         {point.measured_Nm_per_rad, point.sampled_Nm_per_rad, point.analytic_Nm_per_rad}) {
-        print(out, "{:>10.5f} {:>8.2f}", std::abs(stiffness), loops::phase_deg(stiffness));
+Table table_of(const MotorSweep &sweep) {
+    Table table = Table::with_columns(
+        "freq_hz:.4g,measured\n|K_θ|:.5f,phase,sampled\n|K_θ|:.5f,phase,(12)\n|K_θ|:.5f,phase,"
+        "measured to sampled\n%,deg,+-%,:",
+        ".2f");
+    for (const SweepPoint &point : sweep.points) {
+        table.rows.push_back(
+            {point.frequency_hz, std::abs(point.measured_Nm_per_rad),
+             loops::phase_deg(point.measured_Nm_per_rad), std::abs(point.sampled_Nm_per_rad),
+             loops::phase_deg(point.sampled_Nm_per_rad), std::abs(point.analytic_Nm_per_rad),
+             loops::phase_deg(point.analytic_Nm_per_rad), 100.0 * point.magnitude_error(),
+             kDegreesPerRadian * point.phase_error_rad(), 100.0 * point.deviation,
+             point.deviation <= commissioning::kUncertain ? "" : "?"});
     }
-    print(out, "{:>8.2f} {:>7.2f} {:>7.2f}{}\n", 100.0 * point.magnitude_error(),
-          kDegreesPerRadian * point.phase_error_rad(), 100.0 * point.deviation,
-          point.deviation <= commissioning::kUncertain ? "" : " ?");
+    return table;
 }
 
 } // namespace
@@ -52,13 +58,7 @@ void write_sweep_table(std::ostream &out, const device::DeviceDescription &devic
               sweep.motor + 1, sweep.winding.dR_Ohm, 1e3 * sweep.winding.inductance_H,
               1e3 * file.inductance_H, 1e3 * sweep.winding.torque_constant_Nm_per_A,
               1e3 * file.torque_constant_Nm_per_A, sweep.points.front().delay_periods);
-        out << "                measured           sampled              (12)      measured to "
-               "sampled\n"
-               "   freq_hz     |K_θ|    phase     |K_θ|    phase     |K_θ|    phase       %     "
-               "deg    +-%\n";
-        for (const SweepPoint &point : sweep.points) {
-            write_point(out, point);
-        }
+        write_text(out, table_of(sweep));
     }
     if (report.is_complete && !report.is_certain()) {
         print(out,
@@ -68,24 +68,24 @@ void write_sweep_table(std::ostream &out, const device::DeviceDescription &devic
     }
 }
 
-void write_sweep_csv(std::ostream &out, const SweepReport &report) {
-    out << "motor,freq_hz,measured_mag,measured_phase_deg,deviation_percent,sampled_mag,"
-           "sampled_phase_deg,analytic_mag,analytic_phase_deg,magnitude_error_percent,"
-           "phase_error_deg,delay_periods,excitation_V\n";
+Table sweep_table(const SweepReport &report) {
+    Table table = Table::with_columns(
+        "motor,freq_hz,measured_mag,measured_phase_deg,deviation_percent,sampled_mag,"
+        "sampled_phase_deg,analytic_mag,analytic_phase_deg,magnitude_error_percent,"
+        "phase_error_deg,delay_periods,excitation_V",
+        ".9g");
     for (const MotorSweep &sweep : report.motors) {
         for (const SweepPoint &point : sweep.points) {
-            print(out, "{},{:.9g},{:.9g},{:.9g},{:.9g}", sweep.motor + 1, point.frequency_hz,
-                  std::abs(point.measured_Nm_per_rad), loops::phase_deg(point.measured_Nm_per_rad),
-                  100.0 * point.deviation);
-            for (const std::complex<double> &stiffness :
-                 {point.sampled_Nm_per_rad, point.analytic_Nm_per_rad}) {
-                print(out, ",{:.9g},{:.9g}", std::abs(stiffness), loops::phase_deg(stiffness));
-            }
-            print(out, ",{:.9g},{:.9g},{:.9g},{:.9g}\n", 100.0 * point.magnitude_error(),
-                  kDegreesPerRadian * point.phase_error_rad(), point.delay_periods,
-                  point.excitation_V);
+            table.rows.push_back(
+                {sweep.motor + 1, point.frequency_hz, std::abs(point.measured_Nm_per_rad),
+                 loops::phase_deg(point.measured_Nm_per_rad), 100.0 * point.deviation,
+                 std::abs(point.sampled_Nm_per_rad), loops::phase_deg(point.sampled_Nm_per_rad),
+                 std::abs(point.analytic_Nm_per_rad), loops::phase_deg(point.analytic_Nm_per_rad),
+                 100.0 * point.magnitude_error(), kDegreesPerRadian * point.phase_error_rad(),
+                 point.delay_periods, point.excitation_V});
         }
     }
+    return table;
 }
 
 std::filesystem::path numbers_of_sweep(std::filesystem::path svg) {
@@ -96,7 +96,7 @@ void draw_sweep(const std::filesystem::path &svg, const std::string &device_text
                 const SweepOptions &options, const SweepReport &report, Existing existing) {
     const std::filesystem::path csv = numbers_of_sweep(svg);
     write_output(
-        csv.string(), [&](std::ostream &out) { write_sweep_csv(out, report); }, existing);
+        csv.string(), [&](std::ostream &out) { write_csv(out, sweep_table(report)); }, existing);
     ChartMarks marks;
     marks.add("heading", "Rendered stiffness K_θ by sine sweep, " + device_text);
     marks.add("setting",

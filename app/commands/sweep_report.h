@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/new_file.h"
+#include "base/table.h"
 #include "device/core/device_description.h"
 #include "engine/commissioning/sweep.h"
 
@@ -16,7 +17,8 @@ void write_sweep_table(std::ostream &out, const device::DeviceDescription &devic
                        const commissioning::SweepOptions &options,
                        const commissioning::SweepReport &report);
 
-void write_sweep_csv(std::ostream &out, const commissioning::SweepReport &report);
+/// For programs: a row a motor and frequency.
+[[nodiscard]] Table sweep_table(const commissioning::SweepReport &report);
 
 /// The chart's numbers, written beside it.
 [[nodiscard]] std::filesystem::path numbers_of_sweep(std::filesystem::path svg);

@@ -2,6 +2,8 @@
 
 #include "base/degrees.h"
 #include "base/print.h"
+#include "base/quoting.h"
+#include "base/table.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -56,24 +58,11 @@ Json value_json(const rig::Maximum &maximum, double factor) {
     return maximum.step ? Json(maximum.value * factor) : Json(nullptr);
 }
 
-void print_times(std::ostream &out, const char *what, std::size_t steps, const rig::TouchRun &run,
-                 bool touching) {
-    const std::optional<rig::UpdateTimes> first =
-        rig::update_times(run, touching, &rig::TouchStep::first_ns);
-    const std::optional<rig::UpdateTimes> minimum =
-        rig::update_times(run, touching, &rig::TouchStep::min_ns);
-    if (!first || !minimum) {
-        print(out, "{:<12}{:>10} steps\n", what, steps);
-        return;
-    }
-    const auto row = [&](const rig::UpdateTimes &times) {
-        print(out, "{:>10.0f}{:>10.0f}{:>10.0f}{:>10.0f}\n", times.median_ns, times.p99_ns,
-              times.p99_9_ns, times.max_ns);
-    };
-    print(out, "{:<12}{:>10} steps", what, steps);
-    row(*first);
-    print(out, "{:<28}", "  best of all repeats");
-    row(*minimum);
+void add_times(Table &table, std::string what, Cell steps,
+               const std::optional<rig::UpdateTimes> &times) {
+    const rig::UpdateTimes known = times.value_or(rig::UpdateTimes{NAN, NAN, NAN, NAN});
+    table.rows.push_back({std::move(what), std::move(steps), known.median_ns, known.p99_ns,
+                          known.p99_9_ns, known.max_ns});
 }
 
 /// "29,956".
@@ -197,7 +186,7 @@ void write_touch_json(std::ostream &out, const TouchReport &report) {
         json["largest_sphere_direction_error_deg"] =
             value_json(*report.sphere_error_rad, kDegreesPerRadian);
     }
-    out << json.dump(2) << '\n';
+    out << json_text(json) << '\n';
 }
 
 void write_touch_table(std::ostream &out, const TouchReport &report) {
@@ -214,9 +203,15 @@ void write_touch_table(std::ostream &out, const TouchReport &report) {
     }
     print(out, "; servo {:.5g} Hz, proxy radius {:.4g} mm\n\n", report.servo_hz,
           1e3 * report.radius_m);
-    out << "update, ns                      median       p99     p99.9       max\n";
-    print_times(out, "in contact", in_contact, run, true);
-    print_times(out, "free", run.steps.size() - in_contact, run, false);
+    Table times = Table::with_columns("update [ns]:,steps,median,p99,p99.9,max", ".0f");
+    for (const bool touching : {true, false}) {
+        const std::size_t steps = touching ? in_contact : run.steps.size() - in_contact;
+        add_times(times, touching ? "in contact" : "free", steps,
+                  rig::update_times(run, touching, &rig::TouchStep::first_ns));
+        add_times(times, "  best of all repeats", "",
+                  rig::update_times(run, touching, &rig::TouchStep::min_ns));
+    }
+    write_text(out, times);
     print(out, "\npop-throughs           {:>8}   of {} steps\n", found.pop_throughs.size(),
           run.steps.size());
     print(out, "stuck                  {:>8}   of {} suspected", found.stuck.size(),

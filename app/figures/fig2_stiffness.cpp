@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <vector>
 
 namespace springdrive::app {
 
@@ -19,7 +20,7 @@ constexpr int kDecades = 4; ///< 1 Hz to 10 kHz: below R/L and above it
 /// aliasing.
 constexpr double kMaxMeasured = 0.45;
 
-std::string row(const loops::SpringDrive &drive, double wanted_hz) {
+std::vector<Cell> row(const loops::SpringDrive &drive, double wanted_hz) {
     const bool measurable = wanted_hz * drive.period_s <= kMaxMeasured;
     const loops::SweepWindow window =
         measurable ? loops::sweep_window(wanted_hz, drive.period_s) : loops::SweepWindow{};
@@ -32,9 +33,15 @@ std::string row(const loops::SpringDrive &drive, double wanted_hz) {
     const std::complex<double> unmodified = loops::unmodified_stiffness(drive.motor, omega);
     const std::complex<double> analytic = loops::analytic_stiffness(drive, omega);
     const std::complex<double> sampled = loops::sampled_stiffness(drive, omega);
-    return csv_line({frequency_hz, std::abs(unmodified), std::abs(analytic), std::abs(sampled),
-                     std::abs(measured), loops::phase_deg(unmodified), loops::phase_deg(analytic),
-                     loops::phase_deg(sampled), loops::phase_deg(measured)});
+    return {frequency_hz,
+            std::abs(unmodified),
+            std::abs(analytic),
+            std::abs(sampled),
+            std::abs(measured),
+            loops::phase_deg(unmodified),
+            loops::phase_deg(analytic),
+            loops::phase_deg(sampled),
+            loops::phase_deg(measured)};
 }
 
 ChartMarks marks(const FigureSetting &setting, const loops::SpringDrive &drive) {
@@ -62,11 +69,14 @@ Figure stiffness_figure(const FigureSetting &setting, const FigureProgress &prog
     const loops::SpringDrive drive{setting.device.motor[kMotor], setting.tuning,
                                    setting.servo_period_s, 0};
     Figure figure;
-    figure.csv = "freq_hz,unmodified_motor,analytic,sampled,measured,unmodified_motor_phase_deg,"
-                 "analytic_phase_deg,sampled_phase_deg,measured_phase_deg\n";
+    figure.numbers = Table::with_columns(
+        "freq_hz,unmodified_motor,analytic,sampled,measured,unmodified_motor_phase_deg,"
+        "analytic_phase_deg,sampled_phase_deg,measured_phase_deg",
+        kFigureFormat);
     constexpr int kRows = kPointsPerDecade * kDecades;
     for (int i = 0; i <= kRows; ++i) {
-        figure.csv += row(drive, std::pow(10.0, static_cast<double>(i) / kPointsPerDecade));
+        figure.numbers.rows.push_back(
+            row(drive, std::pow(10.0, static_cast<double>(i) / kPointsPerDecade)));
         progress(static_cast<double>(i) / kRows);
     }
     figure.marks = marks(setting, drive);

@@ -65,8 +65,9 @@ Figure ellipses_figure(const FigureSetting &setting, const FigureProgress &progr
     const loops::PlanarStiffness stiffness =
         loops::planar_stiffness(setting.device, setting.tuning, setting.q_rad);
     Figure figure;
-    figure.csv = "angle_deg,inv_x,inv_y,trans_x,trans_y,inv_measured_x,inv_measured_y,"
-                 "trans_measured_x,trans_measured_y\n";
+    figure.numbers = Table::with_columns("angle_deg,inv_x,inv_y,trans_x,trans_y,inv_measured_x,"
+                                         "inv_measured_y,trans_measured_x,trans_measured_y",
+                                         kFigureFormat);
     constexpr int kPoints = 180;
     constexpr int kPointsToOneMeasured = 10;
     int point_number = 0;
@@ -80,10 +81,11 @@ Figure ellipses_figure(const FigureSetting &setting, const FigureProgress &progr
                 measured_N_per_m(setting, control::MotionMap::transpose, point.angle_rad);
             progress(static_cast<double>(point_number) / kPoints);
         }
-        figure.csv += csv_line({kDegreesPerRadian * point.angle_rad, point.inverse_N_per_m.x(),
-                                point.inverse_N_per_m.y(), point.transpose_N_per_m.x(),
-                                point.transpose_N_per_m.y(), inverse_N_per_m.x(),
-                                inverse_N_per_m.y(), transpose_N_per_m.x(), transpose_N_per_m.y()});
+        figure.numbers.rows.push_back({kDegreesPerRadian * point.angle_rad,
+                                       point.inverse_N_per_m.x(), point.inverse_N_per_m.y(),
+                                       point.transpose_N_per_m.x(), point.transpose_N_per_m.y(),
+                                       inverse_N_per_m.x(), inverse_N_per_m.y(),
+                                       transpose_N_per_m.x(), transpose_N_per_m.y()});
     }
     figure.marks.add("heading", "Fig. 3: static tip stiffness, " + setting.device.name +
                                     " with its base locked");

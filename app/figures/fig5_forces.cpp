@@ -15,10 +15,11 @@ Figure forces_figure(const FigureSetting &setting, const FigureProgress &progres
     constexpr double kDown_rad = -0.5 * std::numbers::pi; // a wall above the device
     const double penetration_m = common_penetration_m(setting);
     Figure figure;
-    figure.csv =
+    figure.numbers = Table::with_columns(
         "map,penetration_mm,measured_outward_N,measured_up_N,predicted_outward_N,predicted_up_N,"
         "correct_outward,correct_up,error_deg,predicted_error_deg,unobserved_outward_N,"
-        "unobserved_up_N,unobserved_error_deg\n";
+        "unobserved_up_N,unobserved_error_deg",
+        kFigureFormat);
     double longest_N = 0.0;
     for (const control::MotionMap map :
          {control::MotionMap::inverse, control::MotionMap::transpose}) {
@@ -30,13 +31,12 @@ Figure forces_figure(const FigureSetting &setting, const FigureProgress &progres
         };
         const limits::LockedForce force = pressed(Locked::observed);
         const limits::LockedForce unobserved = pressed(Locked::unobserved);
-        figure.csv +=
-            name + "," +
-            csv_line({1e3 * penetration_m, force.measured_N.x(), force.measured_N.y(),
-                      force.predicted_N.x(), force.predicted_N.y(), 0.0, -1.0,
-                      kDegreesPerRadian * force.error_rad,
-                      kDegreesPerRadian * force.predicted_error_rad, unobserved.measured_N.x(),
-                      unobserved.measured_N.y(), kDegreesPerRadian * unobserved.error_rad});
+        figure.numbers.rows.push_back(
+            {name, 1e3 * penetration_m, force.measured_N.x(), force.measured_N.y(),
+             force.predicted_N.x(), force.predicted_N.y(), 0.0, -1.0,
+             kDegreesPerRadian * force.error_rad, kDegreesPerRadian * force.predicted_error_rad,
+             unobserved.measured_N.x(), unobserved.measured_N.y(),
+             kDegreesPerRadian * unobserved.error_rad});
         const auto off_text = [](double error_rad) {
             return number_text(kDegreesPerRadian * std::abs(error_rad), 3) + "° off";
         };

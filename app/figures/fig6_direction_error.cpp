@@ -42,9 +42,10 @@ Figure direction_error_figure(const FigureSetting &setting, const FigureProgress
     const loops::PlanarStiffness stiffness =
         loops::planar_stiffness(setting.device, setting.tuning, setting.q_rad);
     Figure figure;
-    figure.csv = "normal_deg,inverse_error_deg,transpose_error_deg,inverse_predicted_deg,"
-                 "inverse_ideal_deg,transpose_ideal_deg,inverse_unobserved_deg,"
-                 "transpose_unobserved_deg\n";
+    figure.numbers = Table::with_columns(
+        "normal_deg,inverse_error_deg,transpose_error_deg,inverse_predicted_deg,inverse_ideal_deg,"
+        "transpose_ideal_deg,inverse_unobserved_deg,transpose_unobserved_deg",
+        kFigureFormat);
     for (int i = 0; i < kSurfaces; ++i) {
         const double normal_rad = 2.0 * std::numbers::pi * i / kSurfaces;
         const auto inverse_deg = [&](Locked how) {
@@ -53,12 +54,12 @@ Figure direction_error_figure(const FigureSetting &setting, const FigureProgress
         const auto transpose_deg = [&](Locked how) {
             return error_deg(setting, control::MotionMap::transpose, how, normal_rad);
         };
-        figure.csv +=
-            csv_line({kDegreesPerRadian * normal_rad, inverse_deg(Locked::observed),
-                      transpose_deg(Locked::observed),
-                      kDegreesPerRadian * loops::inverse_direction_error_rad(stiffness, normal_rad),
-                      inverse_deg(Locked::ideal), transpose_deg(Locked::ideal),
-                      inverse_deg(Locked::unobserved), transpose_deg(Locked::unobserved)});
+        figure.numbers.rows.push_back(
+            {kDegreesPerRadian * normal_rad, inverse_deg(Locked::observed),
+             transpose_deg(Locked::observed),
+             kDegreesPerRadian * loops::inverse_direction_error_rad(stiffness, normal_rad),
+             inverse_deg(Locked::ideal), transpose_deg(Locked::ideal),
+             inverse_deg(Locked::unobserved), transpose_deg(Locked::unobserved)});
         progress((i + 1.0) / kSurfaces);
     }
     figure.marks = marks(setting, stiffness);

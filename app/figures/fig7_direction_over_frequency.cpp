@@ -45,18 +45,19 @@ Figure direction_over_frequency_figure(const FigureSetting &setting,
     constexpr int kRows = 3 * kRowsPerDecade; // 1 Hz to 1 kHz
     const loops::PlanarContact contact = contact_in(setting);
     Figure figure;
-    figure.csv = "freq_hz,inverse_deg";
+    figure.numbers = Table::with_columns("freq_hz,inverse_deg", kFigureFormat);
     for (const double lambda : kFilters_rad_per_s) {
-        figure.csv += ",transpose_lambda_" + number_text(lambda, 4) + "_deg";
+        figure.numbers.columns.push_back(
+            {"transpose_lambda_" + number_text(lambda, 4) + "_deg", kFigureFormat});
     }
-    figure.csv += "\n";
     for (int i = 0; i <= kRows; ++i) {
         const double f_hz = std::pow(10.0, static_cast<double>(i) / kRowsPerDecade);
-        figure.csv += csv_line(
-            {f_hz, error_deg(contact, control::MotionMap::inverse, f_hz, kFilters_rad_per_s[0]),
-             error_deg(contact, control::MotionMap::transpose, f_hz, kFilters_rad_per_s[0]),
-             error_deg(contact, control::MotionMap::transpose, f_hz, kFilters_rad_per_s[1]),
-             error_deg(contact, control::MotionMap::transpose, f_hz, kFilters_rad_per_s[2])});
+        std::vector<Cell> row{
+            f_hz, error_deg(contact, control::MotionMap::inverse, f_hz, kFilters_rad_per_s[0])};
+        for (const double lambda : kFilters_rad_per_s) {
+            row.emplace_back(error_deg(contact, control::MotionMap::transpose, f_hz, lambda));
+        }
+        figure.numbers.rows.push_back(std::move(row));
         progress(static_cast<double>(i) / kRows);
     }
     figure.marks.add("heading", "Fig. 7: direction error over frequency, worst over the normals, " +

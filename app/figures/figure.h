@@ -5,6 +5,7 @@
 #pragma once
 
 #include "app/figures/gnuplot.h"
+#include "base/table.h"
 #include "device/core/device_description.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/limits/locked_device.h"
@@ -26,8 +27,11 @@ struct FigureSetting {
     std::uint64_t device_seed = 1; ///< of the device measured in figures 3, 5 and 6
 };
 
+/// Of the figures' numbers, in the files.
+inline constexpr const char *kFigureFormat = ".9g";
+
 struct Figure {
-    std::string csv;
+    Table numbers;
     ChartMarks marks;
 };
 

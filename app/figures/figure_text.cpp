@@ -11,17 +11,6 @@ std::string number_text(double number, int digits) {
     return std::isnan(number) ? "" : fmt::format("{:.{}g}", number, digits);
 }
 
-std::string csv_line(std::initializer_list<double> cells) {
-    constexpr int kDigits = 9;
-    std::string line;
-    for (const double cell : cells) {
-        line += number_text(cell, kDigits);
-        line += ',';
-    }
-    line.back() = '\n';
-    return line;
-}
-
 std::string gains_text(const FigureSetting &setting) {
     const control::Tuning &tuning = setting.tuning;
     return "dR " + number_text(tuning.dR_Ohm, 4) + " Ω, K_P " +

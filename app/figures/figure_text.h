@@ -1,19 +1,15 @@
-// The formats of numbers in the figures' CSV files and charts.
+// The formats of numbers in the charts.
 #pragma once
 
 #include "app/figures/figure.h"
 #include "base/degrees.h"
 
-#include <initializer_list>
 #include <string>
 
 namespace springdrive::app {
 
 /// "1.234e-05": `digits` significant digits, no more than needed; empty for a NaN.
 [[nodiscard]] std::string number_text(double number, int digits);
-
-/// A CSV line with its end; a NaN becomes an empty cell.
-[[nodiscard]] std::string csv_line(std::initializer_list<double> cells);
 
 /// dR, K_P, K_D and the servo, for a figure's second line: "dR 0.5 Ω, K_P 6 V/rad, …".
 [[nodiscard]] std::string gains_text(const FigureSetting &setting);

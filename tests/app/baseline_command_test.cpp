@@ -1,11 +1,12 @@
 // Covers app/commands/baseline_command.cpp and drive_comparison, from outside.
+#include "tests/support/csv.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
-#include <sstream>
+#include <ranges>
 #include <string>
 #include <vector>
 
@@ -17,44 +18,25 @@ testing::Ending baseline(std::vector<std::string> options) {
     return testing::run_program(options);
 }
 
-std::vector<std::string> cells(const std::string &line) {
-    std::vector<std::string> all;
-    std::istringstream stream(line);
-    std::string cell;
-    while (std::getline(stream, cell, ',')) {
-        // A quoted name may contain a comma.
-        if (!cell.empty() && cell.front() == '"' && cell.back() != '"') {
-            std::string rest;
-            std::getline(stream, rest, ',');
-            cell += "," + rest;
-        }
-        all.push_back(cell);
-    }
-    return all;
-}
-
 /// At 250 Hz, where tuning is fast: three drives, with the count force of the quiet one not above
 /// that of the spring drive.
 TEST(BaselineCommand, ComparesThreeDrives) {
     const testing::Ending ending =
         baseline({"--servo-hz", "250", "--delay", "1", "--dR", "0.8", "--csv", "-"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
-    std::istringstream lines(ending.out);
-    std::string line;
-    std::getline(lines, line);
-    const std::vector<std::string> names = cells(line);
+    const auto lines = testing::parsed_csv(ending.out);
+    const std::vector<std::string> &names = lines.front();
     std::map<std::string, std::map<std::string, std::string>> drives;
-    while (std::getline(lines, line)) {
-        const std::vector<std::string> values = cells(line);
-        ASSERT_EQ(values.size(), names.size()) << line;
+    for (const std::vector<std::string> &values : lines | std::views::drop(1)) {
+        ASSERT_EQ(values.size(), names.size());
         for (std::size_t i = 0; i < names.size(); ++i) {
             drives[values[3]][names[i]] = values[i];
         }
     }
     ASSERT_EQ(drives.size(), 3U);
-    EXPECT_EQ(drives.at("\"spring\"").at("delay_periods"), "1");
+    EXPECT_EQ(drives.at("spring").at("delay_periods"), "1");
     const auto value = [&](const std::string &drive, const std::string &name) {
-        return std::stod(drives.at('"' + drive + '"').at(name));
+        return std::stod(drives.at(drive).at(name));
     };
     // (14) is caused by the inductance, which a current drive does not use.
     EXPECT_GT(value("spring", "K_HF_N_per_m"), 1e4);

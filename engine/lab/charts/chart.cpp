@@ -1,17 +1,15 @@
 #include "engine/lab/charts/chart.h"
 
-#include "base/print.h"
-
 namespace springdrive::charts {
 
-void write_chart_csv(std::ostream &out, const SpeedAccuracyChart &chart,
-                     const std::string &machine) {
-    out << "method,setting,cost_least_ns,cost_median_ns,cost_greatest_ns,error,stable,machine\n";
+Table chart_table(const SpeedAccuracyChart &chart, const std::string &machine) {
+    Table table = Table::with_columns("method,setting,cost_least_ns:.6g,cost_median_ns:.6g,"
+                                      "cost_greatest_ns:.6g,error,stable,machine");
     for (const ChartPoint &point : chart.points) {
-        print(out, "{},{},{:.6g},{:.6g},{:.6g},{},{:d},{}\n", csv_cell(point.method),
-              csv_cell(point.setting), point.cost.min_ns, point.cost.median_ns, point.cost.max_ns,
-              csv_cell(point.error), point.stable, csv_cell(machine));
+        table.rows.push_back({point.method, point.setting, point.cost.min_ns, point.cost.median_ns,
+                              point.cost.max_ns, point.error, point.stable, machine});
     }
+    return table;
 }
 
 } // namespace springdrive::charts

@@ -1,12 +1,12 @@
 // A speed-accuracy chart: its setting, its points and its CSV file.
 #pragma once
 
+#include "base/table.h"
 #include "base/timing.h"
 #include "device/core/device_description.h"
 #include "engine/control/tuning.h"
 
 #include <functional>
-#include <ostream>
 #include <string>
 #include <vector>
 
@@ -40,9 +40,7 @@ struct SpeedAccuracyChart {
 using ChartProgress = std::function<void(double share)>;
 
 /// method, setting, the cost's minimum, median and maximum [ns], error, stable (1 or 0) and the
-/// machine, a row for each point. An error that is not finite becomes an empty cell. Text with a
-/// comma, a quote or an end of line is quoted (RFC 4180).
-void write_chart_csv(std::ostream &out, const SpeedAccuracyChart &chart,
-                     const std::string &machine);
+/// machine, a row for each point.
+[[nodiscard]] Table chart_table(const SpeedAccuracyChart &chart, const std::string &machine);
 
 } // namespace springdrive::charts

@@ -2,6 +2,7 @@
 // delay, encoder and hands: a test of the paper's claim.
 #pragma once
 
+#include "base/table.h"
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/lab/limits/wall_tune.h"
 
@@ -57,9 +58,10 @@ compare_drives(const loops::StabilityCase &which, double margin,
 /// Servo rates from 250 Hz to 10 kHz, without and with a delay, and with a small and a medium dR.
 [[nodiscard]] std::vector<ServoSetting> usual_settings();
 
-void write_comparison_csv(std::ostream &out, const std::vector<DriveComparison> &all);
+/// For programs: a row a setting and drive.
+[[nodiscard]] Table comparison_table(const std::vector<DriveComparison> &all);
 
-/// The same as a readable table, with marks where the spring drive is not the better one.
+/// The same for people, with marks where the spring drive is not the better one.
 void write_comparison_table(std::ostream &out, const std::vector<DriveComparison> &all);
 
 } // namespace springdrive::limits

@@ -1,8 +1,11 @@
 // The outputs of drive_comparison.h.
-#include "base/print.h"
 #include "engine/lab/limits/drive_comparison.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <array>
+#include <ostream>
 #include <string>
 
 namespace springdrive::limits {
@@ -53,40 +56,37 @@ bool beats_spring(const DriveComparison &all, const Drive &drive, const Quality 
            (!all.spring_is_stable || (quality.more_is_better ? other > spring : other < spring));
 }
 
-void write_gains(std::ostream &out, const DriveComparison &all, const Drive &drive) {
-    if (drive.wall == nullptr) {
-        print(out, ",{},{},,,{}", all.tuning.K_P_V_per_rad, all.tuning.K_D_Vs_per_rad,
-              all.tuning.lambda_rad_per_s);
-        return;
-    }
-    const TunedWall &tuned = all.*drive.wall;
-    print(out, ",,,{},{},{}", tuned.wall.stiffness_N_per_m, tuned.wall.damping_Ns_per_m,
-          tuned.lambda_rad_per_s);
-}
-
 } // namespace
 
-void write_comparison_csv(std::ostream &out, const std::vector<DriveComparison> &all) {
-    out << "servo_hz,delay_periods,dR_Ohm,drive,K_P_V_per_rad,K_D_Vs_per_rad,wall_K_N_per_m,"
-           "wall_B_Ns_per_m,lambda_rad_per_s";
+Table comparison_table(const std::vector<DriveComparison> &all) {
+    Table table = Table::with_columns("servo_hz,delay_periods,dR_Ohm,drive,K_P_V_per_rad,"
+                                      "K_D_Vs_per_rad,wall_K_N_per_m,wall_B_Ns_per_m,"
+                                      "lambda_rad_per_s");
     for (const Quality &quality : kQualities) {
-        out << ',' << quality.name;
+        table.columns.push_back({quality.name});
     }
-    out << '\n';
     for (const DriveComparison &one : all) {
         for (const Drive &drive : kDrives) {
             if (!is_there(one, drive)) {
                 continue;
             }
-            print(out, "{},{},{},\"{}\"", one.setting.servo_hz, one.setting.delay_periods,
-                  one.setting.dR_Ohm, drive.name);
-            write_gains(out, one, drive);
-            for (const Quality &quality : kQualities) {
-                print(out, ",{}", (one.*drive.quality).*quality.value);
+            std::vector<Cell> row{one.setting.servo_hz, one.setting.delay_periods,
+                                  one.setting.dR_Ohm, drive.name};
+            if (drive.wall == nullptr) {
+                row.insert(row.end(), {one.tuning.K_P_V_per_rad, one.tuning.K_D_Vs_per_rad, Cell(),
+                                       Cell(), one.tuning.lambda_rad_per_s});
+            } else {
+                const TunedWall &tuned = one.*drive.wall;
+                row.insert(row.end(), {Cell(), Cell(), tuned.wall.stiffness_N_per_m,
+                                       tuned.wall.damping_Ns_per_m, tuned.lambda_rad_per_s});
             }
-            out << '\n';
+            for (const Quality &quality : kQualities) {
+                row.emplace_back((one.*drive.quality).*quality.value);
+            }
+            table.rows.push_back(std::move(row));
         }
     }
+    return table;
 }
 
 void write_comparison_table(std::ostream &out, const std::vector<DriveComparison> &all) {
@@ -95,42 +95,42 @@ void write_comparison_table(std::ostream &out, const std::vector<DriveComparison
            "than the spring drive's.\nA + marks where a current drive is better than the spring "
            "drive.\nSearched: K_P up to 1000 V/rad, more than tuning files allow, K_D up to 1 "
            "V·s/rad, λ up to 5000 rad/s,\nK up to 1e6 N/m, B from 0.1 to 300 N·s/m. The motors' "
-           "peak current limits rate-hardness.\n\n"
-           "| servo | drive ";
+           "peak current limits rate-hardness.\n\n";
+    Table table = Table::with_columns("servo,drive");
     for (const Quality &quality : kQualities) {
-        print(out, "| {} ", quality.label);
+        table.columns.push_back({quality.label});
     }
-    out << "|\n| --- | --- ";
-    for (std::size_t i = 0; i < kQualities.size(); ++i) {
-        out << "| ---: ";
-    }
-    out << "|\n";
     for (const DriveComparison &one : all) {
         for (const Drive &drive : kDrives) {
             if (!is_there(one, drive)) {
                 continue;
             }
-            print(out, "| {:.5g} Hz, d {:g}, dR {:.3g} Ω | {} ", one.setting.servo_hz,
-                  one.setting.delay_periods, one.setting.dR_Ohm, drive.name);
+            std::vector<Cell> row{fmt::format("{:.5g} Hz, d {:g}, dR {:.3g} Ω",
+                                              one.setting.servo_hz, one.setting.delay_periods,
+                                              one.setting.dR_Ohm),
+                                  drive.name};
             for (const Quality &quality : kQualities) {
-                print(out, "| {:.3g}{} ", quality.in_table * ((one.*drive.quality).*quality.value),
-                      beats_spring(one, drive, quality) ? " +" : "");
+                row.push_back(Cell::like_number(fmt::format(
+                    "{:.3g}{}", quality.in_table * ((one.*drive.quality).*quality.value),
+                    beats_spring(one, drive, quality) ? " +" : "")));
             }
-            out << "|\n";
+            table.rows.push_back(std::move(row));
         }
     }
+    write_markdown(out, table);
     out << "\nHow often the spring drive is the better one:\n";
+    Table wins{.columns = {{""}, {kDrives[1].name}, {kDrives[2].name}}};
     for (const Quality &quality : kQualities) {
-        print(out, "  {:<14}", quality.label);
+        std::vector<Cell> row{quality.label};
         for (const Drive &drive : {kDrives[1], kDrives[2]}) {
-            std::size_t better = 0;
-            for (const DriveComparison &one : all) {
-                better += one.spring_is_stable && !beats_spring(one, drive, quality) ? 1 : 0;
-            }
-            print(out, "  {} of {} ({})", better, all.size(), drive.name);
+            const auto better = std::ranges::count_if(all, [&](const DriveComparison &one) {
+                return one.spring_is_stable && !beats_spring(one, drive, quality);
+            });
+            row.push_back(Cell::like_number(fmt::format("{} of {}", better, all.size())));
         }
-        out << '\n';
+        wins.rows.push_back(std::move(row));
     }
+    write_text(out, wins);
 }
 
 } // namespace springdrive::limits

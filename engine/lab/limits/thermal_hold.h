@@ -8,6 +8,7 @@
 // below it.
 #pragma once
 
+#include "base/table.h"
 #include "base/vector.h"
 #include "device/core/device_description.h"
 #include "device/core/motor/winding_temperature.h"
@@ -73,10 +74,10 @@ struct ThermalRow {
 [[nodiscard]] std::vector<ThermalRow> thermal_hold(const device::DeviceDescription &device,
                                                    const ThermalHoldOptions &options);
 
-/// A header and a line for each row; temperatures in °C, angles in degrees, NaN an empty cell.
-void write_thermal_csv(std::ostream &out, const std::vector<ThermalRow> &rows);
+/// For programs; temperatures in °C, angles in degrees.
+[[nodiscard]] Table thermal_table(const std::vector<ThermalRow> &rows);
 
-/// The same as a readable table: some rows of each phase, and a summary.
+/// For people: some rows of each phase, and a summary.
 void write_thermal_table(std::ostream &out, const std::vector<ThermalRow> &rows);
 
 } // namespace springdrive::limits

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <ostream>
-#include <string>
 
 namespace springdrive::limits {
 
@@ -16,27 +16,6 @@ namespace {
 constexpr std::size_t kTableRows = 11;
 
 const char *name(ThermalPhase phase) { return phase == ThermalPhase::hold ? "hold" : "cool"; }
-
-/// Calls `visit(name, value)` for every number: the one list behind header and rows.
-template <typename Visit> void for_each_column(const ThermalRow &row, Visit &&visit) {
-    const auto motors = [&visit](const char *name, const char *unit, const Vector3 &v) {
-        for (Eigen::Index j = 0; j < 3; ++j) {
-            visit(std::string(name) + std::to_string(j + 1) + "_" + unit, v[j]);
-        }
-    };
-    motors("winding", "C", row.winding_C);
-    motors("R_hat_asked", "Ohm", row.R_hat_asked_Ohm);
-    motors("R_hat_allowed", "Ohm", row.R_hat_allowed_Ohm);
-    motors("dR_unlimited", "Ohm", row.dR_unlimited_Ohm);
-    motors("dR", "Ohm", row.dR_Ohm);
-    motors("least_dR_unlimited", "Ohm", row.min_dR_unlimited_Ohm);
-    motors("least_dR", "Ohm", row.min_dR_Ohm);
-    motors("K_DC", "Nm_per_rad", row.K_DC_Nm_per_rad);
-    visit("tip_force_N", row.tip_force_N);
-    visit("direction_error_deg", row.direction_error_rad * kDegreesPerRadian);
-    visit("growth_time_s", row.growth_time_s);
-    visit("tripped", row.tripped ? 1.0 : 0.0);
-}
 
 using Rows = std::vector<ThermalRow>;
 
@@ -59,36 +38,24 @@ Rows thinned(const Rows &rows) {
     return some;
 }
 
-void cell(std::ostream &out, double value, int width, int decimals) {
-    if (std::isnan(value)) {
-        print(out, "{:{}}", "", width);
-    } else {
-        print(out, "{:>{}.{}f}", value, width, decimals);
-    }
-}
-
-void cells(std::ostream &out, const Vector3 &values, int width, int decimals) {
-    out << "  ";
-    for (Eigen::Index j = 0; j < 3; ++j) {
-        cell(out, values[j], width, decimals);
-    }
+void append(std::vector<Cell> &row, const Vector3 &of_motors) {
+    row.insert(row.end(), {of_motors[0], of_motors[1], of_motors[2]});
 }
 
 void write_hold(std::ostream &out, const Rows &hold) {
-    out << "The contact is held\n"
-           "    time         winding °C               dR Ω             K_DC N·m/rad       force    "
-           "off\n"
-           "       s      1      2      3       1      2      3       1      2      3       N      "
-           "°\n";
+    Table table = Table::with_columns(
+        "time\ns:.1f,winding\n1 °C:.1f,2:.1f,3:.1f,dR\n1 Ω,2,3,K_DC\n1 N·m/rad,2,3,force\nN,"
+        "off\n°:.2f",
+        ".3f");
     for (const ThermalRow &row : thinned(hold)) {
-        cell(out, row.time_s, 8, 1);
-        cells(out, row.winding_C, 7, 1);
-        cells(out, row.dR_Ohm, 7, 3);
-        cells(out, row.K_DC_Nm_per_rad, 7, 3);
-        cell(out, row.tip_force_N, 8, 3);
-        cell(out, row.direction_error_rad * kDegreesPerRadian, 7, 2);
-        out << '\n';
+        std::vector<Cell> &cells = table.rows.emplace_back(1, row.time_s);
+        append(cells, row.winding_C);
+        append(cells, row.dR_Ohm);
+        append(cells, row.K_DC_Nm_per_rad);
+        cells.insert(cells.end(), {row.tip_force_N, row.direction_error_rad * kDegreesPerRadian});
     }
+    out << "The contact is held\n";
+    write_text(out, table);
     const ThermalRow &first = hold.front();
     const ThermalRow &last = hold.back();
     const Vector3 share = last.K_DC_Nm_per_rad.cwiseQuotient(first.K_DC_Nm_per_rad);
@@ -127,36 +94,47 @@ void write_verdict(std::ostream &out, const Rows &cool) {
 }
 
 void write_cool(std::ostream &out, const Rows &cool) {
-    out << "\nR̂ is tuned again on the hot motors, the contact released; dR at the worst angle\n"
-           "    time         winding °C         dR Ω without limit       dR Ω with limit     "
-           "L/|dR|\n"
-           "       s      1      2      3       1      2      3       1      2      3      ms\n";
+    Table table = Table::with_columns(
+        "time\ns:.1f,winding\n1 °C:.1f,2:.1f,3:.1f,dR without limit\n1 Ω,2,3,dR with limit\n1 Ω,2,"
+        "3,L/|dR|\nms:.2f",
+        ".3f");
     for (const ThermalRow &row : thinned(cool)) {
-        cell(out, row.time_s, 8, 1);
-        cells(out, row.winding_C, 7, 1);
-        cells(out, row.min_dR_unlimited_Ohm, 7, 3);
-        cells(out, row.min_dR_Ohm, 7, 3);
-        cell(out, 1e3 * row.growth_time_s, 8, 2);
-        out << '\n';
+        std::vector<Cell> &cells = table.rows.emplace_back(1, row.time_s);
+        append(cells, row.winding_C);
+        append(cells, row.min_dR_unlimited_Ohm);
+        append(cells, row.min_dR_Ohm);
+        cells.emplace_back(1e3 * row.growth_time_s);
     }
+    out << "\nR̂ is tuned again on the hot motors, the contact released; dR at the worst angle\n";
+    write_text(out, table);
     write_verdict(out, cool);
 }
 
 } // namespace
 
-void write_thermal_csv(std::ostream &out, const std::vector<ThermalRow> &rows) {
-    out << "time_s,phase";
-    for_each_column({}, [&out](const std::string &column, double) { out << ',' << column; });
+Table thermal_table(const std::vector<ThermalRow> &rows) {
+    Table table = Table::with_columns(
+        "time_s,phase,winding1_C,winding2_C,winding3_C,"
+        "R_hat_asked1_Ohm,R_hat_asked2_Ohm,R_hat_asked3_Ohm,"
+        "R_hat_allowed1_Ohm,R_hat_allowed2_Ohm,R_hat_allowed3_Ohm,"
+        "dR_unlimited1_Ohm,dR_unlimited2_Ohm,dR_unlimited3_Ohm,dR1_Ohm,dR2_Ohm,dR3_Ohm,"
+        "least_dR_unlimited1_Ohm,least_dR_unlimited2_Ohm,least_dR_unlimited3_Ohm,"
+        "least_dR1_Ohm,least_dR2_Ohm,least_dR3_Ohm,"
+        "K_DC1_Nm_per_rad,K_DC2_Nm_per_rad,K_DC3_Nm_per_rad,"
+        "tip_force_N,direction_error_deg,growth_time_s,tripped",
+        ".9g");
     for (const ThermalRow &row : rows) {
-        print(out, "\n{:.9g},{}", row.time_s, name(row.phase));
-        for_each_column(row, [&out](const std::string &, double value) {
-            out << ',';
-            if (!std::isnan(value)) {
-                print(out, "{:.9g}", value);
-            }
-        });
+        std::vector<Cell> cells{row.time_s, name(row.phase)};
+        for (const Vector3 &of_motors :
+             {row.winding_C, row.R_hat_asked_Ohm, row.R_hat_allowed_Ohm, row.dR_unlimited_Ohm,
+              row.dR_Ohm, row.min_dR_unlimited_Ohm, row.min_dR_Ohm, row.K_DC_Nm_per_rad}) {
+            append(cells, of_motors);
+        }
+        cells.insert(cells.end(), {row.tip_force_N, row.direction_error_rad * kDegreesPerRadian,
+                                   row.growth_time_s, row.tripped});
+        table.rows.push_back(std::move(cells));
     }
-    out << '\n';
+    return table;
 }
 
 void write_thermal_table(std::ostream &out, const std::vector<ThermalRow> &rows) {

@@ -1,7 +1,6 @@
 #include "engine/lab/loops/stiffness_sweep.h"
 
 #include "base/degrees.h"
-#include "base/print.h"
 #include "device/core/split_delay.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/velocity_filter.h"
@@ -10,7 +9,6 @@
 #include <cmath>
 #include <deque>
 #include <numbers>
-#include <ostream>
 
 namespace springdrive::loops {
 
@@ -184,17 +182,18 @@ double phase_deg(const std::complex<double> &stiffness) {
     return std::arg(stiffness) * kDegreesPerRadian;
 }
 
-void write_stiffness_csv(std::ostream &out, const std::vector<StiffnessPoint> &points) {
-    out << "freq_hz,analytic_mag,analytic_phase_deg,sampled_mag,sampled_phase_deg,measured_mag,"
-           "measured_phase_deg\n";
+Table stiffness_table(const std::vector<StiffnessPoint> &points) {
+    Table table = Table::with_columns("freq_hz,analytic_mag,analytic_phase_deg,sampled_mag,"
+                                      "sampled_phase_deg,measured_mag,measured_phase_deg",
+                                      ".9g");
     for (const StiffnessPoint &point : points) {
-        print(out, "{:.9g}", point.frequency_hz);
-        for (const Complex &stiffness :
-             {point.analytic_Nm_per_rad, point.sampled_Nm_per_rad, point.measured_Nm_per_rad}) {
-            print(out, ",{:.9g},{:.9g}", std::abs(stiffness), phase_deg(stiffness));
-        }
-        out << '\n';
+        table.rows.push_back(
+            {point.frequency_hz, std::abs(point.analytic_Nm_per_rad),
+             phase_deg(point.analytic_Nm_per_rad), std::abs(point.sampled_Nm_per_rad),
+             phase_deg(point.sampled_Nm_per_rad), std::abs(point.measured_Nm_per_rad),
+             phase_deg(point.measured_Nm_per_rad)});
     }
+    return table;
 }
 
 } // namespace springdrive::loops

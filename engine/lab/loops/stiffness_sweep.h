@@ -2,10 +2,10 @@
 // and of the sampled form.
 #pragma once
 
+#include "base/table.h"
 #include "engine/lab/loops/rendered_stiffness.h"
 
 #include <complex>
-#include <ostream>
 #include <vector>
 
 namespace springdrive::loops {
@@ -64,6 +64,6 @@ struct SweepRange {
 [[nodiscard]] double phase_deg(const std::complex<double> &stiffness);
 
 /// freq_hz, then magnitude [N·m/rad] and phase [deg] of each of the three.
-void write_stiffness_csv(std::ostream &out, const std::vector<StiffnessPoint> &points);
+[[nodiscard]] Table stiffness_table(const std::vector<StiffnessPoint> &points);
 
 } // namespace springdrive::loops

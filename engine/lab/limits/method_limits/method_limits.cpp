@@ -1,16 +1,13 @@
 #include "engine/lab/limits/method_limits/method_limits.h"
 
-#include "base/print.h"
 #include "engine/lab/limits/method_limits/limit_trials.h"
 #include "engine/lab/limits/method_limits/loop_limits.h"
 
 #include <fmt/core.h>
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <iterator>
-#include <ostream>
 
 namespace springdrive::limits {
 
@@ -71,10 +68,6 @@ loops::StabilityCase common(const loops::StabilityCase &which) {
     return plain;
 }
 
-std::string number(const std::optional<double> &value) {
-    return value ? fmt::format("{:.4g}", *value) : "–";
-}
-
 } // namespace
 
 std::vector<LimitTrial> limit_trials(const loops::StabilityCase &which) {
@@ -116,24 +109,24 @@ std::vector<MethodLimit> method_limits(const loops::StabilityCase &asked,
     return lines;
 }
 
-void write_method_limits(std::ostream &out, const std::vector<MethodLimit> &lines) {
-    out << "| method | fails | setting | predicted | measured | as it is |\n"
-           "| --- | --- | --- | ---: | ---: | ---: |\n";
+Table method_limits_document(const std::vector<MethodLimit> &lines) {
+    Table table =
+        Table::with_columns("method,fails,setting,predicted:.4g,measured:.4g,as it is:.4g");
     for (const MethodLimit &line : lines) {
-        print(out, "| {} | {} ({}) | {} | {} | {} | {} |\n", line.method, line.fails, line.unit,
-              line.setting, number(line.predicted), number(line.measured),
-              number(line.measured_as_it_is));
+        table.rows.push_back({line.method, fmt::format("{} ({})", line.fails, line.unit),
+                              line.setting, line.predicted, line.measured, line.measured_as_it_is});
     }
+    return table;
 }
 
-void write_method_limits_csv(std::ostream &out, const std::vector<MethodLimit> &lines) {
-    out << "method,fails,unit,setting,predicted,measured,measured_as_it_is\n";
+Table method_limits_table(const std::vector<MethodLimit> &lines) {
+    Table table =
+        Table::with_columns("method,fails,unit,setting,predicted,measured,measured_as_it_is");
     for (const MethodLimit &line : lines) {
-        print(out, "{},{},{},{},{},{},{}\n", csv_cell(line.method), csv_cell(line.fails),
-              csv_cell(line.unit), csv_cell(line.setting), csv_cell(line.predicted.value_or(NAN)),
-              csv_cell(line.measured.value_or(NAN)),
-              csv_cell(line.measured_as_it_is.value_or(NAN)));
+        table.rows.push_back({line.method, line.fails, line.unit, line.setting, line.predicted,
+                              line.measured, line.measured_as_it_is});
     }
+    return table;
 }
 
 } // namespace springdrive::limits

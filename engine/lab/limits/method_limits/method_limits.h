@@ -1,10 +1,12 @@
 // Where methods fail, each limit predicted and measured: the table of docs/stability.md.
 #pragma once
 
+#include "base/table.h"
 #include "engine/lab/limits/method_limits/method_limit.h"
 #include "engine/lab/loops/stability_case.h"
 
-#include <ostream>
+#include <functional>
+#include <vector>
 
 namespace springdrive::limits {
 
@@ -17,10 +19,10 @@ namespace springdrive::limits {
 /// The rows found by trials, not measured yet: all except the limits of sampled loops.
 [[nodiscard]] std::vector<LimitTrial> limit_trials(const loops::StabilityCase &which);
 
-/// As a Markdown table with four digits.
-void write_method_limits(std::ostream &out, const std::vector<MethodLimit> &lines);
+/// For documents, with four digits.
+[[nodiscard]] Table method_limits_document(const std::vector<MethodLimit> &lines);
 
-/// The same table as CSV, with all digits.
-void write_method_limits_csv(std::ostream &out, const std::vector<MethodLimit> &lines);
+/// For programs, with all digits.
+[[nodiscard]] Table method_limits_table(const std::vector<MethodLimit> &lines);
 
 } // namespace springdrive::limits

@@ -15,7 +15,7 @@ TEST(ChartCsv, HasARowForEachPoint) {
                     {"two", "", {0.0, 0.0, 0.0}, NAN, false},
                     {"a, \"b\"", "two\nlines", {1.0, 1.0, 1.0}, INFINITY, false}};
     std::ostringstream out;
-    write_chart_csv(out, chart, "AMD EPYC (2 cores)");
+    write_csv(out, chart_table(chart, "AMD EPYC (2 cores)"));
     EXPECT_EQ(out.str(),
               "method,setting,cost_least_ns,cost_median_ns,cost_greatest_ns,error,stable,machine\n"
               "one,100 µs,1.5,2,1e+06,1e-17,1,AMD EPYC (2 cores)\n"

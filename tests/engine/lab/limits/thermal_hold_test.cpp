@@ -4,6 +4,7 @@
 #include "base/input_error.h"
 #include "device/core/motor/winding_guard.h"
 #include "device/core/phantom/kinematics.h"
+#include "tests/support/csv.h"
 #include "tests/support/devices.h"
 
 #include <Eigen/LU>
@@ -304,20 +305,16 @@ TEST(ThermalHold, RefusesAForceBeyondTheMotors) {
 TEST(ThermalHold, WritesEveryRowAndColumn) {
     const std::vector<ThermalRow> rows = thermal_hold(device(), hold(1.4, 600.0));
     std::ostringstream csv;
-    write_thermal_csv(csv, rows);
-    std::istringstream lines(csv.str());
-    std::string line;
-    std::getline(lines, line);
-    EXPECT_EQ(line.rfind("time_s,phase,winding1_C,", 0), 0U);
-    const auto commas = std::count(line.begin(), line.end(), ',');
-    std::size_t count = 0;
-    while (std::getline(lines, line)) {
-        EXPECT_EQ(std::count(line.begin(), line.end(), ','), commas);
-        EXPECT_EQ(line.find("nan"), std::string::npos);
-        ++count;
+    write_csv(csv, thermal_table(rows));
+    const auto lines = testing::parsed_csv(csv.str());
+    ASSERT_EQ(lines.size(), 1 + rows.size());
+    EXPECT_EQ(lines.size(), 121U);
+    EXPECT_EQ(lines[0][2], "winding1_C");
+    EXPECT_EQ(lines[0].size(), 30U);
+    for (const auto &line : lines) {
+        EXPECT_EQ(line.size(), lines[0].size());
+        EXPECT_EQ(std::ranges::count(line, "nan"), 0);
     }
-    EXPECT_EQ(count, rows.size());
-    EXPECT_EQ(count, 120U);
 }
 
 TEST(ThermalHold, WritesASummary) {

@@ -1,12 +1,12 @@
 // Covers engine/lab/loops/stiffness_sweep.cpp.
 #include "engine/lab/loops/stiffness_sweep.h"
 
+#include "tests/support/csv.h"
 #include "tests/support/devices.h"
 #include "tests/support/sampled_loop.h"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -170,18 +170,15 @@ TEST(StiffnessCsv, HasTheDocumentedColumns) {
     SpringDrive drive;
     drive.motor = testing::phantom_1_0().motor[0];
     std::ostringstream text;
-    write_stiffness_csv(text, stiffness_sweep(drive, {1.0, 250.0, 3}));
-    std::istringstream lines(text.str());
-    std::string line;
-    std::getline(lines, line);
-    EXPECT_EQ(line, "freq_hz,analytic_mag,analytic_phase_deg,sampled_mag,sampled_phase_deg,"
-                    "measured_mag,measured_phase_deg");
-    int rows = 0;
-    while (std::getline(lines, line)) {
-        EXPECT_EQ(std::count(line.begin(), line.end(), ','), 6) << line;
-        ++rows;
+    write_csv(text, stiffness_table(stiffness_sweep(drive, {1.0, 250.0, 3})));
+    const auto lines = testing::parsed_csv(text.str());
+    ASSERT_EQ(lines.size(), 4U);
+    EXPECT_EQ(lines[0], (std::vector<std::string>{"freq_hz", "analytic_mag", "analytic_phase_deg",
+                                                  "sampled_mag", "sampled_phase_deg",
+                                                  "measured_mag", "measured_phase_deg"}));
+    for (const auto &line : lines) {
+        EXPECT_EQ(line.size(), lines[0].size());
     }
-    EXPECT_EQ(rows, 3);
 }
 
 } // namespace

@@ -136,11 +136,11 @@ TEST(MethodLimits, AreWrittenAsMarkdownAndAsCsv) {
     const std::vector<MethodLimit> lines{
         {"servo", "a tick later than", "ms", "1 kHz, 2 V", 51.0, 51.00001, {}}};
     std::ostringstream csv;
-    write_method_limits_csv(csv, lines);
+    write_csv(csv, method_limits_table(lines));
     EXPECT_EQ(csv.str(), "method,fails,unit,setting,predicted,measured,measured_as_it_is\n"
                          "servo,a tick later than,ms,\"1 kHz, 2 V\",51,51.00001,\n");
     std::ostringstream out;
-    write_method_limits(out, lines);
+    write_markdown(out, method_limits_document(lines));
     EXPECT_EQ(out.str(), "| method | fails | setting | predicted | measured | as it is |\n"
                          "| --- | --- | --- | ---: | ---: | ---: |\n"
                          "| servo | a tick later than (ms) | 1 kHz, 2 V | 51 | 51 | – |\n");
