@@ -60,7 +60,7 @@ private:
                             in_quotes(text_), in_quotes(typed), names.front(), all));
         }
         name_ = *found;
-        fault_.kind = static_cast<FaultKind>(found - kFaultNames.begin());
+        fault_.kind = found->kind;
     }
 
     void read_times(std::string_view times) {

@@ -90,41 +90,48 @@ struct Fault {
 };
 
 struct FaultName {
+    FaultKind kind = FaultKind::drop;
     std::string_view name;
-    std::string_view usage; ///< how to write what follows it
+    std::string_view usage; ///< how to write what follows it, for people; the parser goes by it
 };
 
 inline constexpr std::size_t kNamedFaults = 25;
 /// In the order of FaultKind.
 inline constexpr std::array<FaultName, kNamedFaults> kFaultNames{{
-    {"drop", ":in|out[:SHARE|:#NUMBER]"},
-    {"delay", ":in|out[:SHARE|:#NUMBER[:PERIODS]]"},
-    {"reorder", ":in|out[:SHARE|:#NUMBER]"},
-    {"corrupt", ":in|out[:SHARE|:#NUMBER]"},
-    {"repeat", ":in|out[:SHARE|:#NUMBER]"},
-    {"truncate", ":in|out[:SHARE|:#NUMBER]"},
-    {"stall", ":in|out"},
-    {"stuck-encoder", ":1|2|3"},
-    {"reversed-encoder", ":1|2|3"},
-    {"crossed-encoders", ":1|2|3:1|2|3"},
-    {"lost-counts", ":1|2|3:SHARE"},
-    {"failed-sensor", ":1|2|3"},
-    {"reversed-sensor", ":1|2|3"},
-    {"crossed-sensors", ":1|2|3:1|2|3"},
-    {"sensor-gain", ":1|2|3:GAIN"},
-    {"open-winding", ":1|2|3"},
-    {"crossed-motors", ":1|2|3:1|2|3"},
-    {"failed-stage", ""},
-    {"hot-stage", ":CELSIUS"},
-    {"brown-out", ":VOLTS"},
-    {"stop", ""},
-    {"disable", ""},
-    {"restart", ""},
-    {"unplug", ""},
-    {"failed-store", ""},
+    {FaultKind::drop, "drop", ":in|out[:SHARE|:#NUMBER]"},
+    {FaultKind::delay, "delay", ":in|out[:SHARE|:#NUMBER[:PERIODS]]"},
+    {FaultKind::reorder, "reorder", ":in|out[:SHARE|:#NUMBER]"},
+    {FaultKind::corrupt, "corrupt", ":in|out[:SHARE|:#NUMBER]"},
+    {FaultKind::repeat, "repeat", ":in|out[:SHARE|:#NUMBER]"},
+    {FaultKind::truncate, "truncate", ":in|out[:SHARE|:#NUMBER]"},
+    {FaultKind::stall, "stall", ":in|out"},
+    {FaultKind::stuck_encoder, "stuck-encoder", ":1|2|3"},
+    {FaultKind::reversed_encoder, "reversed-encoder", ":1|2|3"},
+    {FaultKind::crossed_encoders, "crossed-encoders", ":1|2|3:1|2|3"},
+    {FaultKind::lost_counts, "lost-counts", ":1|2|3:SHARE"},
+    {FaultKind::failed_sensor, "failed-sensor", ":1|2|3"},
+    {FaultKind::reversed_sensor, "reversed-sensor", ":1|2|3"},
+    {FaultKind::crossed_sensors, "crossed-sensors", ":1|2|3:1|2|3"},
+    {FaultKind::sensor_gain, "sensor-gain", ":1|2|3:GAIN"},
+    {FaultKind::open_winding, "open-winding", ":1|2|3"},
+    {FaultKind::crossed_motors, "crossed-motors", ":1|2|3:1|2|3"},
+    {FaultKind::failed_stage, "failed-stage", ""},
+    {FaultKind::hot_stage, "hot-stage", ":CELSIUS"},
+    {FaultKind::brown_out, "brown-out", ":VOLTS"},
+    {FaultKind::stop, "stop", ""},
+    {FaultKind::disable, "disable", ""},
+    {FaultKind::restart, "restart", ""},
+    {FaultKind::unplug, "unplug", ""},
+    {FaultKind::failed_store, "failed-store", ""},
 }};
-static_assert(kFaultNames[static_cast<std::size_t>(FaultKind::failed_store)].name ==
-              "failed-store");
+static_assert([] {
+    for (std::size_t i = 0; i < kNamedFaults; ++i) {
+        if (kFaultNames[i].kind != static_cast<FaultKind>(i)) {
+            return false;
+        }
+    }
+    return true;
+}());
 
 /// @pre it has a text
 [[nodiscard]] constexpr std::string_view name_of(FaultKind kind) {
