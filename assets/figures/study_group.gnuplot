@@ -1,8 +1,6 @@
 # Thresholds of all participants and their mean, by condition; see app/figures/study_pictures.h.
-# Columns of thresholds.csv: 1 participant, 2 number, 3 condition, 8 to 10 threshold with its
-# interval, 31 to 33 mean setting likewise; of group.csv, a row a panel: 5 to 7 mean likewise. Which
-# panel a row of thresholds.csv belongs to is told apart, as gnuplot takes a name to end at a comma.
-columns = is_adjustment ? 31 : 8
+# The values are marks, not columns of a file, in which gnuplot would take a comma after a quote in the
+# name of a condition for the end of its cell.
 width = 160.0 + 150*(panels < 3 ? 3 : panels)
 height = 560.0
 set terminal svg size width,height font "DejaVu Sans,13" enhanced background rgb "white"
@@ -32,5 +30,16 @@ if (is_logarithmic) {
 set key at screen 0.5,25/height center center maxrows 1 samplen 2 width 2 noenhanced
 # Participants side by side, the mean to their right.
 x_of(i, number) = i - 0.3 + (highest_number > 1 ? 0.45*(number - 1)/(highest_number - 1) : 0.2)
-plot for [i=1:panels] csv using (x_of(i, $2)):(word(condition_of_rows, int($0) + 1) eq sprintf("%d", i) ? column(columns) : NaN):(column(columns + 1)):(column(columns + 2)) skip 1 with yerrorbars pointtype 7 pointsize 0.6 linewidth 1 linecolor rgb grey title (i == 1 ? "participants" : ""), \
-     for [i=1:panels] group_csv using (i + 0.32):($0 == i - 1 ? column(5) : NaN):(valid(6) ? column(6) : column(5)):(valid(7) ? column(7) : column(5)) skip 1 with yerrorbars pointtype 5 pointsize 1 linewidth 2.5 linecolor rgb blue title (i == 1 ? "mean of the group" : "")
+set print $participants
+do for [k=0:words(participant_values)/5 - 1] {
+    print sprintf("%s,%s,%s,%s,%s", word(participant_values, 5*k + 1), word(participant_values, 5*k + 2), \
+        word(participant_values, 5*k + 3), word(participant_values, 5*k + 4), word(participant_values, 5*k + 5))
+}
+set print $means
+do for [k=0:words(mean_values)/4 - 1] {
+    print sprintf("%s,%s,%s,%s", word(mean_values, 4*k + 1), word(mean_values, 4*k + 2), \
+        word(mean_values, 4*k + 3), word(mean_values, 4*k + 4))
+}
+unset print
+plot $participants using (x_of($1, $2)):3:4:5 with yerrorbars pointtype 7 pointsize 0.6 linewidth 1 linecolor rgb grey title "participants", \
+     $means using ($1 + 0.32):2:3:4 with yerrorbars pointtype 5 pointsize 1 linewidth 2.5 linecolor rgb blue title "mean of the group"

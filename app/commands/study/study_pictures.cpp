@@ -163,18 +163,35 @@ Chart group_picture(const study::Protocol &protocol, const study::StudyResults &
     add_common(marks, protocol, results,
                {protocol.title, "bars: 95 % intervals; mean of random effects"});
     marks.add("estimate_label", is_adjustment ? "mean setting: " : "threshold: ");
-    marks.add("group_csv", "group.csv");
-    marks.add("is_adjustment", is_adjustment ? 1.0 : 0.0);
     int most = 1;
-    std::string condition_of_rows; // in the format of gnuplot's word()
+    std::string participants; // words: panel, number, estimate and its interval
     for (const study::SeriesResult &result : results.series) {
         most = std::max(most, result.series.number);
         const auto panel = std::ranges::find(results.conditions, result.series.condition,
-                                             &study::ConditionSummary::condition);
-        condition_of_rows += fmt::format("{} ", panel - results.conditions.begin() + 1);
+                                             &study::ConditionSummary::condition) -
+                           results.conditions.begin() + 1;
+        const auto append = [&](double estimate, double low, double high) {
+            participants += fmt::format("{} {} {:.17g} {:.17g} {:.17g} ", panel,
+                                        result.series.number, estimate, low, high);
+        };
+        if (result.settings) {
+            append(result.settings->mean, result.settings->low, result.settings->high);
+        } else if (result.fitted) {
+            const auto &threshold = result.fitted->threshold;
+            append(threshold.median, threshold.low, threshold.high);
+        }
     }
     marks.add("highest_number", most);
-    marks.add("condition_of_rows", condition_of_rows);
+    marks.add("participant_values", participants);
+    std::string means; // words: panel, mean and its interval, if there is one
+    for (std::size_t i = 0; i < results.conditions.size(); ++i) {
+        const study::ConditionSummary &group = results.conditions[i];
+        const bool has_interval = group.on_scale.participants > 1;
+        means += fmt::format("{} {:.17g} {:.17g} {:.17g} ", i + 1, group.mean,
+                             has_interval ? group.low : group.mean,
+                             has_interval ? group.high : group.mean);
+    }
+    marks.add("mean_values", means);
     for (std::size_t i = 0; i < results.conditions.size(); ++i) {
         const std::size_t condition = results.conditions[i].condition;
         marks.add(fmt::format("title_{}", i + 1), protocol.conditions[condition].name);

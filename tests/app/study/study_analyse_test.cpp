@@ -32,9 +32,9 @@ TEST_P(ShippedProtocol, ComesFromNewToTheFigure) {
     const fs::path folder = testing::fresh_folder("study_walk_" + name);
     const fs::path protocol = folder / (name + ".toml");
     ASSERT_EQ(study({"new", name, "--out", protocol}).exit_status, 0);
-    // A name of which gnuplot takes only the beginning.
+    // A name that gnuplot would take for several cells of a table.
     std::ofstream(protocol) << std::regex_replace(
-        testing::shortened(name), std::regex("\"fast strokes\""), "\"fast, hard strokes\"");
+        testing::shortened(name), std::regex("\"fast strokes\""), "'#1 \"fast\", hard strokes'");
     ASSERT_EQ(study({"check", protocol, "--no-simulation"}).exit_status, 0);
     std::vector<std::string> run{"run",       protocol, "--participants", "2",        "--observer",
                                  "simulated", "--felt", "once",           "--spread", "0.1"};
