@@ -26,11 +26,11 @@ namespace springdrive {
 
 /// A string in gnuplot's language. A line end becomes a blank.
 ///
-/// In a CSV file gnuplot takes a text only up to the first comma or quote in it, and a line end for
-/// the end of the row: rows are to be told apart by their number, not by their text.
+/// gnuplot does not know doubled quotes in a CSV file: a comma behind a quote ends the cell, a line
+/// end the row, and a row that begins with # is left out. What is drawn is best passed as numbers.
 [[nodiscard]] std::string gnuplot_string(std::string_view text);
 
-/// Text between the tags of SVG. Characters that XML forbids are left out.
+/// Text between the tags of SVG. Control characters are left out.
 [[nodiscard]] std::string xml_text(std::string_view text);
 
 /// A JSON document, a value of nlohmann's library. Bytes that are no UTF-8, as names of files may

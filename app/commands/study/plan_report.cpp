@@ -60,9 +60,9 @@ void write_plan(std::ostream &out, const study::Protocol &protocol, const Precis
           observer_text(plan.observer));
     Table table = Table::with_columns(
         are_ratios(plan)
-            ? "trials,min:.1f,95 % interval\nmedian:.3g,as a factor\n4 of 5:.3g,bias\n%:.2g,"
+            ? "trials,min:.1f,95 % factor\nmedian:.3g,95 % factor\n4 of 5:.3g,bias\n%:.2g,"
               "rms error\n%:.2g,interval\nholds it"
-            : "trials,min:.1f,95 % interval\nmedian:.3g,width\n4 of 5:.3g,bias\nlevel's unit:.2g,"
+            : "trials,min:.1f,95 % width\nmedian:.3g,95 % width\n4 of 5:.3g,bias\nlevel's unit:.2g,"
               "rms error\nlevel's unit:.2g,interval\nholds it");
     for (const study::Precision &row : plan.rows) {
         table.rows.push_back({row.trials, minutes_of(protocol, row.trials),

@@ -44,8 +44,8 @@ void append(std::vector<Cell> &row, const Vector3 &of_motors) {
 
 void write_hold(std::ostream &out, const Rows &hold) {
     Table table = Table::with_columns(
-        "time\ns:.1f,winding\n1 °C:.1f,2:.1f,3:.1f,dR\n1 Ω,2,3,K_DC\n1 N·m/rad,2,3,force\nN,"
-        "off\n°:.2f",
+        "time\ns:.1f,T1\n°C:.1f,T2\n°C:.1f,T3\n°C:.1f,dR1\nΩ,dR2\nΩ,dR3\nΩ,K_DC1\nN·m/rad,"
+        "K_DC2\nN·m/rad,K_DC3\nN·m/rad,force\nN,off\n°:.2f",
         ".3f");
     for (const ThermalRow &row : thinned(hold)) {
         std::vector<Cell> &cells = table.rows.emplace_back(1, row.time_s);
@@ -54,7 +54,7 @@ void write_hold(std::ostream &out, const Rows &hold) {
         append(cells, row.K_DC_Nm_per_rad);
         cells.insert(cells.end(), {row.tip_force_N, row.direction_error_rad * kDegreesPerRadian});
     }
-    out << "The contact is held\n";
+    out << "The contact is held; T are the windings' temperatures\n";
     write_text(out, table);
     const ThermalRow &first = hold.front();
     const ThermalRow &last = hold.back();
@@ -95,8 +95,8 @@ void write_verdict(std::ostream &out, const Rows &cool) {
 
 void write_cool(std::ostream &out, const Rows &cool) {
     Table table = Table::with_columns(
-        "time\ns:.1f,winding\n1 °C:.1f,2:.1f,3:.1f,dR without limit\n1 Ω,2,3,dR with limit\n1 Ω,2,"
-        "3,L/|dR|\nms:.2f",
+        "time\ns:.1f,T1\n°C:.1f,T2\n°C:.1f,T3\n°C:.1f,dR1\nno limit,dR2\nno limit,dR3\nno limit,"
+        "dR1\nlimit,dR2\nlimit,dR3\nlimit,L/|dR|\nms:.2f",
         ".3f");
     for (const ThermalRow &row : thinned(cool)) {
         std::vector<Cell> &cells = table.rows.emplace_back(1, row.time_s);
@@ -105,7 +105,8 @@ void write_cool(std::ostream &out, const Rows &cool) {
         append(cells, row.min_dR_Ohm);
         cells.emplace_back(1e3 * row.growth_time_s);
     }
-    out << "\nR̂ is tuned again on the hot motors, the contact released; dR at the worst angle\n";
+    out << "\nR̂ is tuned again on the hot motors, the contact released; dR [Ω] at the worst "
+           "angle\n";
     write_text(out, table);
     write_verdict(out, cool);
 }

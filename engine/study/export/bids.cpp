@@ -59,12 +59,11 @@ const Column kOnset{
     .name = "onset",
     .meaning =
         "from the start of the session to that of the first presentation, by the wall clock: the "
-        "end "
-        "of the trial less response time and presentations, but not before the trial before was "
+        "end of the trial less response time and presentations, but not before the trial before "
+        "was "
         "answered. A simulated session, which passes faster than the clock, is thus a sum of "
         "presentations and response times, without pauses and breaks. Exact times by the servo's "
-        "clock "
-        "are in presentation1_start_s and its like",
+        "clock are in presentation1_start_s and its like",
     .unit = "s"};
 
 Cell seconds_cell(std::optional<double> number) {

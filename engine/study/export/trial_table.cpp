@@ -12,6 +12,7 @@ namespace springdrive::study {
 namespace {
 
 template <typename Value> Cell cell_of(const Value &value) { return value; }
+/// As text, so that an infinite number is written: "inf".
 Cell cell_of(double number) {
     return std::isnan(number) ? Cell() : Cell::like_number(shortest_text(number));
 }
