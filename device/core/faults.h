@@ -79,7 +79,7 @@ struct Fault {
     FaultKind kind = FaultKind::drop;
     Vector3 size{Vector3::Zero()}; ///< by `kind`: of each motor, or a gain, a voltage [V], a
                                    ///< temperature [°C]
-    double begin_s = 0.0;
+    double begin_s = 0.0; ///< of the device's clock; of a FaultyDevice, the number of the read
     double end_s = std::numeric_limits<double>::infinity();
     Direction direction = Direction::out;
     double share = 1.0;       ///< of the packets, at random; of the counts, evenly

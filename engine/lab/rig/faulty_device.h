@@ -33,7 +33,8 @@ public:
     /// From then on the counts are right, whatever steps they had made.
     void zero(const Vector3 &theta_rad) override;
 
-    /// In place of the fault before. Its times count reads, from the next one on.
+    /// In place of the fault before. Its times are whole numbers of reads, from the next one on, in
+    /// place of seconds. Kinds of a board's pins have no effect here.
     void commit(device::Fault fault);
     void clear_fault();
 
