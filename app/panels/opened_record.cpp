@@ -81,13 +81,14 @@ void OpenedRecord::renew_behind() {
     if (wanted == nullptr) {
         behind_.reset();
     } else if (!behind_ || behind_of_ != wanted) {
-        behind_ = PlotTrace{*wanted,
-                            {},
-                            of_record ? playback_.record().file.filename().string()
-                                      : "with the active tuning"};
+        behind_ = PlotTrace{*wanted, {}, {}};
     }
     behind_of_ = wanted;
     if (behind_) {
+        behind_->name = of_record ? playback_.record().file.filename().string()
+                        : playback_.answered_tuning() == playback_.asked()
+                            ? "with the active tuning"
+                            : "with the tuning before it";
         behind_->window = {playback_.position_s(), playback_.position_s()};
     }
 }

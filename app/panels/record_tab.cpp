@@ -70,7 +70,7 @@ void draw_parts(OpenedRecord &opened) {
     }
 }
 
-/// What a tick has, and what it would have with the active tuning.
+/// What a tick has, and what it would have with the tuning that was answered.
 void compare(const char *name, const char *format, double recorded,
              const std::optional<double> &answered) {
     ImGui::TableNextRow();
@@ -102,7 +102,9 @@ void draw_values(const session::RecordPlayback &playback) {
         ImGui::TableNextColumn();
         ui::text(kFaintInk, "recorded");
         ImGui::TableNextColumn();
-        ui::text(kFaintInk, "active tuning");
+        ui::text(kFaintInk, "{}",
+                 playback.answered_tuning() == playback.asked() ? "active tuning"
+                                                                : "tuning before it");
     }
     const auto row = [&](const char *name, const char *format, auto &&value_of) {
         compare(name, format, value_of(now),

@@ -109,8 +109,7 @@ TEST(RecordsInTheWindow, OtherGainsAreComputedForTheSameMotion) {
     };
     const std::vector<double> force_N = forces_N(window.wait_until(
         [&](const Report &report) {
-            const std::vector<double> both = forces_N(report);
-            return both.size() == 2 && both[0] != both[1];
+            return forces_N(report).size() == 2 && !report.shows("tuning before it");
         },
         "the answer for other gains"));
     // A record of 1 N or so, with dR of 0.5 Ω; half of that pulls about twice as much for the same

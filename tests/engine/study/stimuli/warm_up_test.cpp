@@ -133,7 +133,7 @@ TEST_P(WarmUpOfHands, ComesIntoTheBandAndLeavesTheTipInItsPlace) {
     for (Eigen::Index j = 0; j < 3; ++j) {
         lightest_kg = std::min(lightest_kg, tip_mass_kg(warming.device, q_rad, Vector3::Unit(j)));
     }
-    const double either_m = force_N * kWarmUpPeriod_s * kPeriod_s / (8.0 * lightest_kg);
+    const double either_m = force_N * kWarmUpPeriod_s * kWarmUpPeriod_s / (8.0 * lightest_kg);
     EXPECT_LT((most_m - least_m).maxCoeff(), 2.0 * either_m);
     std::printf("warm after %.0f s, at most %.1f N, the tip goes %.1f um (at most %.1f), the "
                 "observer saw %.1f mJ; true %.1f %.1f %.1f degC\n",
