@@ -48,7 +48,7 @@ if self_test >damaged.txt; then exit 1; fi
 grep 'encoder 2 counts' damaged.txt
 end_emulator
 
-./springdrive device emulate --clock frame --loop-hz 20000 >emulator.txt &
+./springdrive device emulate --clock frame >emulator.txt &
 emulator=$!
 until ./springdrive device list | grep -q usb:emulated; do sleep 0.1; done
 ./springdrive device sweep --device usb --at-zero --motors 2 --freq-from 2 --points 4 --tolerance 2 \
