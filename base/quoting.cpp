@@ -72,6 +72,49 @@ std::string gnuplot_string(std::string_view text) {
     return enclosed(line, '\'');
 }
 
+bool is_utf8(std::string_view text) {
+    constexpr std::array<unsigned, 5> kFirstOfLength{0, 0, 0x80, 0x800, 0x10000};
+    for (std::size_t i = 0; i < text.size();) {
+        const auto lead = static_cast<unsigned char>(text[i]);
+        const std::size_t length = lead < 0x80 ? 1 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
+        if ((lead >= 0x80 && lead < 0xc2) || lead > 0xf4 || i + length > text.size()) {
+            return false;
+        }
+        unsigned character = length == 1 ? lead : lead & (0x7fU >> length);
+        for (std::size_t k = 1; k < length; ++k) {
+            const auto next = static_cast<unsigned char>(text[i + k]);
+            if ((next & 0xc0U) != 0x80U) {
+                return false;
+            }
+            character = character << 6U | (next & 0x3fU);
+        }
+        const bool is_half_of_pair = character >= 0xd800 && character <= 0xdfff;
+        if (character < kFirstOfLength.at(length) || is_half_of_pair || character > 0x10ffff) {
+            return false;
+        }
+        i += length;
+    }
+    return true;
+}
+
+std::string toml_string(std::string_view text) {
+    std::string inside;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < ' ' || byte == 0x7f) {
+            inside += fmt::format("\\u{:04x}", byte);
+        } else {
+            inside += c == '"' || c == '\\' ? std::string{'\\', c} : std::string(1, c);
+        }
+    }
+    return '"' + inside + '"';
+}
+
+std::string toml_number(double number) {
+    const std::string digits = shortest_text(number);
+    return digits.find_first_of(".e") == std::string::npos ? digits + ".0" : digits;
+}
+
 std::string xml_text(std::string_view text) {
     std::string escaped;
     for (const char c : text) {

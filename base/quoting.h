@@ -30,6 +30,25 @@ namespace springdrive {
 /// end the row, and a row that begins with # is left out. What is drawn is best passed as numbers.
 [[nodiscard]] std::string gnuplot_string(std::string_view text);
 
+/// Whether each byte is part of a character as Unicode defines UTF-8 (its table 3-7): none is cut,
+/// longer than need be, one half of a pair, or beyond the last.
+[[nodiscard]] bool is_utf8(std::string_view text);
+
+/// A string of a TOML file, on one line. @pre it is UTF-8, as all of TOML
+[[nodiscard]] std::string toml_string(std::string_view text);
+
+/// A floating-point number of a TOML file, which reads back as the same. @pre finite
+[[nodiscard]] std::string toml_number(double number);
+
+/// A list of strings.
+template <typename Texts> [[nodiscard]] std::string toml_list(const Texts &texts) {
+    std::string list;
+    for (const auto &text : texts) {
+        list += (list.empty() ? "" : ", ") + toml_string(text);
+    }
+    return '[' + list + ']';
+}
+
 /// Text between the tags of SVG. Control characters are left out.
 [[nodiscard]] std::string xml_text(std::string_view text);
 

@@ -183,6 +183,29 @@ std::size_t StrictTomlTable::choice(std::string_view key, std::span<const std::s
     return static_cast<std::size_t>(found - names.begin());
 }
 
+std::vector<std::size_t> StrictTomlTable::choices(std::string_view key,
+                                                  std::span<const std::string_view> names) {
+    const std::string expected = "it must be a list, each of it " + any_of(names);
+    const toml::node *node = contents_->find(key);
+    if (node == nullptr) {
+        refuse(key, "is missing; " + expected);
+    }
+    const toml::array *array = node->as_array();
+    if (array == nullptr) {
+        refuse(key, "is " + as_written(*node) + "; " + expected);
+    }
+    std::vector<std::size_t> chosen;
+    for (const toml::node &one : *array) {
+        const auto name = one.value_exact<std::string>();
+        const auto found = name ? std::ranges::find(names, *name) : names.end();
+        if (found == names.end()) {
+            refuse(key, "has " + as_written(one) + "; " + expected);
+        }
+        chosen.push_back(static_cast<std::size_t>(found - names.begin()));
+    }
+    return chosen;
+}
+
 std::vector<double> StrictTomlTable::numbers(std::string_view key, NumberRange range_of_each,
                                              std::size_t most) {
     const std::string expected =

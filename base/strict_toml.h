@@ -44,6 +44,9 @@ public:
     [[nodiscard]] bool flag(std::string_view key);
     /// The number of the one of `names` that is there.
     [[nodiscard]] std::size_t choice(std::string_view key, std::span<const std::string_view> names);
+    /// The numbers of those of `names` that are in a list, which may be empty.
+    [[nodiscard]] std::vector<std::size_t> choices(std::string_view key,
+                                                   std::span<const std::string_view> names);
     [[nodiscard]] Vector3 vector(std::string_view key, NumberRange range_of_each = {});
     /// A list of any length, up to `most`.
     [[nodiscard]] std::vector<double> numbers(std::string_view key, NumberRange range_of_each,

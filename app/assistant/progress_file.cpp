@@ -3,26 +3,34 @@
 #include "app/host/user_folder.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
-#include "base/one_line.h"
+#include "base/quoting.h"
+#include "base/strict_toml.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
+#include <array>
 #include <ostream>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
 namespace springdrive::app::assistant {
 
 namespace {
 
-constexpr const char *kHeading = "springdrive assistant 1";
-
-struct Mark {
-    std::string_view word;
+struct StepList {
+    const char *key = "";
     StepSet Progress::*steps = nullptr;
 };
-constexpr std::array<Mark, 2> kMarks{{{"done ", &Progress::done}, {"failed ", &Progress::failed}}};
+constexpr std::array<StepList, 2> kStepLists{
+    {{"done", &Progress::done}, {"failed", &Progress::failed}}};
+
+constexpr auto kStepNames = [] {
+    std::array<std::string_view, kSteps> names;
+    std::ranges::transform(kStepTitles, names.begin(), &StepTitle::name);
+    return names;
+}();
 
 } // namespace
 
@@ -40,7 +48,7 @@ std::string progress_name(const std::string &kind, const std::string &serial) {
                     ? std::string(1, letter)
                     : fmt::format("%{:02x}", static_cast<unsigned char>(letter));
     }
-    return name;
+    return name + ".toml";
 }
 
 Progress read_progress(const std::filesystem::path &file) {
@@ -49,27 +57,18 @@ Progress read_progress(const std::filesystem::path &file) {
     if (file.empty() || !std::filesystem::exists(file, ignored)) {
         return progress;
     }
-    std::ifstream stream(file);
-    std::string line;
-    int number = 1;
-    if (!std::getline(stream, line) || line != kHeading) {
-        throw InputError(fmt::format("{}:1: must be '{}'; remove the file to begin anew",
-                                     file.string(), kHeading));
-    }
-    while (std::getline(stream, line)) {
-        ++number;
-        const auto *const mark = std::ranges::find_if(
-            kMarks, [&](const Mark &some) { return line.starts_with(some.word); });
-        const std::string_view name =
-            std::string_view(line).substr(mark == kMarks.end() ? 0 : mark->word.size());
-        const auto *const step = std::ranges::find(kStepTitles, name, &StepTitle::name);
-        if (mark == kMarks.end() || step == kStepTitles.end()) {
-            throw InputError(fmt::format("{}:{}: {} names no step; remove the file to begin anew",
-                                         file.string(), number, in_quotes(line)));
+    try {
+        StrictTomlTable table = StrictTomlTable::read(file);
+        for (const StepList &list : kStepLists) {
+            for (const std::size_t step : table.choices(list.key, kStepNames)) {
+                (progress.*list.steps).set(step);
+            }
         }
-        (progress.*mark->steps).set(static_cast<std::size_t>(step - kStepTitles.begin()));
+        table.refuse_unknown_keys();
+        return progress;
+    } catch (const InputError &error) {
+        throw InputError(std::string(error.what()) + "; remove the file to begin anew");
     }
-    return progress;
 }
 
 void write_progress(const std::filesystem::path &file, const Progress &progress) {
@@ -78,13 +77,14 @@ void write_progress(const std::filesystem::path &file, const Progress &progress)
     write_file(
         file,
         [&](std::ostream &out) {
-            out << kHeading << '\n';
-            for (const Mark &mark : kMarks) {
+            for (const StepList &list : kStepLists) {
+                std::vector<std::string_view> names;
                 for (std::size_t i = 0; i < kSteps; ++i) {
-                    if ((progress.*mark.steps).test(i)) {
-                        out << mark.word << kStepTitles[i].name << '\n';
+                    if ((progress.*list.steps).test(i)) {
+                        names.push_back(kStepNames[i]);
                     }
                 }
+                out << list.key << " = " << toml_list(names) << '\n';
             }
         },
         Existing::replace);

@@ -1,8 +1,7 @@
-// How far each device has come in the assistant, in a small file for each:
+// How far each device has come in the assistant, in a TOML file for each:
 //
-//   springdrive assistant 1
-//   done link
-//   failed identity
+//   done = ["link"]
+//   failed = ["identity"]
 #pragma once
 
 #include "app/assistant/step.h"

@@ -48,9 +48,10 @@ void add_run_options(Command &demo, TypedDemo &typed) {
         .type_name("PIXELS");
     demo.add_option("--scale", options.scale, "of text and panels [the display's scale]")
         .type_name("FACTOR");
-    demo.add_option("--settings", options.settings,
-                    "where the window remembers size, text and recent files "
-                    "[~/.config/springdrive/settings; with --frames, --seconds or --report none]")
+    demo.add_option(
+            "--settings", options.settings,
+            "where the window remembers size, text and recent files "
+            "[~/.config/springdrive/settings.toml; with --frames, --seconds or --report none]")
         .type_name("FILE");
     demo.add_flag("--reset-settings", typed.resets_settings,
                   "forget them first: the window is as in a first run");

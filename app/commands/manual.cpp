@@ -138,7 +138,7 @@ void write_surroundings(std::ostream &out) {
          {"~/Documents/springdrive",
           "what is made in a window that was started from a menu; one that was started in a folder "
           "of its own uses that"},
-         {"~/.config/springdrive/settings",
+         {"~/.config/springdrive/settings.toml",
           "what the window remembers; springdrive demo --reset-settings removes it"},
          {"~/.cache/springdrive", "measured models of scenes, which can be deleted at any time"},
          {"/etc/security/limits.d/springdrive.conf",

@@ -5,15 +5,15 @@
 #include "base/file_names.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
-#include "base/number_in.h"
 #include "base/one_line.h"
+#include "base/quoting.h"
+#include "base/strict_toml.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <functional>
+#include <iterator>
 #include <ostream>
 #include <string_view>
 #include <system_error>
@@ -25,113 +25,59 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char *kSettingsHeading = "springdrive settings 1";
-
 constexpr std::array<double, 10> kTextSizes{
     kLeastTextSize, 0.67, 0.8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, kGreatestTextSize};
 
-/// Reads all of `text` as a number in that range.
-template <typename Number>
-bool read_number(std::string_view text, Number least, Number greatest, Number &number) {
-    const auto read = number_in<Number>(text);
-    if (!read || !(*read >= least && *read <= greatest)) {
-        return false;
-    }
-    number = *read;
-    return true;
-}
+/// The words of what can be drawn.
+constexpr auto kThingWords = [] {
+    std::array<std::string_view, kThings.size()> words;
+    std::ranges::transform(kThings, words.begin(), &ThingLook::word);
+    return words;
+}();
 
-bool read_window(std::string_view text, Settings &settings) {
-    const std::size_t gap = text.find(' ');
-    return gap != std::string_view::npos &&
-           read_number(text.substr(0, gap), 320, 16384, settings.width) &&
-           read_number(text.substr(gap + 1), 240, 16384, settings.height);
-}
-
-bool read_word(std::string_view text, std::string_view word, bool &is_so) {
-    is_so = text == word;
-    return is_so;
-}
-
-bool read_recent(std::string_view text, Settings &settings) {
-    settings.recent.emplace_back(text);
-    return settings.recent.back().is_absolute() && settings.recent.size() <= Settings::kMostRecent;
-}
-
-/// The words of things that are drawn, or "nothing".
-bool read_drawn(std::string_view text, Settings &settings) {
-    for (const ThingLook &look : kThings) {
-        settings.shown.show(look.thing, false);
-    }
-    if (text == "nothing") {
-        return true;
-    }
-    for (std::size_t from = 0; from <= text.size();) {
-        const std::size_t gap = std::min(text.find(' ', from), text.size());
-        const auto *const look =
-            std::ranges::find(kThings, text.substr(from, gap - from), &ThingLook::word);
-        if (look == kThings.end() || settings.shown.shows(look->thing)) {
-            return false;
-        }
-        settings.shown.show(look->thing, true);
-        from = gap + 1;
-    }
-    return true;
-}
-
-std::string drawn_words(const ShownThings &shown) {
-    std::string words;
-    for (const ThingLook &look : kThings) {
-        if (shown.shows(look.thing)) {
-            words.append(words.empty() ? "" : " ").append(look.word);
-        }
-    }
-    return words.empty() ? "nothing" : words;
-}
-
-/// A line: its first word, what may follow, and how that is read.
-struct SettingsLine {
-    std::string_view word;
-    const char *allowed;
-    bool (*read)(std::string_view, Settings &);
+/// Each flag by its key.
+struct SettingsFlag {
+    const char *key;
+    bool Settings::*value;
 };
-
-constexpr std::array<SettingsLine, 7> kSettingsLines{{
-    {"text_size", "a number from 0.5 to 3",
-     [](std::string_view text, Settings &settings) {
-         return read_number(text, kLeastTextSize, kGreatestTextSize, settings.text_size);
-     }},
-    {"window", "two numbers of pixels, from 320 240 to 16384 16384", read_window},
-    {"panels", "hidden",
-     [](std::string_view text, Settings &settings) {
-         return read_word(text, "hidden", settings.hides_panels);
-     }},
-    {"start", "dismissed",
-     [](std::string_view text, Settings &settings) {
-         return read_word(text, "dismissed", settings.dismissed_start);
-     }},
-    {"legend", "open",
-     [](std::string_view text, Settings &settings) {
-         return read_word(text, "open", settings.opens_legend);
-     }},
-    {"drawn", "names of what is drawn, each once, or nothing", read_drawn},
-    {"recent", "an absolute path, in at most 8 lines", read_recent},
+constexpr std::array<SettingsFlag, 3> kSettingsFlags{{
+    {"hides_panels", &Settings::hides_panels},
+    {"dismissed_start", &Settings::dismissed_start},
+    {"opens_legend", &Settings::opens_legend},
 }};
 
-constexpr const char *kRemedy = "; springdrive demo --reset-settings begins anew";
-
-void read_line(const std::string &where, std::string_view line, Settings &settings) {
-    const std::size_t gap = line.find(' ');
-    const std::string_view word = line.substr(0, gap);
-    const auto *const known = std::ranges::find(kSettingsLines, word, &SettingsLine::word);
-    if (known == kSettingsLines.end()) {
-        throw InputError(
-            fmt::format("{}: {} is no setting{}", where, in_quotes(std::string(word)), kRemedy));
+/// Every key may be missing, but of width and height none or both.
+Settings read_all(StrictTomlTable table) {
+    Settings settings;
+    if (table.has_optional("text_size")) {
+        settings.text_size = table.number("text_size", {kLeastTextSize, kGreatestTextSize});
     }
-    if (gap == std::string_view::npos || !known->read(line.substr(gap + 1), settings)) {
-        throw InputError(
-            fmt::format("{}: {} must be followed by {}{}", where, word, known->allowed, kRemedy));
+    if (table.has_optional("width") || table.has_optional("height")) {
+        settings.width = table.integer("width", 320, 16384);
+        settings.height = table.integer("height", 240, 16384);
     }
+    for (const SettingsFlag &flag : kSettingsFlags) {
+        if (table.has_optional(flag.key)) {
+            settings.*flag.value = table.flag(flag.key);
+        }
+    }
+    if (table.has_optional("drawn")) {
+        const std::vector<std::size_t> drawn = table.choices("drawn", kThingWords);
+        for (std::size_t i = 0; i < kThings.size(); ++i) {
+            settings.shown.show(kThings[i].thing, std::ranges::count(drawn, i) > 0);
+        }
+    }
+    if (table.has_optional("recent")) {
+        for (const std::string &recent : table.texts("recent", Settings::kMostRecent)) {
+            settings.recent.emplace_back(recent);
+            if (!settings.recent.back().is_absolute()) {
+                table.refuse("recent",
+                             "has " + in_quotes(recent) + "; each must be an absolute path");
+            }
+        }
+    }
+    table.refuse_unknown_keys();
+    return settings;
 }
 
 } // namespace
@@ -148,7 +94,7 @@ double next_text_size(double now, bool larger) {
 
 fs::path settings_file() {
     const fs::path folder = user_folder("XDG_CONFIG_HOME", ".config");
-    return folder.empty() ? folder : folder / "settings";
+    return folder.empty() ? folder : folder / "settings.toml";
 }
 
 Settings read_settings(const fs::path &file) {
@@ -156,20 +102,12 @@ Settings read_settings(const fs::path &file) {
     if (file.empty() || !fs::exists(fs::symlink_status(file, ignored))) {
         return {};
     }
-    std::ifstream stream(file);
-    std::string line;
-    Settings settings;
-    if (!fs::is_regular_file(file, ignored) || !stream) {
-        throw InputError(fmt::format("{}: cannot be read{}", file.string(), kRemedy));
+    try {
+        return read_all(StrictTomlTable::read(file));
+    } catch (const InputError &error) {
+        throw InputError(std::string(error.what()) +
+                         "; springdrive demo --reset-settings begins anew");
     }
-    if (!std::getline(stream, line) || line != kSettingsHeading) {
-        throw InputError(
-            fmt::format("{}:1: must be '{}'{}", file.string(), kSettingsHeading, kRemedy));
-    }
-    for (int number = 2; std::getline(stream, line); ++number) {
-        read_line(fmt::format("{}:{}", file.string(), number), line, settings);
-    }
-    return settings;
 }
 
 void write_settings(const fs::path &file, const Settings &settings) {
@@ -178,19 +116,29 @@ void write_settings(const fs::path &file, const Settings &settings) {
     write_file(
         file,
         [&](std::ostream &out) {
-            out << kSettingsHeading << '\n'
-                << "text_size " << shortest_text(settings.text_size) << '\n';
+            out << "text_size = " << toml_number(settings.text_size) << '\n';
             if (settings.width > 0) {
-                out << "window " << settings.width << ' ' << settings.height << '\n';
+                out << "width = " << settings.width << "\nheight = " << settings.height << '\n';
             }
-            out << (settings.hides_panels ? "panels hidden\n" : "")
-                << (settings.dismissed_start ? "start dismissed\n" : "")
-                << (settings.opens_legend ? "legend open\n" : "");
+            for (const SettingsFlag &flag : kSettingsFlags) {
+                if (settings.*flag.value) {
+                    out << flag.key << " = true\n";
+                }
+            }
             if (settings.shown != ShownThings()) {
-                out << "drawn " << drawn_words(settings.shown) << '\n';
+                std::vector<std::string_view> drawn;
+                for (const ThingLook &look : kThings) {
+                    if (settings.shown.shows(look.thing)) {
+                        drawn.emplace_back(look.word);
+                    }
+                }
+                out << "drawn = " << toml_list(drawn) << '\n';
             }
-            for (const fs::path &recent : settings.recent) {
-                out << "recent " << recent.string() << '\n';
+            if (!settings.recent.empty()) {
+                std::vector<std::string> recent;
+                std::ranges::transform(settings.recent, std::back_inserter(recent),
+                                       [](const fs::path &path) { return path.string(); });
+                out << "recent = " << toml_list(recent) << '\n';
             }
         },
         Existing::replace);
@@ -199,7 +147,7 @@ void write_settings(const fs::path &file, const Settings &settings) {
 void note_recent(Settings &settings, const fs::path &file) {
     std::error_code failed;
     const fs::path whole = fs::absolute(file, failed).lexically_normal();
-    if (failed || file.empty() || whole.string().find('\n') != std::string::npos) {
+    if (failed || file.empty() || !is_utf8(whole.string())) {
         return;
     }
     std::erase(settings.recent, whole);
@@ -245,7 +193,7 @@ void SettingsKeeper::set_damaged_aside() {
         return;
     }
     std::error_code failed;
-    fs::rename(file_, unused_name(file_.string() + ".damaged"), failed);
+    fs::rename(file_, unused_name(fs::path(file_).replace_extension(".damaged")), failed);
     if (failed) {
         throw InputError(
             fmt::format("{}: cannot be renamed: {}", file_.string(), failed.message()));

@@ -1,13 +1,13 @@
-// What the window remembers from one run to the next, in a small file:
+// What the window remembers from one run to the next, in a TOML file:
 //
-//   springdrive settings 1
-//   text_size 1.25
-//   window 1600 900
-//   panels hidden
-//   start dismissed
-//   legend open
-//   drawn tip proxy force trace
-//   recent /home/ann/bone.glb
+//   text_size = 1.25
+//   width = 1600
+//   height = 900
+//   hides_panels = true
+//   dismissed_start = true
+//   opens_legend = true
+//   drawn = ["tip", "proxy", "force", "trace"]
+//   recent = ["/home/ann/bone.glb"]
 #pragma once
 
 #include "app/view/shown_things.h"
@@ -41,8 +41,8 @@ inline constexpr double kGreatestTextSize = 3.0;
 /// The next size of text in that direction, in steps that are seen; the same at the end.
 [[nodiscard]] double next_text_size(double now, bool larger);
 
-/// $XDG_CONFIG_HOME/springdrive/settings, or ~/.config/springdrive/settings; empty where neither is
-/// known.
+/// $XDG_CONFIG_HOME/springdrive/settings.toml, or ~/.config/springdrive/settings.toml; empty where
+/// neither is known.
 [[nodiscard]] std::filesystem::path settings_file();
 
 /// The defaults if there is no such file. @throw InputError with file, line and what is wrong
@@ -52,8 +52,8 @@ inline constexpr double kGreatestTextSize = 3.0;
 /// @throw InputError if it cannot be written
 void write_settings(const std::filesystem::path &file, const Settings &settings);
 
-/// Puts a file at the head of the list of recent ones, once, by its absolute name. A name with a
-/// line end is not remembered.
+/// Puts a file at the head of the list of recent ones, once, by its absolute name. A name that
+/// is no UTF-8 is not remembered.
 void note_recent(Settings &settings, const std::filesystem::path &file);
 
 /// The settings of a run: read at its start, saved when they change. What cannot be read or written

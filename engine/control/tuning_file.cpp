@@ -1,9 +1,10 @@
 #include "engine/control/tuning_file.h"
 
-#include "base/one_line.h"
+#include "base/quoting.h"
 #include "base/strict_toml.h"
 #include "engine/control/tuning.h"
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -40,22 +41,6 @@ TuningMargins read_margins(StrictTomlTable table) {
     return margins;
 }
 
-/// In TOML's format of a floating-point number.
-std::string digits(double value) {
-    const std::string number = shortest_text(value);
-    return number.find_first_of(".e") == std::string::npos ? number + ".0" : number;
-}
-
-/// A TOML string on one line.
-std::string toml_string(std::string_view text) {
-    std::string inside;
-    for (const char c : text) {
-        inside += c == '"' || c == '\\' ? std::string("\\") + c
-                                        : std::string(1, c < ' ' && c >= 0 ? ' ' : c);
-    }
-    return '"' + inside + '"';
-}
-
 } // namespace
 
 TuningFile read_whole_tuning_file(const std::filesystem::path &path) {
@@ -80,25 +65,28 @@ Tuning read_tuning_file(const std::filesystem::path &path) {
 }
 
 void write_tuning_file(std::ostream &out, const TuningFile &file) {
-    out << "description = " << toml_string(file.description) << '\n';
+    std::string description = file.description; // is shown on one line
+    std::ranges::replace_if(
+        description, [](char c) { return c >= 0 && c < ' '; }, ' ');
+    out << "description = " << toml_string(description) << '\n';
     out << "map = " << toml_string(name_of(file.tuning.map)) << '\n';
     out << "alpha_mode = " << toml_string(name_of(file.tuning.alpha_mode)) << '\n';
     for (const Parameter &parameter : kParameters) {
-        out << parameter.name << " = " << digits(file.tuning.*parameter.value) << '\n';
+        out << parameter.name << " = " << toml_number(file.tuning.*parameter.value) << '\n';
     }
     if (!file.margins) {
         return;
     }
     const TuningMargins &margins = *file.margins;
     out << "\n# How far it is from where it fails, one thing changed at a time.\n[margins]\n";
-    out << "servo_hz = " << digits(margins.servo_hz) << '\n';
-    out << "delay_periods = " << digits(margins.delay_periods) << '\n';
-    out << "gain = " << digits(margins.gain) << '\n';
+    out << "servo_hz = " << toml_number(margins.servo_hz) << '\n';
+    out << "delay_periods = " << toml_number(margins.delay_periods) << '\n';
+    out << "gain = " << toml_number(margins.gain) << '\n';
     out << "more_delay_periods = " << margins.more_delay_periods << '\n';
-    out << "least_dR_Ohm = " << digits(margins.min_dR_Ohm) << '\n';
-    out << "K_DC_Nm_per_rad = " << digits(margins.K_DC_Nm_per_rad) << '\n';
+    out << "least_dR_Ohm = " << toml_number(margins.min_dR_Ohm) << '\n';
+    out << "K_DC_Nm_per_rad = " << toml_number(margins.K_DC_Nm_per_rad) << '\n';
     out << "worst_hand = " << toml_string(margins.worst_hand) << '\n';
-    out << "worst_eta = " << digits(margins.worst_eta) << '\n';
+    out << "worst_eta = " << toml_number(margins.worst_eta) << '\n';
 }
 
 } // namespace springdrive::control

@@ -1,6 +1,7 @@
 // Covers base/quoting.cpp.
 #include "base/quoting.h"
 
+#include "base/strict_toml.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -94,6 +95,18 @@ TEST(GnuplotString, IsReadBackByGnuplot) {
         GTEST_SKIP() << printed; // it is not installed
     }
     EXPECT_EQ(printed, "it's \\n {x}_1 %g `ls` $x \"q\" µ\n");
+}
+
+TEST(TomlText, IsReadBackAsItWas) {
+    const std::string all = "a \"b\" \\ 'c' # = [µ]\n\t\x01\x7f";
+    StrictTomlTable table = StrictTomlTable::parse(
+        "texts = " + toml_list(std::vector{all, std::string()}) + "\nnumber = " + toml_number(3.0) +
+            "\nsmall = " + toml_number(-1e-300),
+        "t.toml");
+    EXPECT_EQ(table.texts("texts", 2), (std::vector<std::string>{all, ""}));
+    EXPECT_EQ(table.number("number"), 3.0);
+    EXPECT_EQ(table.number("small"), -1e-300);
+    EXPECT_EQ(toml_number(3.0), "3.0"); // another reader would take 3 for an integer
 }
 
 TEST(XmlText, HasNoTagsNorCharactersThatXmlForbids) {

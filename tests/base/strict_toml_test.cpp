@@ -27,11 +27,14 @@ std::string complaint(const std::string &text, const std::function<void(StrictTo
 }
 
 TEST(StrictToml, ReadsFlagsChoicesAndLists) {
-    StrictTomlTable table = table_of("a = true\nb = 'blue'\nc = [1, 2.5]\nd = ['x', 'y']");
+    StrictTomlTable table = table_of("a = true\nb = 'blue'\nc = [1, 2.5]\nd = ['x', 'y']\n"
+                                     "e = ['blue', 'red']\nf = []");
     EXPECT_TRUE(table.flag("a"));
     EXPECT_EQ(table.choice("b", kColours), 2U);
     EXPECT_EQ(table.numbers("c", {0.0, 3.0}, 2), (std::vector{1.0, 2.5}));
     EXPECT_EQ(table.texts("d", 2), (std::vector<std::string>{"x", "y"}));
+    EXPECT_EQ(table.choices("e", kColours), (std::vector<std::size_t>{2, 0}));
+    EXPECT_TRUE(table.choices("f", kColours).empty());
     table.refuse_unknown_keys();
 }
 
@@ -51,6 +54,12 @@ TEST(StrictToml, RefusesWhatIsNone) {
         "t.toml:1: a has 4; it must be 1 to 2 numbers in brackets, each a number from 0 to 3");
     for (const char *text : {"a = []", "a = [1, 2, 3]", "a = 1", "a = ['x']", "a = [nan]", ""}) {
         EXPECT_NE(complaint(text, numbers), "") << text;
+    }
+    const auto choices = [](StrictTomlTable &t) { static_cast<void>(t.choices("a", kColours)); };
+    EXPECT_EQ(complaint("a = ['red',\n 'pink']", choices),
+              "t.toml:1: a has 'pink'; it must be a list, each of it red, green or blue");
+    for (const char *text : {"a = 'red'", "a = [1]", ""}) {
+        EXPECT_NE(complaint(text, choices), "") << text;
     }
     const auto texts = [](StrictTomlTable &t) { static_cast<void>(t.texts("a", 2)); };
     for (const char *text : {"a = []", "a = ['x', 'y', 'z']", "a = 'x'", "a = ['x', 1]", ""}) {

@@ -2,11 +2,11 @@
 
 #include "base/contained_path.h"
 #include "base/one_line.h"
+#include "base/quoting.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace springdrive::study {
@@ -101,33 +101,6 @@ std::string first_of(std::initializer_list<std::string> problems) {
 }
 
 bool is_blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") == text.npos; }
-
-/// Whether each byte is part of a character as Unicode defines UTF-8 (its table 3-7): none is cut,
-/// longer than need be, one half of a pair, or beyond the last.
-bool is_utf8(std::string_view text) {
-    constexpr std::array<unsigned, 5> kFirstOfLength{0, 0, 0x80, 0x800, 0x10000};
-    for (std::size_t i = 0; i < text.size();) {
-        const auto lead = static_cast<unsigned char>(text[i]);
-        const std::size_t length = lead < 0x80 ? 1 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
-        if ((lead >= 0x80 && lead < 0xc2) || lead > 0xf4 || i + length > text.size()) {
-            return false;
-        }
-        unsigned character = length == 1 ? lead : lead & (0x7fU >> length);
-        for (std::size_t k = 1; k < length; ++k) {
-            const auto next = static_cast<unsigned char>(text[i + k]);
-            if ((next & 0xc0U) != 0x80U) {
-                return false;
-            }
-            character = character << 6U | (next & 0x3fU);
-        }
-        const bool is_half_of_pair = character >= 0xd800 && character <= 0xdfff;
-        if (character < kFirstOfLength.at(length) || is_half_of_pair || character > 0x10ffff) {
-            return false;
-        }
-        i += length;
-    }
-    return true;
-}
 
 /// Of what people type.
 std::string what_is_wrong_with_text(std::string_view what, std::string_view text) {

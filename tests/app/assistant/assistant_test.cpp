@@ -201,11 +201,10 @@ TEST(Assistant, WithoutItsZeroADeviceIsZeroedAgain) {
 TEST(Assistant, BeginsAnewWithADamagedFileAndSaysSo) {
     const std::filesystem::path folder = testing::fresh_folder("assistant_damaged");
     std::filesystem::create_directories(folder);
-    std::ofstream(file_in(folder)) << "springdrive assistant 1\ndone link\ndone nonsense\n";
+    std::ofstream(file_in(folder)) << "done = [\"link\",\n  \"nonsense\"]\nfailed = []\n";
     Sequence sequence(folder);
     EXPECT_EQ(sequence.assistant.present(), StepName::link);
-    EXPECT_NE(sequence.assistant.complaint().find(":3: 'done nonsense' names no step"),
-              std::string::npos)
+    EXPECT_NE(sequence.assistant.complaint().find(":1: done has 'nonsense'"), std::string::npos)
         << sequence.assistant.complaint();
     sequence.pass(0);
     EXPECT_EQ(sequence.assistant.complaint(), "");
@@ -234,8 +233,9 @@ TEST(ProgressFile, HasEveryStepAndRefusesWhatIsNone) {
         write_progress(file, progress);
         EXPECT_EQ(read_progress(file), progress);
     }
-    for (const char *text : {"", "springdrive\n", "springdrive assistant 1\nlink\n",
-                             "springdrive assistant 1\ndone \n", "\xff\xfe"}) {
+    for (const char *text :
+         {"", "springdrive\n", "done = [\"link\"]\n", "done = []\nfailed = [1]\n",
+          "done = []\nfailed = []\nskipped = []\n", "\xff\xfe"}) {
         std::ofstream(file) << text;
         EXPECT_NE(complaint_of([&] { static_cast<void>(read_progress(file)); }), "") << text;
     }
@@ -243,8 +243,8 @@ TEST(ProgressFile, HasEveryStepAndRefusesWhatIsNone) {
 }
 
 TEST(ProgressFile, NameIsAFileNameWhateverTheSerialNumberIs) {
-    EXPECT_EQ(progress_name("USB", "A-12_b"), "USB-A-12_b");
-    EXPECT_EQ(progress_name("USB", "../x"), "USB-%2e%2e%2fx");
+    EXPECT_EQ(progress_name("USB", "A-12_b"), "USB-A-12_b.toml");
+    EXPECT_EQ(progress_name("USB", "../x"), "USB-%2e%2e%2fx.toml");
     EXPECT_NE(progress_name("USB", "1"), progress_name("emulated", "1"));
 }
 

@@ -283,7 +283,7 @@ TEST(CalibrationStep, ABoardThatDoesNotKeepItIsDoubtfulUntilAFileDoes) {
     const device::Calibration known = *at.in_use();
     int files = 0;
     for (const auto &entry : std::filesystem::directory_iterator(at.folder)) {
-        if (entry.path().extension() == ".toml") {
+        if (entry.path().filename().string().starts_with("calibrated-")) {
             ++files;
             EXPECT_TRUE(walker.says("--device-file " + entry.path().string())) << walker.text();
             const device::DeviceDescription read = device::read_device_file(entry.path());

@@ -1,5 +1,6 @@
 // Covers app/assistant/assistant_panel.cpp: the assistant as somebody walks through it with mouse
 // and keyboard, on an emulated device.
+#include "base/quoting.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/shown_window.h"
@@ -46,12 +47,8 @@ protected:
     void open_at(const std::vector<std::string> &done, std::vector<std::string> arguments) {
         const std::filesystem::path folder = state_ / "springdrive" / "assistant";
         std::filesystem::create_directories(folder);
-        std::ofstream file(folder / "emulated-emulated");
-        file << "springdrive assistant 1\n";
-        for (const std::string &step : done) {
-            file << "done " << step << '\n';
-        }
-        file.close();
+        std::ofstream(folder / "emulated-emulated.toml")
+            << "done = " << toml_list(done) << "\nfailed = []\n";
         open(std::move(arguments));
     }
 

@@ -52,7 +52,8 @@ TEST(FirstMinute, StandsBelowTheSceneUntilItIsDismissedForGood) {
         EXPECT_FALSE(window.look().find("Start"));
         EXPECT_TRUE(window.look().shows("left press on the scene: touch there"));
     }
-    EXPECT_NE(testing::contents_of(folder / "settings").find("start dismissed"), std::string::npos);
+    EXPECT_NE(testing::contents_of(folder / "settings").find("dismissed_start = true"),
+              std::string::npos);
     ShownWindow again({"--settings", folder / "settings"});
     again.wait_until_running();
     EXPECT_FALSE(again.look().find("Start"));

@@ -27,8 +27,8 @@ constexpr testing::WindowSize kOwnSize{1280, 720, 1.0, false};
 TEST(WindowHabits, KeysHidePanelsAndChangeTheTextWhichIsRemembered) {
     const fs::path folder = testing::fresh_folder("habits");
     const fs::path settings = folder / "settings";
-    std::ofstream(settings) << "springdrive settings 1\ntext_size 1\nwindow 1100 700\n"
-                               "start dismissed\n";
+    std::ofstream(settings) << "text_size = 1.0\nwidth = 1100\nheight = 700\n"
+                               "dismissed_start = true\n";
     {
         ShownWindow window({"--settings", settings}, kOwnSize);
         window.wait_until_running();
@@ -50,7 +50,8 @@ TEST(WindowHabits, KeysHidePanelsAndChangeTheTextWhichIsRemembered) {
         EXPECT_EQ(window.program().end(SIGTERM).exit_status, 0);
     }
     const std::string kept = testing::contents_of(settings);
-    EXPECT_NE(kept.find("text_size 1.5\nwindow 1100 700\npanels hidden\n"), std::string::npos)
+    EXPECT_NE(kept.find("text_size = 1.5\nwidth = 1100\nheight = 700\nhides_panels = true\n"),
+              std::string::npos)
         << kept;
     ShownWindow again({"--settings", settings}, kOwnSize);
     again.wait_until([](const Report &report) { return report.find("read-outs/force") != nullptr; },
@@ -110,8 +111,9 @@ TEST(WindowHabits, RecentFilesAreOpenedFromTheMenu) {
         return report.item("Scene/files").at("text") == "my own scene.gltf";
     };
     window.wait_until(shows_it, "it is shown");
-    EXPECT_NE(testing::contents_of(folder / "settings").find("recent " + scene.string() + "\n"),
-              std::string::npos);
+    EXPECT_NE(
+        testing::contents_of(folder / "settings").find("recent = [\"" + scene.string() + "\"]\n"),
+        std::string::npos);
     window.enter("Scene/path", testing::assets() / "scenes/profile.gltf");
     window.wait_until([&](const Report &report) { return !shows_it(report); }, "another one");
     window.click("window/menu");
@@ -127,16 +129,17 @@ TEST(WindowHabits, RecentFilesAreOpenedFromTheMenu) {
 
 TEST(WindowHabits, DamagedSettingsAreSaidInOneLineAndKept) {
     const fs::path folder = testing::fresh_folder("habits_damaged");
-    std::ofstream(folder / "settings") << "springdrive settings 1\ntext_size huge\n";
+    std::ofstream(folder / "settings") << "\ntext_size = \"huge\"\n";
     ShownWindow window({"--settings", folder / "settings"});
     window.wait_until_running();
-    EXPECT_TRUE(window.look().shows("settings:2: text_size must be followed by"));
+    EXPECT_TRUE(window.look().shows("settings:2: text_size is 'huge'; it must be a number"));
     window.click("Start/got it"); // the defaults
     EXPECT_EQ(window.program().end(SIGTERM).exit_status, 0);
     const std::string error = window.program().error();
     EXPECT_NE(error.find("settings:2: text_size"), std::string::npos) << error;
-    EXPECT_NE(testing::contents_of(folder / "settings").find("start dismissed"), std::string::npos);
-    EXPECT_NE(testing::contents_of(folder / "settings.damaged").find("text_size huge"),
+    EXPECT_NE(testing::contents_of(folder / "settings").find("dismissed_start = true"),
+              std::string::npos);
+    EXPECT_NE(testing::contents_of(folder / "settings.damaged").find("= \"huge\""),
               std::string::npos);
     fs::remove_all(folder);
 }

@@ -1,4 +1,5 @@
 // Covers what fits where: no panel may clip or overlap its contents at any size of the window.
+#include "base/quoting.h"
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
 #include "tests/support/shown_window.h"
@@ -147,12 +148,8 @@ TEST_P(Layout, TheAssistantFits) {
     std::filesystem::create_directories(progress);
     const std::vector<std::string> steps{"link",      "identity",    "motion", "zeroing",
                                          "self_test", "calibration", "touch"};
-    std::ofstream file(progress / "emulated-emulated");
-    file << "springdrive assistant 1\n";
-    for (const std::string &step : steps) {
-        file << "done " << step << '\n';
-    }
-    file.close();
+    std::ofstream(progress / "emulated-emulated.toml")
+        << "done = " << toml_list(steps) << "\nfailed = []\n";
     ShownWindow window({"--device", "emulated", "--at-zero", "--assistant"}, GetParam());
     unsetenv("XDG_STATE_HOME"); // NOLINT(concurrency-mt-unsafe)
     for (const std::string &step : steps) {

@@ -83,8 +83,10 @@ TEST(LegendInTheWindow, IsRememberedWithItsSwitches) {
         window.click("legend/normal");
     }
     const std::string written = testing::contents_of(folder / "settings");
-    EXPECT_NE(written.find("legend open\n"), std::string::npos) << written;
-    EXPECT_NE(written.find("drawn tip height hand proxy force trace\n"), std::string::npos)
+    EXPECT_NE(written.find("opens_legend = true\n"), std::string::npos) << written;
+    EXPECT_NE(
+        written.find("drawn = [\"tip\", \"height\", \"hand\", \"proxy\", \"force\", \"trace\"]\n"),
+        std::string::npos)
         << written;
     ShownWindow again({"--settings", folder / "settings"});
     EXPECT_TRUE(is_switched_on(again.look(), "trace of 5 s"));
