@@ -3,21 +3,29 @@
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
-#include "app/commands/sweep_report.h"
 #include "app/commands/typed_board.h"
+#include "app/figures/gnuplot.h"
+#include "app/host/asset_folder.h"
 #include "app/host/ending_signal.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
+#include "base/new_file.h"
 #include "base/print.h"
+#include "base/table.h"
+#include "device/core/device_description.h"
 #include "device/core/device_file.h"
 #include "engine/commissioning/sweep.h"
+#include "engine/lab/loops/stiffness_sweep.h"
 #include "engine/servo/real_time.h"
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -25,16 +33,110 @@ namespace springdrive::app {
 
 namespace {
 
+using commissioning::MotorSweep;
 using commissioning::StiffnessSweep;
+using commissioning::SweepOptions;
+using commissioning::SweepPoint;
 using commissioning::SweepReport;
 using commissioning::SweepStage;
+
+std::string settings_text(const SweepOptions &options) {
+    const control::Tuning &tuning = options.tuning;
+    return fmt::format("dR {:.4g} Ω, K_P {:.4g} V/rad, K_D {:.4g} V·s/rad, λ {:.4g} rad/s, servo "
+                       "{:.5g} Hz",
+                       tuning.dR_Ohm, tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad,
+                       tuning.lambda_rad_per_s, options.servo_hz);
+}
+
+Table table_of(const MotorSweep &sweep) {
+    Table table = Table::with_columns(
+        "freq_hz:.4g,measured\n|K_θ|:.5f,phase,sampled\n|K_θ|:.5f,phase,(12)\n|K_θ|:.5f,phase,"
+        "measured to sampled\n%,deg,+-%,:",
+        ".2f");
+    for (const SweepPoint &point : sweep.points) {
+        table.rows.push_back(
+            {point.frequency_hz, std::abs(point.measured_Nm_per_rad),
+             loops::phase_deg(point.measured_Nm_per_rad), std::abs(point.sampled_Nm_per_rad),
+             loops::phase_deg(point.sampled_Nm_per_rad), std::abs(point.analytic_Nm_per_rad),
+             loops::phase_deg(point.analytic_Nm_per_rad), 100.0 * point.magnitude_error(),
+             kDegreesPerRadian * point.phase_error_rad(), 100.0 * point.deviation,
+             point.deviation <= commissioning::kUncertain ? "" : "?"});
+    }
+    return table;
+}
+
+/// For people.
+void write_sweep_table(std::ostream &out, const device::DeviceDescription &device,
+                       const SweepOptions &options, const SweepReport &report) {
+    print(out, "{}: {}\n", device.name, settings_text(options));
+    for (const MotorSweep &sweep : report.motors) {
+        const device::MotorParameters &file = device.motor[sweep.motor];
+        print(out,
+              "\nmotor {}: dR {:.4f} Ω, L {:.3f} mH (file {:.3f}), k_T {:.2f} mN·m/A (file "
+              "{:.2f}), d {:.3f} periods\n",
+              sweep.motor + 1, sweep.winding.dR_Ohm, 1e3 * sweep.winding.inductance_H,
+              1e3 * file.inductance_H, 1e3 * sweep.winding.torque_constant_Nm_per_A,
+              1e3 * file.torque_constant_Nm_per_A, sweep.points.front().delay_periods);
+        write_text(out, table_of(sweep));
+    }
+    if (report.is_complete && !report.is_certain()) {
+        print(out,
+              "\n?  known to more than {:.0f} % only: hardly any force flows there; hold the "
+              "tip more firmly, or allow more force or motion\n",
+              100.0 * commissioning::kUncertain);
+    }
+}
+
+/// For programs: a row a motor and frequency.
+Table sweep_table(const SweepReport &report) {
+    Table table = Table::with_columns(
+        "motor,freq_hz,measured_mag,measured_phase_deg,deviation_percent,sampled_mag,"
+        "sampled_phase_deg,analytic_mag,analytic_phase_deg,magnitude_error_percent,"
+        "phase_error_deg,delay_periods,excitation_V",
+        ".9g");
+    for (const MotorSweep &sweep : report.motors) {
+        for (const SweepPoint &point : sweep.points) {
+            table.rows.push_back(
+                {sweep.motor + 1, point.frequency_hz, std::abs(point.measured_Nm_per_rad),
+                 loops::phase_deg(point.measured_Nm_per_rad), 100.0 * point.deviation,
+                 std::abs(point.sampled_Nm_per_rad), loops::phase_deg(point.sampled_Nm_per_rad),
+                 std::abs(point.analytic_Nm_per_rad), loops::phase_deg(point.analytic_Nm_per_rad),
+                 100.0 * point.magnitude_error(), kDegreesPerRadian * point.phase_error_rad(),
+                 point.delay_periods, point.excitation_V});
+        }
+    }
+    return table;
+}
+
+/// The chart's numbers, written beside it.
+std::filesystem::path numbers_of_sweep(std::filesystem::path svg) {
+    return svg.replace_extension(".csv");
+}
+
+/// @throw InputError as `draw` and `write_output` do
+void draw_sweep(const std::filesystem::path &svg, const std::string &device_text,
+                const SweepOptions &options, const SweepReport &report, Existing existing) {
+    const std::filesystem::path csv = numbers_of_sweep(svg);
+    write_output(
+        csv.string(), [&](std::ostream &out) { write_csv(out, sweep_table(report)); }, existing);
+    ChartMarks marks;
+    marks.add("heading", "Rendered stiffness K_θ by sine sweep, " + device_text);
+    marks.add("setting",
+              settings_text(options) +
+                  fmt::format(", d {:.3f}", report.motors.front().points.front().delay_periods));
+    const std::filesystem::path folder =
+        svg.parent_path().empty() ? std::filesystem::path(".") : svg.parent_path();
+    draw({asset_folder() / "figures" / "device_sweep.gnuplot", marks.assignments(), folder,
+          csv.filename().string(), svg.filename().string()},
+         existing);
+}
 
 struct TypedSweep {
     TypedBoard board;
     bool is_at_zero = false;
     TuningOptions tuning;
     std::vector<int> motors{1, 2, 3};
-    commissioning::SweepOptions options;
+    SweepOptions options;
     std::optional<double> max_hz;
     std::optional<double> tolerance; ///< in % and degrees
     std::string csv;                 ///< empty: not requested
@@ -42,9 +144,8 @@ struct TypedSweep {
     Existing existing = Existing::keep;
 };
 
-commissioning::SweepOptions checked_options(const TypedSweep &typed,
-                                            const device::DeviceDescription &device) {
-    commissioning::SweepOptions options = typed.options;
+SweepOptions checked_options(const TypedSweep &typed, const device::DeviceDescription &device) {
+    SweepOptions options = typed.options;
     options.tuning = typed.tuning.tuning();
     check_dR(device, options.tuning);
     const double highest_hz = commissioning::kHighestSweep * options.servo_hz;
@@ -132,7 +233,7 @@ void sweep_device(const TypedSweep &typed) {
     request.period_s = period_s;
     request.watchdog_periods = 5.0; // as for a servo
     factory::OpenBoard board = open_to_drive(request);
-    const commissioning::SweepOptions options = checked_options(typed, board.device->description());
+    const SweepOptions options = checked_options(typed, board.device->description());
     if (board.emulated || typed.is_at_zero) { // the simulated hand holds it there
         board.device->zero(Vector3::Zero());
     }

@@ -1,4 +1,4 @@
-// Covers app/commands/stiffness_command.cpp and stiffness_report.cpp, from outside.
+// Covers app/commands/stiffness_command.cpp, from outside.
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
 

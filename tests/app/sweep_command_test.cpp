@@ -1,4 +1,4 @@
-// Covers app/commands/sweep_command.cpp and sweep_report.cpp, from outside, on an emulated board.
+// Covers app/commands/sweep_command.cpp, from outside, on an emulated board.
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 
