@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <array>
 #include <string>
 
 namespace springdrive::study {
@@ -13,8 +12,8 @@ namespace {
 //
 // Numbers with fractions are in columns of type ANY, because SQLite reads a -0.0 in a REAL column
 // back as 0.0. Child rows are numbered from 1. sha256 is of a row with its child rows:
-// row_digest.h.
-constexpr const char *kVersion1 = R"(
+// rows.cpp.
+constexpr const char *kTables = R"(
 CREATE TABLE study (
     id INTEGER PRIMARY KEY CHECK (id = 1),
     title TEXT NOT NULL,
@@ -157,9 +156,6 @@ CREATE TABLE note (
     FOREIGN KEY (session, participant) REFERENCES session (id, participant) ON DELETE CASCADE,
     CHECK (session IS NULL OR participant IS NOT NULL)
 ) STRICT;
-)";
-
-constexpr const char *kVersion2 = R"(
 CREATE TABLE answer (
     id INTEGER PRIMARY KEY,
     participant TEXT NOT NULL REFERENCES participant (code) ON DELETE CASCADE,
@@ -174,8 +170,6 @@ CREATE TABLE answer (
 ) STRICT;
 )";
 
-constexpr std::array kSteps{kVersion1, kVersion2};
-
 /// All tables and indices with their SQL, in one text.
 std::string tables_of(const Database &database) {
     return database.text(
@@ -184,31 +178,23 @@ std::string tables_of(const Database &database) {
         "WHERE name NOT GLOB 'sqlite_stat*' ORDER BY type, name)");
 }
 
-void set_version(const Database &database, std::size_t version) {
-    database.run(fmt::format("PRAGMA user_version = {}", version));
-}
-
 } // namespace
 
-Steps schema_steps() { return kSteps; }
-
-std::int64_t version_of(const Database &database) { return database.number("PRAGMA user_version"); }
-
-void check_identity(const Database &database, Steps steps) {
-    const std::int64_t id = database.number("PRAGMA application_id");
-    const std::int64_t version = version_of(database);
-    if (id != kApplicationId || version < 1) {
+void check_identity(const Database &database) {
+    const std::int64_t version = database.number("PRAGMA user_version");
+    if (database.number("PRAGMA application_id") != kApplicationId || version < 1) {
         database.refuse("is no study of springdrive, but another SQLite database; name a study "
                         "file");
     }
-    if (version > std::ssize(steps)) {
-        database.refuse(fmt::format("is a study of version {}, and this program knows versions up "
-                                    "to {}; open it with a newer springdrive",
-                                    version, steps.size()));
+    if (version != kVersion) {
+        database.refuse(fmt::format("is a study of version {}, and this program knows version {} "
+                                    "only; open it with {} springdrive",
+                                    version, kVersion,
+                                    version > kVersion ? "a newer" : "an older"));
     }
 }
 
-void check_structure(const Database &database, Steps steps) {
+void check_structure(const Database &database) {
     const std::string found = database.text("PRAGMA integrity_check(1)");
     if (found != "ok") {
         database.refuse_damage(found);
@@ -217,23 +203,18 @@ void check_structure(const Database &database, Steps steps) {
         database.refuse_damage("a row refers to one that is missing");
     }
     const Database model = Database::in_memory(database.shown());
-    migrate(model, steps.first(static_cast<std::size_t>(version_of(database))));
+    create_tables(model);
     if (tables_of(database) != tables_of(model)) {
         database.refuse_damage("its tables are not as springdrive made them");
     }
 }
 
-void migrate(const Database &database, Steps steps) {
-    for (auto version = static_cast<std::size_t>(version_of(database)); version < steps.size();
-         ++version) {
-        Transaction transaction(database, Transaction::Kind::write);
-        database.run(steps[version]);
-        if (version == 0) {
-            database.run(fmt::format("PRAGMA application_id = {}", kApplicationId));
-        }
-        set_version(database, version + 1);
-        transaction.commit();
-    }
+void create_tables(const Database &database) {
+    Transaction transaction(database, Transaction::Kind::write);
+    database.run(kTables);
+    database.run(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId,
+                             kVersion));
+    transaction.commit();
 }
 
 } // namespace springdrive::study

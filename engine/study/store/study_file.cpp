@@ -2,6 +2,7 @@
 
 #include "engine/study/store/durable_files.h"
 #include "engine/study/store/rows.h"
+#include "engine/study/store/schema.h"
 #include "engine/study/store/study_lock.h"
 #include "engine/study/store/study_store.h"
 #include "engine/study/store/trial_checks.h"
@@ -63,40 +64,20 @@ std::filesystem::path name_of_existing(const std::filesystem::path &file) {
 }
 
 Database open_to_write(const std::filesystem::path &file, const std::filesystem::path &shown,
-                       const DatabaseSettings &settings, Steps steps) {
+                       const DatabaseSettings &settings) {
     Database database(file, shown, Access::write, settings);
     {
         const Transaction transaction(database, Transaction::Kind::read);
-        check_identity(database, steps);
-        check_structure(database, steps);
-    }
-    migrate(database, steps);
-    {
-        const Transaction transaction(database, Transaction::Kind::read);
+        check_identity(database);
+        check_structure(database);
         static_cast<void>(read_contents(database)); // checks each row
     }
     return database;
 }
 
-StudyContents read_file(const std::filesystem::path &file, const std::filesystem::path &shown,
-                        Steps steps) {
-    // Checks and migration work on a copy in memory, so that a trial that is to be stored meanwhile
-    // waits no longer than copying takes.
-    const auto copied = [&] {
-        const Database database(file, shown, Access::read, {});
-        const Transaction transaction(database, Transaction::Kind::read);
-        check_identity(database, steps);
-        return database.copy_in_memory();
-    };
-    const Database copy = copied();
-    check_structure(copy, steps);
-    migrate(copy, steps);
-    return read_contents(copy);
-}
-
 void fill_new(const Database &database, const NewStudy &study, UtcTime now,
               const std::string &records_folder) {
-    migrate(database, schema_steps());
+    create_tables(database);
     StudyRow row;
     row.facts.title = study.title;
     row.facts.protocol = study.protocol;
@@ -130,7 +111,17 @@ void create_study(const std::filesystem::path &file, const NewStudy &study, UtcT
 }
 
 StudyContents read_study(const std::filesystem::path &file) {
-    return read_file(name_of_existing(file), file, schema_steps());
+    // Checks work on a copy in memory, so that a trial that is to be stored meanwhile waits no
+    // longer than copying takes.
+    const auto copied = [&] {
+        const Database database(name_of_existing(file), file, Access::read, {});
+        const Transaction transaction(database, Transaction::Kind::read);
+        check_identity(database);
+        return database.copy_in_memory();
+    };
+    const Database copy = copied();
+    check_structure(copy);
+    return read_contents(copy);
 }
 
 } // namespace springdrive::study

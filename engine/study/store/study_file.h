@@ -2,7 +2,6 @@
 #pragma once
 
 #include "engine/study/store/database.h"
-#include "engine/study/store/schema.h"
 #include "engine/study/store/study_store.h"
 
 #include <filesystem>
@@ -18,14 +17,10 @@ namespace springdrive::study {
 void fill_new(const Database &database, const NewStudy &study, UtcTime now,
               const std::string &records_folder);
 
-/// Opens a file for writing, checks all that is in it, and brings it to the present version.
+/// Opens a file for writing, and checks all that is in it.
 /// @throw InputError, see StudyStore
 [[nodiscard]] Database open_to_write(const std::filesystem::path &file,
                                      const std::filesystem::path &shown,
-                                     const DatabaseSettings &settings, Steps steps);
-
-/// Reads a file of this version or an earlier one. @throw InputError, see read_study
-[[nodiscard]] StudyContents read_file(const std::filesystem::path &file,
-                                      const std::filesystem::path &shown, Steps steps);
+                                     const DatabaseSettings &settings);
 
 } // namespace springdrive::study

@@ -24,7 +24,7 @@ namespace springdrive::study {
 struct StudyStore::Parts {
     Parts(const std::filesystem::path &file, const DatabaseSettings &settings)
         : shown(file), resolved(name_of_existing(file)), lock(std::in_place, resolved, shown),
-          database(open_to_write(resolved, shown, settings, schema_steps())) {}
+          database(open_to_write(resolved, shown, settings)) {}
 
     /// In memory.
     Parts(const NewStudy &study, UtcTime now)

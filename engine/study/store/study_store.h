@@ -32,7 +32,7 @@ void create_study(const std::filesystem::path &file, const NewStudy &study, UtcT
 
 /// Reads all of a study file, also beside a program that writes to it, and checks it on the way:
 /// structure, relations and the SHA-256 of each row. The file is closed again.
-/// @throw InputError for a file that is no study, of a newer version, damaged, or left in the
+/// @throw InputError for a file that is no study, of another version, damaged, or left in the
 ///        midst of a write where it cannot be mended because it is write-protected.
 [[nodiscard]] StudyContents read_study(const std::filesystem::path &file);
 
@@ -52,8 +52,8 @@ struct Removed {
 /// A study file opened for writing, by one program at a time. For one thread.
 class StudyStore {
 public:
-    /// Opens an existing file: checks it as `read_study` does, brings it to the present version,
-    /// closes sessions that were interrupted. A deletion that was is not completed, but told by
+    /// Opens an existing file: checks it as `read_study` does, closes sessions that were
+    /// interrupted. A deletion that was is not completed, but told by
     /// `contents().unfinished_removals`: it would remove files that nobody named.
     /// @throw InputError as `read_study` does; also if the file or its folder is write-protected,
     ///        or another program has it open for writing, naming that.

@@ -2,6 +2,7 @@
 #include "engine/study/store/study_file.h"
 
 #include "base/parallel.h"
+#include "base/sha256.h"
 #include "engine/study/store/rows.h"
 #include "engine/study/store/study_store.h"
 #include "tests/engine/study/store/sample_study.h"
@@ -126,6 +127,47 @@ TEST(StudyFile, ThatAnotherProgramChangedIsRefused) {
     EXPECT_EQ(said_on_reading(file), "");
     change("ALTER TABLE note ADD COLUMN colour TEXT");
     expect_refused(file, "is damaged (its tables are not as springdrive made them)" + end);
+}
+
+TEST(StudyFile, OfAnotherVersionIsRefused) {
+    const auto file = study_with_trials(fresh_folder("file_version"), 3);
+    const auto expect_refused_as = [&](int version, const std::string &made_by) {
+        Database(file, file, Access::write, {})
+            .run("PRAGMA user_version = " + std::to_string(version));
+        expect_refused(file, "is a study of version " + std::to_string(version) +
+                                 ", and this program knows version 2 only; open it with " +
+                                 made_by + " springdrive");
+    };
+    expect_refused_as(1, "an older");
+    expect_refused_as(3, "a newer");
+    Database(file, file, Access::write, {}).run("PRAGMA user_version = 2");
+    EXPECT_EQ(said_on_opening(file), "");
+}
+
+/// By which studies that were made before open: not to be changed without the version.
+TEST(StudyFile, OfVersion2HasItsTablesAndSums) {
+    const auto file = study_with_trials(fresh_folder("file_format"), 12);
+    {
+        StudyStore store(file);
+        store.append({testing::kStart, "note", "the room is warm", "P01", 1});
+        store.add({"P01", 1, "hand", "Which hand?", "left", testing::kStart});
+    }
+    const Database database(file, file, Access::read, {});
+    const auto sum_of = [&](const std::string &selection) {
+        const std::string text =
+            database.text("SELECT group_concat(line, char(10)) FROM (" + selection + ")");
+        Sha256 sha256;
+        sha256.add(text.data(), text.size());
+        return sha256.hex();
+    };
+    EXPECT_EQ(sum_of("SELECT sql AS line FROM sqlite_schema WHERE sql <> '' ORDER BY name"),
+              "85c7db1757505ff92cbbd7c5758d66bb2486d8c70894c297bb05247232ab2d54");
+    std::string rows;
+    for (const char *const table : {"study", "participant", "session", "trial", "answer", "note"}) {
+        rows +=
+            std::string(rows.empty() ? "" : " UNION ALL ") + "SELECT sha256 AS line FROM " + table;
+    }
+    EXPECT_EQ(sum_of(rows), "539b23a2026b02c01749ca0becc2cf0c4b92de1d3faebc40fde90cc1e109715f");
 }
 
 TEST(StudyFile, ThatIsCutIsRefused) {
