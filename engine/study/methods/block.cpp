@@ -78,27 +78,6 @@ int most_trials(const Block &block) {
     return block.practice.most_trials + measured + caught;
 }
 
-std::optional<BlockTrial> next_trial(const Block &block, RandomKey key,
-                                     std::span<const PastBlockTrial> past) {
-    BlockRun run(block, key);
-    for (const PastBlockTrial &trial : past) {
-        run.add(trial);
-    }
-    return run.next();
-}
-
-std::optional<std::size_t> first_difference(const Block &block, RandomKey key,
-                                            std::span<const PastBlockTrial> past) {
-    BlockRun run(block, key);
-    for (std::size_t i = 0; i < past.size(); ++i) {
-        if (run.next() != past[i].presented) {
-            return i;
-        }
-        run.add(past[i]);
-    }
-    return std::nullopt;
-}
-
 BlockRun::BlockRun(const Block &block, RandomKey key)
     : block_(block), key_(key), trials_of_series_(block.series.size(), 0) {
     for (std::size_t i = 0; i < block.series.size(); ++i) {

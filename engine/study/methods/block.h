@@ -19,7 +19,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -85,12 +84,7 @@ struct PastBlockTrial {
 
 enum class BlockState : std::uint8_t { running, complete, too_many_marked };
 
-/// The trial after `past`; nothing when the block is complete or had too many marked trials.
-/// @pre what_is_wrong_with(block) is empty; `past` is what this function asked for
-[[nodiscard]] std::optional<BlockTrial> next_trial(const Block &block, RandomKey key,
-                                                   std::span<const PastBlockTrial> past);
-
-/// The same, trial by trial.
+/// A block while it runs, trial by trial.
 class BlockRun {
 public:
     /// @pre what_is_wrong_with(block) is empty
@@ -123,10 +117,5 @@ private:
     int marked_ = 0;
     int all_ = 0; ///< marked ones too
 };
-
-/// The first trial of `past` that is not what the sequence says, so that the specification, the
-/// key or the version is not the one that it was run with; nothing if all agree.
-[[nodiscard]] std::optional<std::size_t> first_difference(const Block &block, RandomKey key,
-                                                          std::span<const PastBlockTrial> past);
 
 } // namespace springdrive::study

@@ -59,15 +59,6 @@ int most_trials(const Method &method) {
     return std::visit([](const auto &one) { return most_trials(one); }, method);
 }
 
-std::optional<MethodTrial> next_trial(const Method &method, RandomKey key,
-                                      std::span<const PastMethodTrial> past) {
-    MethodRun run(method, key);
-    for (const PastMethodTrial &trial : past) {
-        run.add(trial);
-    }
-    return run.next();
-}
-
 MethodRun::MethodRun(const Method &method, RandomKey key)
     : run_(std::visit([key](const auto &one) { return started(one, key); }, method)) {}
 

@@ -12,7 +12,6 @@
 
 #include <array>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -31,12 +30,7 @@ inline constexpr std::array<std::string_view, 4> kMethodNames{"constant_stimuli"
 /// An upper bound of its trials, not counting marked ones.
 [[nodiscard]] int most_trials(const Method &method);
 
-/// The trial after `past`; nothing when the method is done.
-/// @pre what_is_wrong_with(method, task) is empty; `past` is what this function asked for
-[[nodiscard]] std::optional<MethodTrial> next_trial(const Method &method, RandomKey key,
-                                                    std::span<const PastMethodTrial> past);
-
-/// The same, trial by trial: as fast as the method allows, where `next_trial` replays.
+/// A method while it runs, trial by trial.
 class MethodRun {
 public:
     /// @pre what_is_wrong_with(method, task) is empty

@@ -48,23 +48,15 @@ std::vector<PastBlockTrial> whole_run(const Block &block, double marked_share = 
 TEST(Blocks, ResumedAtAnyTrialGoOnAsAnUndisturbedRun) {
     const Block block = mixed_block();
     const std::vector<PastBlockTrial> past = whole_run(block);
-    for (std::size_t i = 0; i < past.size(); ++i) {
-        EXPECT_EQ(next_trial(block, kBlockKey, std::span(past).first(i)), past[i].presented) << i;
+    for (std::size_t i = 0; i <= past.size(); ++i) {
+        BlockRun resumed(block, kBlockKey);
+        for (std::size_t before = 0; before < i; ++before) {
+            resumed.add(past[before]);
+        }
+        EXPECT_EQ(resumed.next(), i < past.size() ? std::optional(past[i].presented) : std::nullopt)
+            << i;
     }
-    EXPECT_FALSE(next_trial(block, kBlockKey, past).has_value());
-    EXPECT_FALSE(first_difference(block, kBlockKey, past).has_value());
-}
-
-TEST(Blocks, FindTheFirstTrialOfAnotherSequence) {
-    const Block block = mixed_block();
-    std::vector<PastBlockTrial> past = whole_run(block);
-    EXPECT_TRUE(first_difference(block, {1}, past).has_value());
-    past[50].presented.target = (past[50].presented.target + 1) % 4;
-    EXPECT_EQ(first_difference(block, kBlockKey, past), 50U);
-    // One trial too many.
-    past = whole_run(block);
-    past.push_back(past.back());
-    EXPECT_EQ(first_difference(block, kBlockKey, past), past.size() - 1);
+    EXPECT_NE(BlockRun(block, {1}).next(), past.front().presented);
 }
 
 TEST(Blocks, PresentEachSeriesToItsEndWithPracticeBeforeAndCatchTrialsBetween) {

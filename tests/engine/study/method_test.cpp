@@ -50,6 +50,15 @@ Outcome answer_to(const MethodTrial &trial, std::uint64_t number) {
             uniform(child(key, 2)) < 1.0 / 7.0};
 }
 
+std::optional<MethodTrial> next_trial(const Method &method,
+                                      const std::vector<PastMethodTrial> &past) {
+    MethodRun run(method, kStudyKey);
+    for (const PastMethodTrial &trial : past) {
+        run.add(trial);
+    }
+    return run.next();
+}
+
 TEST(Methods, ResumedAtAnyTrialPresentWhatAnUndisturbedRunPresents) {
     for (const Method &method : one_of_each()) {
         MethodRun undisturbed(method, kStudyKey);
@@ -57,12 +66,12 @@ TEST(Methods, ResumedAtAnyTrialPresentWhatAnUndisturbedRunPresents) {
         while (!undisturbed.is_done()) {
             const std::optional<MethodTrial> trial = undisturbed.next();
             ASSERT_TRUE(trial.has_value());
-            EXPECT_EQ(next_trial(method, kStudyKey, past), trial);
+            EXPECT_EQ(next_trial(method, past), trial);
             past.push_back({*trial, answer_to(*trial, past.size())});
             undisturbed.add(past.back());
         }
         EXPECT_FALSE(undisturbed.next().has_value());
-        EXPECT_FALSE(next_trial(method, kStudyKey, past).has_value());
+        EXPECT_FALSE(next_trial(method, past).has_value());
         const auto unmarked = std::ranges::count_if(
             past, [](const PastMethodTrial &trial) { return !trial.outcome.marked; });
         EXPECT_LT(unmarked, std::ssize(past));
