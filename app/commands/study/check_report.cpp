@@ -34,14 +34,15 @@ void write_length(std::ostream &out, const study::Protocol &protocol,
     write_text(out, table);
 }
 
-void write_trials(std::ostream &out, const std::vector<study::ConditionTrial> &trials) {
+void write_trials(std::ostream &out, const std::vector<study::StimulusTrial> &trials) {
     if (trials.empty()) {
         return;
     }
     Table table = Table::with_columns("simulated:,force N,slid mm,deep mm,given mJ", ".2f");
-    for (const study::ConditionTrial &trial : trials) {
-        table.rows.push_back({trial.name, trial.largest_force_N, 1e3 * trial.slid_m,
-                              1e3 * trial.deepest_m, 1e3 * trial.generated_J});
+    for (const study::StimulusTrial &trial : trials) {
+        const study::DeliveredStimulus &delivered = trial.delivered;
+        table.rows.push_back({trial.name, delivered.peak_force_N, 1e3 * delivered.aside_m,
+                              1e3 * delivered.deepest_m, 1e3 * delivered.generated_J});
     }
     out << '\n';
     write_text(out, table);

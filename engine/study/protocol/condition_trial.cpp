@@ -6,36 +6,18 @@
 
 namespace springdrive::study {
 
-ConditionTrial try_condition(const Protocol &protocol, const StudySetting &setting,
-                             const Presented &presented) {
-    const StimulusTrial trial = try_stimulus(protocol, setting, presented);
-    ConditionTrial seen;
-    seen.name = name_of(protocol, presented);
-    seen.largest_force_N = trial.delivered.peak_force_N;
-    seen.slid_m = trial.delivered.aside_m;
-    seen.deepest_m = trial.delivered.deepest_m;
-    seen.shaking_m_per_s = trial.shaking_m_per_s;
-    seen.generated_J = trial.delivered.generated_J;
-    seen.has_touched = trial.has_touched;
-    seen.is_in_cup = trial.stimulus.hold == Hold::cup;
-    seen.is_held_back = trial.delivered.is_held_back;
-    seen.failure = trial.failure;
-    seen.trip = trial.trip;
-    return seen;
-}
-
-std::vector<ConditionTrial> try_conditions(const Protocol &protocol, const StudySetting &setting,
-                                           const std::vector<Presented> &presented) {
-    std::vector<ConditionTrial> trials(presented.size());
+std::vector<StimulusTrial> try_conditions(const Protocol &protocol, const StudySetting &setting,
+                                          const std::vector<Presented> &presented) {
+    std::vector<StimulusTrial> trials(presented.size());
     for_each_in_parallel(presented.size(), all_processors(), [&](std::size_t i) {
-        trials[i] = try_condition(protocol, setting, presented[i]);
+        trials[i] = try_stimulus(protocol, setting, presented[i]);
     });
     return trials;
 }
 
-ProtocolFindings findings_of(const Protocol &protocol, const std::vector<ConditionTrial> &trials) {
+ProtocolFindings findings_of(const Protocol &protocol, const std::vector<StimulusTrial> &trials) {
     ProtocolFindings findings;
-    for (const ConditionTrial &trial : trials) {
+    for (const StimulusTrial &trial : trials) {
         if (!trial.trip.empty()) {
             findings.push_back({Severity::error, trial.name,
                                 "the safety monitor trips in simulation: " + trial.trip,
@@ -52,11 +34,11 @@ ProtocolFindings findings_of(const Protocol &protocol, const std::vector<Conditi
                                 fmt::format("with a simulated hand {}", description(trial.failure)),
                                 "make the stimulus weaker, or turn it less"});
         }
-        if (!trial.is_in_cup && trial.slid_m > kMostSlide_m) {
+        if (trial.stimulus.hold != Hold::cup && trial.delivered.aside_m > kMostSlide_m) {
             findings.push_back({Severity::error, trial.name,
                                 fmt::format("a simulated hand slides {:.1f} mm off the spot; at "
                                             "most {:g} mm",
-                                            1e3 * trial.slid_m, 1e3 * kMostSlide_m),
+                                            1e3 * trial.delivered.aside_m, 1e3 * kMostSlide_m),
                                 "choose a flatter spot, press less, or set hold = \"cup\""});
         }
         if (trial.shaking_m_per_s > kMostShaking_m_per_s) {
@@ -67,11 +49,11 @@ ProtocolFindings findings_of(const Protocol &protocol, const std::vector<Conditi
                              1e3 * trial.shaking_m_per_s, 1e3 * kMostShaking_m_per_s),
                  "lower K_P_V_per_rad or K_D_Vs_per_rad"});
         }
-        if (trial.is_held_back) {
+        if (trial.delivered.is_held_back) {
             findings.push_back({Severity::warning, trial.name,
                                 fmt::format("the servo holds its force back in simulation; the "
                                             "largest is {:.2f} N",
-                                            trial.largest_force_N),
+                                            trial.delivered.peak_force_N),
                                 "make the stimulus weaker, or it is not what it says"});
         }
     }

@@ -18,8 +18,8 @@ struct CheckOptions {
 struct CheckedProtocol {
     ProtocolFindings findings; ///< errors first
     SessionLength length;
-    std::vector<ConditionTrial> trials; ///< that were simulated
-    double hottest_winding_C = 0.0;     ///< of the session, at the condition that heats most
+    std::vector<StimulusTrial> trials; ///< that were simulated
+    double hottest_winding_C = 0.0;    ///< of the session, at the condition that heats most
 };
 
 /// All checks, whatever they find.

@@ -39,6 +39,7 @@ StimulusTrial try_stimulus(const Protocol &protocol, const StudySetting &setting
                            const Presented &presented, const StimulusCircumstances &circumstances) {
     const Condition &condition = presented.parameters;
     StimulusTrial seen;
+    seen.name = name_of(protocol, presented);
     seen.stimulus = cut(stimulus_of(protocol, setting, presented), condition);
     HandCourse course = hand_course(setting, presented, seen.stimulus, circumstances.hand);
     if (circumstances.strokes_after_s > 0.0) {

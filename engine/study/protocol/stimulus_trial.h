@@ -26,6 +26,7 @@ struct StimulusCircumstances {
 };
 
 struct StimulusTrial {
+    std::string name;  ///< of what was presented, see `name_of`
     Stimulus stimulus; ///< as it was presented
     DeliveredStimulus delivered;
     StimulusFailure failure = StimulusFailure::none;

@@ -19,17 +19,17 @@ using testing::kPlainProtocol;
 using testing::protocol_of;
 using testing::with;
 
-ConditionTrial trial_of(const Protocol &protocol, std::size_t index = 0) {
-    return try_condition(protocol, study_setting(protocol, testing::folders()),
-                         all_presented(protocol)[index]);
+StimulusTrial trial_of(const Protocol &protocol, std::size_t index = 0) {
+    return try_stimulus(protocol, study_setting(protocol, testing::folders()),
+                        all_presented(protocol)[index]);
 }
 
 TEST(ConditionTrial, AHandPressesAsHardAsTheConditionSays) {
     const Protocol protocol = protocol_of(kPlainProtocol);
-    const ConditionTrial trial = trial_of(protocol);
+    const StimulusTrial trial = trial_of(protocol);
     EXPECT_EQ(trial.trip, "");
     EXPECT_TRUE(trial.has_touched);
-    EXPECT_FALSE(trial.is_held_back);
+    EXPECT_FALSE(trial.delivered.is_held_back);
     // Of 1 N the weight of the bare linkage and the joints' friction, 0.04 N at the tip of each,
     // are not the motors'; the arrival of a grip damped with 6/(2 √(300 · 0.2)) = 0.4 of critical
     // overshoots by up to e^(−0.4 π/√(1 − 0.4²)) = 0.25 of it.
@@ -39,26 +39,26 @@ TEST(ConditionTrial, AHandPressesAsHardAsTheConditionSays) {
         device::linkage_moments(device.geometry, device.inertia, 0.0), q_rad);
     const double weight_N =
         (device::joint_jacobian(device.geometry, q_rad).transpose().inverse() * weight_Nm).norm();
-    EXPECT_GT(trial.largest_force_N, 1.0 - weight_N - 2.0 * 0.04);
-    EXPECT_LT(trial.largest_force_N, 1.25 + weight_N + 2.0 * 0.04);
+    EXPECT_GT(trial.delivered.peak_force_N, 1.0 - weight_N - 2.0 * 0.04);
+    EXPECT_LT(trial.delivered.peak_force_N, 1.25 + weight_N + 2.0 * 0.04);
     EXPECT_LT(weight_N, 0.3) << "the bounds say something";
-    EXPECT_LT(trial.slid_m, 1e-3);
+    EXPECT_LT(trial.delivered.aside_m, 1e-3);
 }
 
 TEST(ConditionTrial, IsTheSameEachTime) {
     const Protocol protocol = protocol_of(kPlainProtocol);
-    const ConditionTrial first = trial_of(protocol);
-    const ConditionTrial again = trial_of(protocol);
-    EXPECT_EQ(first.largest_force_N, again.largest_force_N);
-    EXPECT_EQ(first.slid_m, again.slid_m);
-    EXPECT_EQ(first.generated_J, again.generated_J);
+    const StimulusTrial first = trial_of(protocol);
+    const StimulusTrial again = trial_of(protocol);
+    EXPECT_EQ(first.delivered.peak_force_N, again.delivered.peak_force_N);
+    EXPECT_EQ(first.delivered.aside_m, again.delivered.aside_m);
+    EXPECT_EQ(first.delivered.generated_J, again.delivered.generated_J);
 }
 
 TEST(ConditionTrial, AnUnstableTuningShakes) {
     Protocol protocol = protocol_of(kPlainProtocol);
     EXPECT_LT(trial_of(protocol).shaking_m_per_s, kMostShaking_m_per_s);
     protocol.conditions[0].tuning.K_P_V_per_rad = 300.0;
-    const ConditionTrial trial = trial_of(protocol);
+    const StimulusTrial trial = trial_of(protocol);
     EXPECT_GT(trial.shaking_m_per_s, kMostShaking_m_per_s);
     const ProtocolFindings findings = findings_of(protocol, {trial});
     ASSERT_FALSE(findings.empty());
@@ -69,7 +69,7 @@ TEST(ConditionTrial, SaysOfAMonitorThatTripsWhy) {
     const Protocol protocol = protocol_of(kPlainProtocol);
     StudySetting setting = study_setting(protocol, testing::folders());
     setting.device.limits.tip_speed_m_per_s = 0.01; // the hand comes down with 20 mm in 0.5 s
-    const ConditionTrial trial = try_condition(protocol, setting, all_presented(protocol)[0]);
+    const StimulusTrial trial = try_stimulus(protocol, setting, all_presented(protocol)[0]);
     EXPECT_NE(trial.trip.find("tip speed"), std::string::npos) << trial.trip;
     const ProtocolFindings findings = findings_of(protocol, {trial});
     ASSERT_EQ(findings.size(), 1U);
@@ -86,14 +86,14 @@ TEST(ConditionTrial, AHandSlidesWhereTheForceIsNotSquareToTheSurface) {
              "\"plate\"", "\"wrong_direction\"");
     Protocol protocol = protocol_of(spot_of_scene);
     protocol.conditions[0].press_N = 3.0;
-    const ConditionTrial square = trial_of(protocol);
-    EXPECT_LT(square.slid_m, kMostSlide_m);
+    const StimulusTrial square = trial_of(protocol);
+    EXPECT_LT(square.delivered.aside_m, kMostSlide_m);
     protocol.conditions[0].tuning.map = control::MotionMap::inverse;
-    const ConditionTrial askew = trial_of(protocol);
-    EXPECT_GT(askew.slid_m, kMostSlide_m);
+    const StimulusTrial askew = trial_of(protocol);
+    EXPECT_GT(askew.delivered.aside_m, kMostSlide_m);
     EXPECT_EQ(findings_of(protocol, {askew})[0].severity, Severity::error);
     protocol.conditions[0].hold = Hold::cup;
-    EXPECT_LT(trial_of(protocol).slid_m, kMostSlide_m);
+    EXPECT_LT(trial_of(protocol).delivered.aside_m, kMostSlide_m);
 }
 
 TEST(ConditionTrial, APulseAddsItsForceToThePress) {
@@ -104,11 +104,11 @@ TEST(ConditionTrial, APulseAddsItsForceToThePress) {
     condition.press_N = 0.5;
     condition.pulse_N = 2.0;  // of which the cup's spring takes K/(K + k), three quarters
     condition.pulse_hz = 5.0; // so slow that hand and windings follow
-    const ConditionTrial with_pulse = trial_of(protocol);
+    const StimulusTrial with_pulse = trial_of(protocol);
     condition.pulse_N = 0.05;
-    const ConditionTrial without = trial_of(protocol);
+    const StimulusTrial without = trial_of(protocol);
     EXPECT_EQ(with_pulse.trip, "");
-    EXPECT_GT(with_pulse.largest_force_N, without.largest_force_N + 0.2);
+    EXPECT_GT(with_pulse.delivered.peak_force_N, without.delivered.peak_force_N + 0.2);
 }
 
 /// In a cup the hand yields to a turned force, but does not slide; on a surface it slides.
@@ -116,9 +116,9 @@ TEST(ConditionTrial, ATurnedForcePushesAHandAsideThatIsNotInACup) {
     Protocol protocol = protocol_of(kPlainProtocol);
     protocol.conditions[0].turn_deg = 50.0;
     protocol.conditions[0].press_N = 1.5;
-    const ConditionTrial slides = trial_of(protocol);
+    const StimulusTrial slides = trial_of(protocol);
     EXPECT_EQ(slides.trip, "");
-    EXPECT_GT(slides.slid_m, kMostSlide_m);
+    EXPECT_GT(slides.delivered.aside_m, kMostSlide_m);
     EXPECT_EQ(findings_of(protocol, {slides})[0].severity, Severity::error);
     protocol.conditions[0].hold = Hold::cup;
     EXPECT_TRUE(findings_of(protocol, {trial_of(protocol)}).empty());
@@ -128,7 +128,7 @@ TEST(ConditionTrial, SaysOfAHandThatGivesWayToo) {
     Protocol protocol = protocol_of(kPlainProtocol);
     protocol.conditions[0].hold = Hold::cup;
     protocol.conditions[0].turn_deg = 80.0; // tan 80° = 5.7, and so many newtons along the surface
-    const ConditionTrial trial = trial_of(protocol);
+    const StimulusTrial trial = trial_of(protocol);
     EXPECT_EQ(trial.failure, StimulusFailure::too_much_work);
     const ProtocolFindings findings = findings_of(protocol, {trial});
     ASSERT_FALSE(findings.empty());
@@ -142,10 +142,10 @@ TEST(ConditionTrial, ABlowIsHarderTheFasterItIs) {
     double before_N = 0.0;
     for (const double speed_m_per_s : {0.05, 0.1, 0.2}) {
         protocol.conditions[0].speed_m_per_s = speed_m_per_s;
-        const ConditionTrial trial = trial_of(protocol);
+        const StimulusTrial trial = trial_of(protocol);
         EXPECT_EQ(trial.trip, "");
-        EXPECT_GT(trial.largest_force_N, before_N);
-        before_N = trial.largest_force_N;
+        EXPECT_GT(trial.delivered.peak_force_N, before_N);
+        before_N = trial.delivered.peak_force_N;
     }
 }
 
@@ -154,7 +154,7 @@ TEST(ConditionTrial, AStrokeTouchesNothing) {
     protocol.stimulus = StimulusForm::stroke;
     protocol.conditions[0].scene = kNoScene;
     protocol.conditions[0].spot = scene::TouchSpot{Vector3(0.0, 0.01, 0.0), Vector3::UnitY()};
-    const ConditionTrial trial = trial_of(protocol);
+    const StimulusTrial trial = trial_of(protocol);
     EXPECT_EQ(trial.trip, "");
     EXPECT_FALSE(trial.has_touched);
     EXPECT_TRUE(findings_of(protocol, {trial}).empty());
