@@ -100,8 +100,8 @@ void VisitorPort::act_made_up(const SittingState &state, SittingFrame &frame) {
     if (waits_for_key(state.step) && shown_s >= kReading_s) {
         frame.inputs.push_back(key_press("enter", now_s));
     } else if (state.step == SittingStep::response && shown_s >= kThinking_s) {
-        const study::SimulatedAnswer answer = study::simulated_answer(
-            protocol_, *made_up_, *state.trial, state.trial->presented.level);
+        const study::SimulatedAnswer answer =
+            study::simulated_answer(protocol_, *made_up_, *state.trial, state.trial->level.value());
         const auto *chosen = std::get_if<study::Chosen>(&answer.response);
         const auto alternative = static_cast<std::size_t>(chosen ? chosen->alternative - 1 : 0);
         frame.inputs.push_back(

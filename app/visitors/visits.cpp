@@ -145,10 +145,10 @@ bool Visits::reckon_rest(study::StudyStore &store) {
     const study::SimulatedParticipant visitor = made_up_visitor();
     study::Conduct how;
     how.present = [&](const study::PlannedTrial &planned) {
-        study::TrialResult result;
-        result.response =
-            study::simulated_answer(protocol, visitor, planned, planned.presented.level).response;
-        return result;
+        study::Trial trial(planned);
+        trial.response =
+            study::simulated_answer(protocol, visitor, planned, planned.level.value()).response;
+        return trial;
     };
     how.ends = [&]() -> std::optional<study::SessionEnding> {
         ParticipantPicture picture;

@@ -30,7 +30,7 @@ std::string stand_of(const study::Protocol &protocol, const study::StudyContents
     } else {
         const study::PlannedTrial &next = *progress.next;
         text = fmt::format("block {} of {} (\"{}\"), trial {}", next.place.block,
-                           protocol.blocks.size(), protocol.blocks[next.block].name,
+                           protocol.blocks.size(), protocol.blocks[progress.next_block].name,
                            next.place.position);
         if (progress.sessions == 0) {
             text = "not begun";

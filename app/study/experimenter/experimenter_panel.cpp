@@ -254,11 +254,8 @@ void draw_stimuli(ExperimenterPanelState &panel, const Rectangle &place, const S
     ImGui::TableNextColumn();
     if (state.trial) {
         const study::PlannedTrial &trial = *state.trial;
-        ui::text(kInk, "Now: {}, level {:.3g}{}", protocol.conditions[trial.condition].name,
-                 trial.presented.level,
-                 study::is_forced_choice(protocol.task.kind)
-                     ? ui::formatted(", at {}", trial.presented.target + 1)
-                     : "");
+        ui::text(kInk, "Now: {}, level {:.3g}{}", trial.condition, trial.level.value(),
+                 trial.target ? ui::formatted(", at {}", *trial.target) : "");
     }
     if (!state.trials.empty()) {
         show_last_trial(state.trials.back());

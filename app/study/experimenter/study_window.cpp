@@ -7,6 +7,7 @@
 #include "app/study/participant/monitors.h"
 #include "app/widgets/widgets.h"
 #include "base/complaint.h"
+#include "engine/study/conduct/presentation.h"
 
 #include <algorithm>
 #include <chrono>
@@ -82,7 +83,7 @@ void StudyWindow::renew_fit(const SittingState &state) {
     if (state.trials.size() != fitted_trials_ && state.trial) {
         fitted_trials_ = state.trials.size();
         const study::StudyContents contents = store_.contents();
-        fit_.request(contents, state.participant, state.trial->condition,
+        fit_.request(contents, state.participant, study::condition_of(protocol_, *state.trial),
                      study::session_of(contents, state.session).device);
     }
 }

@@ -69,7 +69,7 @@ void Sitting::wait_while_paused() {
 /// What is said before a trial.
 void Sitting::introduce(const study::PlannedTrial &planned) {
     const study::Texts &texts = plan_.protocol.texts;
-    const bool is_practice = planned.presented.kind == study::TrialKind::practice;
+    const bool is_practice = planned.is_practice;
     ParticipantPicture picture;
     if (has_presented_ && planned.place.block != last_block_) {
         begin_block();
@@ -133,12 +133,12 @@ void Sitting::practise_again() {
     try {
         for (const study::PlannedTrial &planned : practised_) {
             make_ready(planned);
-            if (const std::optional<study::TrialResult> result = present_watched(planned)) {
+            if (const std::optional<study::Trial> trial = present_watched()) {
                 ++presented;
-                for (const study::SafetyEvent &event : result->safety_events) {
+                for (const study::SafetyEvent &event : trial->safety_events) {
                     note("safety", event.text);
                 }
-                tell_of(planned, *result, false);
+                tell_of(*trial, false);
             }
         }
     } catch (const Ends &) {
@@ -151,7 +151,7 @@ void Sitting::practise_again() {
 /// Before the first trial, and whenever they have cooled below the band. A device that is stopped
 /// or lost meanwhile is for make_ready.
 /// @return whether there was anything to do
-bool Sitting::warm_up(const study::PlannedTrial &planned) {
+bool Sitting::warm_up() {
     const study::WindingBand &band = plan_.protocol.windings;
     if (!study::WarmUp::is_needed(band, study::estimated_windings_C(session_.latest()))) {
         return false;
@@ -189,7 +189,7 @@ bool Sitting::warm_up(const study::PlannedTrial &planned) {
                                      plan_.participant, band.from_C,
                                      study::description(course.failure())));
     }
-    presenter_.lead_to_start(planned);
+    presenter_.lead_to_start();
     return true;
 }
 

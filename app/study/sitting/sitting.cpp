@@ -117,7 +117,7 @@ void Sitting::note(const std::string &kind, const std::string &text) {
 /// Until the motors run.
 void Sitting::make_ready(const study::PlannedTrial &planned) {
     presenter_.set_up(planned);
-    presenter_.lead_to_start(planned);
+    presenter_.lead_to_start();
     stops_.begin_calm();
     bool is_lead_lost = false;
     while (true) {
@@ -126,7 +126,7 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
         const servo::ServoSample &latest = session_.latest();
         const bool is_there = latest.health != device::DeviceHealth::lost && session_.is_zeroed();
         if (is_there && latest.safety.state == servo::SafetyState::running) {
-            if (!warm_up(planned)) {
+            if (!warm_up()) {
                 return;
             }
             continue; // it took a while, in which anything may have happened
@@ -148,7 +148,7 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
             stops_.reset_when_calm();
         } else {
             if (std::exchange(is_lead_lost, false)) {
-                presenter_.lead_to_start(planned); // of a hand that is simulated anew
+                presenter_.lead_to_start(); // of a hand that is simulated anew
             }
             picture = presenter_.picture(SittingStep::setting_up);
             picture.text = latest.contact.touching ? plan_.protocol.texts.please_lift
@@ -160,23 +160,20 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
 }
 
 /// Feedback, which in the practice tells right from wrong. What is not stored does not come again.
-void Sitting::tell_of(const study::PlannedTrial &planned, const study::TrialResult &result,
-                      bool is_stored) {
+void Sitting::tell_of(const study::Trial &trial, bool is_stored) {
     const study::Texts &texts = plan_.protocol.texts;
-    study::Trial trial = study::before_it_is_run(plan_.protocol, planned);
-    trial.response = result.response;
     const std::optional<bool> is_right = study::is_correct(plan_.protocol.task, trial);
-    state_.marks = result.marks;
-    for (const std::string &mark : study::marks_of(plan_.protocol.marking, result.presentations)) {
+    state_.marks = trial.marks;
+    for (const std::string &mark : study::marks_of(plan_.protocol.marking, trial.presentations)) {
         state_.marks.push_back(mark);
     }
     ParticipantPicture picture;
-    if (!result.safety_events.empty()) {
+    if (!trial.safety_events.empty()) {
         return; // make_ready tells of it
     }
-    const bool is_silent = std::holds_alternative<study::NoResponse>(result.response);
+    const bool is_silent = std::holds_alternative<study::NoResponse>(trial.response);
     const bool comes_again =
-        study::comes_again(plan_.protocol.marking, state_.marks, result.response);
+        study::comes_again(plan_.protocol.marking, state_.marks, trial.response);
     if (comes_again || is_silent) {
         if (!is_stored) {
             return;
@@ -192,19 +189,19 @@ void Sitting::tell_of(const study::PlannedTrial &planned, const study::TrialResu
 }
 
 /// A stop in it is stored with it, or noted if it is not.
-std::optional<study::TrialResult> Sitting::present_watched(const study::PlannedTrial &planned) {
+std::optional<study::Trial> Sitting::present_watched() {
     stops_.begin_trial();
     try {
-        std::optional<study::TrialResult> result = presenter_.present(planned);
-        stops_.end_trial(result && !result->safety_events.empty());
-        return result;
+        std::optional<study::Trial> trial = presenter_.present();
+        stops_.end_trial(trial && !trial->safety_events.empty());
+        return trial;
     } catch (const Ends &) {
         stops_.end_trial(false);
         throw;
     }
 }
 
-std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &planned) {
+std::optional<study::Trial> Sitting::present(const study::PlannedTrial &planned) {
     try {
         introduce(planned);
         while (true) {
@@ -215,33 +212,33 @@ std::optional<study::TrialResult> Sitting::present(const study::PlannedTrial &pl
                                          {Existing::replace, Readers::owner});
             }
             orders_.repeats = false;
-            std::optional<study::TrialResult> result = present_watched(planned);
+            std::optional<study::Trial> trial = present_watched();
             session_.recording().stop();
-            if (!result) {
+            if (!trial) {
                 continue; // the device was lost: the trial begins anew when it is back
             }
             try {
-                tell_of(planned, *result, true);
+                tell_of(*trial, true);
             } catch (const Ends &ends) { // what was answered is stored all the same
                 ending_ = ends.how;
             }
             if (std::exchange(orders_.repeats, false)) {
-                result->marks.emplace_back("repeated at the experimenter's wish");
-                result->is_wanted_again = true;
+                trial->marks.emplace_back("repeated at the experimenter's wish");
+                trial->is_presented_again = true;
             }
             if (plan_.keeps_records) {
                 note_gaps_of_record();
-                result->record = store_.link_to(session_.recording().file());
+                trial->record = store_.link_to(session_.recording().file());
             }
-            const bool counts = state_.marks.empty() && result->safety_events.empty() &&
-                                !result->is_wanted_again &&
-                                !std::holds_alternative<study::NoResponse>(result->response);
-            if (planned.presented.kind == study::TrialKind::practice && counts) {
+            const bool counts = state_.marks.empty() && trial->safety_events.empty() &&
+                                !trial->is_presented_again &&
+                                !std::holds_alternative<study::NoResponse>(trial->response);
+            if (planned.is_practice && counts) {
                 practised_.push_back(planned);
             }
             has_presented_ = true;
             ++since_break_;
-            return result;
+            return trial;
         }
     } catch (const Ends &ends) {
         session_.recording().stop();
@@ -339,9 +336,8 @@ void Sitting::recall_practice() {
             practised_.clear();
         }
         was_practising_ = trial.is_practice;
-        const std::optional<study::PlannedTrial> planned = sequence.next();
-        if (planned && trial.is_practice && trial.marks.empty()) {
-            practised_.push_back(*planned);
+        if (trial.is_practice && trial.marks.empty()) {
+            practised_.push_back(trial);
         }
         sequence.add(trial);
     }

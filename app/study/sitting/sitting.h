@@ -58,7 +58,7 @@ private:
     void show_until_key(SittingStep step, const ParticipantPicture &picture);
     [[nodiscard]] bool is_answer_key(const std::vector<ParticipantInput> &inputs) const;
 
-    [[nodiscard]] std::optional<study::TrialResult> present(const study::PlannedTrial &planned);
+    [[nodiscard]] std::optional<study::Trial> present(const study::PlannedTrial &planned);
     void introduce(const study::PlannedTrial &planned);
     void end_practice();
     void practise_again();
@@ -68,7 +68,7 @@ private:
     void take_break(double seconds);
     void begin_block();
     void wait_while_paused();
-    [[nodiscard]] bool warm_up(const study::PlannedTrial &planned);
+    [[nodiscard]] bool warm_up();
     void begin();
     [[nodiscard]] std::optional<study::SessionEnding> ask_after_last();
     void say_goodbye();
@@ -80,10 +80,8 @@ private:
     void make_ready(const study::PlannedTrial &planned);
     void note(const std::string &kind, const std::string &text);
     void note_gaps_of_record();
-    [[nodiscard]] std::optional<study::TrialResult>
-    present_watched(const study::PlannedTrial &planned);
-    void tell_of(const study::PlannedTrial &planned, const study::TrialResult &result,
-                 bool is_stored);
+    [[nodiscard]] std::optional<study::Trial> present_watched();
+    void tell_of(const study::Trial &trial, bool is_stored);
     void note_trials();
     [[nodiscard]] std::optional<study::SessionEnding> ending_before_next();
     [[nodiscard]] study::Session begun() const;

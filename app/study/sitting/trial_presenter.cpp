@@ -107,11 +107,13 @@ void TrialPresenter::load(const std::filesystem::path &scene) {
 }
 
 void TrialPresenter::set_up(const study::PlannedTrial &planned) {
-    set_up(study::intervals_of(it_.protocol, planned).front());
+    trial_ = study::Trial(planned);
+    intervals_ = study::intervals_of(it_.protocol, planned);
+    set_up(intervals_.front());
 }
 
-void TrialPresenter::set_up(const study::Interval &interval) {
-    const study::Condition &condition = interval.presented.parameters;
+void TrialPresenter::set_up(const study::Presented &presented) {
+    const study::Condition &condition = presented.parameters;
     session::Session &session = it_.session;
     if (session.servo().rate_hz() != condition.servo_hz) {
         session.set_servo_rate(condition.servo_hz);
@@ -120,11 +122,11 @@ void TrialPresenter::set_up(const study::Interval &interval) {
         session.simulation().delay_periods != condition.delay_periods) {
         session.set_delay(condition.delay_periods);
     }
-    const scene::TouchSpot &spot = it_.setting.conditions[interval.presented.condition].spot;
+    const scene::TouchSpot &spot = it_.setting.conditions[presented.condition].spot;
     if (!has_scene(condition)) {
         shown_scene_.clear();
         session.servo().touch_nothing();
-        session.tuning().replace(interval.presented.free_space, session.plot_time_s(),
+        session.tuning().replace(presented.free_space, session.plot_time_s(),
                                  "of an interval in free space");
         return;
     }
@@ -139,28 +141,28 @@ void TrialPresenter::set_up(const study::Interval &interval) {
         it_.port.show_scene(session.scenes().now().scene, spot);
     }
     session.servo().touch(session.scenes().now().surface, session.scenes().id(),
-                          interval.presented.free_space);
+                          presented.free_space);
 }
 
-void TrialPresenter::lead_to_start(const study::PlannedTrial &planned) {
+void TrialPresenter::lead_to_start() {
     if (!it_.session.hand().is_simulated()) {
         return;
     }
-    const study::Interval first = study::intervals_of(it_.protocol, planned).front();
-    const Vector3 start_m = study::stimulus_of(it_.protocol, it_.setting, first.presented).start_m;
+    const Vector3 start_m =
+        study::stimulus_of(it_.protocol, it_.setting, intervals_.front()).start_m;
     it_.session.follow_path(simulated::HandPath({{0.0, start_m}}));
 }
 
 /// The same for every condition and level: from the touch until the hand has left, the ball stays
 /// at the spot, wherever the tip yields to. A stroke is in free space.
-ParticipantPicture TrialPresenter::interval_picture(const study::Interval &interval) const {
+ParticipantPicture TrialPresenter::interval_picture(const study::Presented &presented) const {
     ParticipantPicture shown = picture(SittingStep::interval);
     const study::Texts &texts = it_.protocol.texts;
     if (it_.protocol.task.kind == study::TaskKind::forced_choice_by_interval) {
         shown.heading = it_.state.interval == 0   ? texts.first_interval
                         : it_.state.interval == 1 ? texts.second_interval
                                                   : fmt::format("{}", it_.state.interval + 1);
-    } else if (!interval.is_comparison) {
+    } else if (!presented.level) {
         shown.heading = texts.show_standard;
     }
     const study::StimulusPhase phase = live_->phase();
@@ -175,7 +177,7 @@ ParticipantPicture TrialPresenter::interval_picture(const study::Interval &inter
         (phase == study::StimulusPhase::presenting || phase == study::StimulusPhase::gliding_back ||
          phase == study::StimulusPhase::leaving);
     if (shown.scene == SceneShown::scene) {
-        const std::size_t condition = it_.state.trial->condition;
+        const std::size_t condition = study::condition_of(it_.protocol, trial_);
         shown.tip_m = is_in_contact ? it_.setting.conditions[condition].spot.point_m
                                     : it_.session.latest().tip_m;
     }
@@ -183,37 +185,34 @@ ParticipantPicture TrialPresenter::interval_picture(const study::Interval &inter
 }
 
 /// Steps of an adjustment; its last key ends the presentation.
-void TrialPresenter::adjust(study::LiveStimulus &live, const study::PlannedTrial &planned,
-                            const std::vector<ParticipantInput> &inputs) {
+void TrialPresenter::adjust(const std::vector<ParticipantInput> &inputs) {
     const auto &method = std::get<study::Adjustment>(it_.protocol.method);
     const double least = study::on_scale(method.scale, method.minimum_level);
     const double most = study::on_scale(method.scale, method.maximum_level);
     for (const ParticipantInput &input : inputs) {
         const std::optional<std::size_t> key = alternative_of(it_.protocol.responses, input);
-        if (!key || live.phase() != study::StimulusPhase::presenting) {
+        if (!key || live_->phase() != study::StimulusPhase::presenting) {
             continue;
         }
         if (*key == 2) {
             is_adjusted_ = true;
-            live.finish();
+            live_->finish();
             return;
         }
         const double step = (*key == 0 ? -1.0 : 1.0) * (most - least) / kAdjustingSteps;
         adjusted_ = study::level_from(
             method.scale,
             std::clamp(study::on_scale(method.scale, *adjusted_) + step, least, most));
-        live.set_contact(
-            study::comparison_at(it_.protocol, planned, *adjusted_).presented.parameters.tuning);
+        live_->set_contact(
+            study::comparison_at(it_.protocol, trial_, *adjusted_).parameters.tuning);
     }
 }
 
 /// Presents one interval. @return false if the device was lost in the midst of it
-bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Interval &interval,
-                          study::TrialResult &result) {
-    set_up(interval);
+bool TrialPresenter::feel(const study::Presented &presented) {
+    set_up(presented);
     session::Session &session = it_.session;
-    const study::Stimulus stimulus =
-        study::stimulus_of(it_.protocol, it_.setting, interval.presented);
+    const study::Stimulus stimulus = study::stimulus_of(it_.protocol, it_.setting, presented);
     retired_.push_back(std::move(live_));
     live_ = std::make_unique<study::LiveStimulus>(session.description(), stimulus,
                                                   session.servo().period_s());
@@ -222,20 +221,19 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
     if (session.hand().is_simulated()) {
         session.follow_path(simulated::HandPath({{0.0, stimulus.start_m}}));
         path = path_after_rest(
-            study::hand_course(it_.setting, interval.presented, stimulus, study::HandDeviation{}),
-            stimulus);
+            study::hand_course(it_.setting, presented, stimulus, study::HandDeviation{}), stimulus);
     }
     session.servo().follow(live_.get());
     const bool adjusts =
-        it_.protocol.task.kind == study::TaskKind::adjustment && interval.is_comparison;
+        it_.protocol.task.kind == study::TaskKind::adjustment && presented.level.has_value();
     while (!live_->is_over()) {
         it_.state.phase = live_->phase();
         if (path && it_.state.phase != study::StimulusPhase::waiting) {
             session.follow_path(*std::exchange(path, std::nullopt));
         }
-        const SittingFrame frame = it_.show(interval_picture(interval));
+        const SittingFrame frame = it_.show(interval_picture(presented));
         if (adjusts) {
-            adjust(*live_, planned, frame.inputs);
+            adjust(frame.inputs);
         }
         // An answer may be given before the hand has left.
         early_.insert(early_.end(), frame.inputs.begin(), frame.inputs.end());
@@ -249,7 +247,7 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
         delivered.lateness_s = 0.0; // it waits for the servo: the stimulus is none the later
     }
     study::Presentation presentation = study::presentation_of(
-        study::intended_measures(it_.protocol, it_.setting, interval.presented), delivered);
+        study::intended_measures(it_.protocol, it_.setting, presented), delivered);
     if (adjusts) { // the level changed while it was felt: only to be in time is intended
         for (study::StimulusValue &value : presentation.values) {
             if (value.name != "lateness_s") {
@@ -261,16 +259,16 @@ bool TrialPresenter::feel(const study::PlannedTrial &planned, const study::Inter
     presentation.end_s = live_->ended_s();
     ended_s_ = live_->ended_s();
     if (live_->failure() == study::StimulusFailure::tripped) {
-        result.safety_events.push_back({live_->failed_s(), servo::description(live_->trip())});
+        trial_.safety_events.push_back({live_->failed_s(), servo::description(live_->trip())});
     } else if (live_->failure() != study::StimulusFailure::none) {
-        result.marks.emplace_back(study::description(live_->failure()));
+        trial_.marks.emplace_back(study::description(live_->failure()));
     }
-    result.missed_deadlines += delivered.missed_deadlines;
-    result.windings_degC = {delivered.winding_C[0], delivered.winding_C[1], delivered.winding_C[2]};
-    if (interval.is_comparison) {
-        result.tuning = study::settings_of(interval.presented.parameters);
+    trial_.missed_deadlines += delivered.missed_deadlines;
+    trial_.windings_degC = {delivered.winding_C[0], delivered.winding_C[1], delivered.winding_C[2]};
+    if (presented.level) {
+        trial_.tuning = study::settings_of(presented.parameters);
     }
-    result.presentations.push_back(std::move(presentation));
+    trial_.presentations.push_back(std::move(presentation));
     return true;
 }
 
@@ -279,12 +277,11 @@ Vector3 TrialPresenter::way_off() const {
     if (it_.protocol.stimulus == study::StimulusForm::stroke) {
         return Vector3::Zero();
     }
-    const study::Interval last = study::intervals_of(it_.protocol, *it_.state.trial).back();
-    return it_.setting.conditions[last.presented.condition].spot.normal;
+    return it_.setting.conditions[intervals_.back().condition].spot.normal;
 }
 
-/// Nothing if the device was lost meanwhile. A stop is stored with the trial, unanswered.
-std::optional<TrialPresenter::Answer> TrialPresenter::ask(study::TrialResult &result) {
+/// A stop is stored with the trial, unanswered. @return false if the device was lost meanwhile
+bool TrialPresenter::ask() {
     ParticipantPicture shown = picture(SittingStep::response);
     shown.text = it_.protocol.texts.respond;
     shown.choices = choices_of(it_.protocol);
@@ -293,70 +290,66 @@ std::optional<TrialPresenter::Answer> TrialPresenter::ask(study::TrialResult &re
     // Whoever holds on after the end is asked later, and has as long to answer.
     const double until_s =
         std::max(ended_s_, it_.session.servo().now_s()) + it_.protocol.timing.response_s;
+    const auto answer = [this](std::size_t alternative, double time_s) {
+        trial_.response = response_of(it_.protocol.task, alternative);
+        trial_.response_time_s = time_s;
+        return true;
+    };
     while (true) {
         const double now_s = it_.session.servo().now_s();
         if (is_device_lost()) {
-            return std::nullopt;
+            return false;
         }
         if (const servo::SafetyStatus &safety = it_.session.latest().safety;
             safety.state == servo::SafetyState::tripped) {
-            result.safety_events.push_back({now_s, servo::description(safety)});
-            return Answer{study::NoResponse{}, std::nullopt};
+            trial_.safety_events.push_back({now_s, servo::description(safety)});
+            return true;
         }
         for (const ParticipantInput &input : inputs) {
             const std::optional<std::size_t> given = alternative_of(it_.protocol.responses, input);
             const double after_s = input.clock_s - ended_s_;
             if (given && after_s >= 0.0 && input.clock_s <= until_s) {
-                return Answer{response_of(it_.protocol.task, *given), after_s};
+                return answer(*given, after_s);
             }
         }
         if (now_s > until_s) {
-            return Answer{study::NoResponse{}, std::nullopt};
+            return true;
         }
         const Vector3 moved_m = gesture.moved_m(it_.session.latest(), now_s);
         if (const auto moved = alternative_of(it_.protocol.responses, moved_m)) {
-            return Answer{response_of(it_.protocol.task, *moved), now_s - ended_s_};
+            return answer(*moved, now_s - ended_s_);
         }
         inputs = it_.show(shown).inputs;
     }
 }
 
-std::optional<study::TrialResult> TrialPresenter::present(const study::PlannedTrial &planned) {
-    study::TrialResult result;
-    const std::vector<study::Interval> intervals = study::intervals_of(it_.protocol, planned);
-    it_.state.trial = planned;
-    it_.state.intervals = intervals.size();
+std::optional<study::Trial> TrialPresenter::present() {
+    it_.state.trial = trial_;
+    it_.state.intervals = intervals_.size();
     it_.state.marks.clear();
     is_adjusted_ = false;
-    adjusted_ = planned.presented.level;
-    for (std::size_t i = 0; i < intervals.size(); ++i) {
+    adjusted_ = trial_.level;
+    for (std::size_t i = 0; i < intervals_.size(); ++i) {
         it_.state.interval = i;
         if (i > 0) {
             wait(it_.protocol.timing.pause_s, picture(SittingStep::between_intervals));
         }
-        if (!feel(planned, intervals[i], result)) {
+        if (!feel(intervals_[i])) {
             return std::nullopt;
         }
-        if (!result.safety_events.empty() || !result.marks.empty()) {
-            result.response = study::NoResponse{};
-            return result; // there is nothing to answer to
+        if (!trial_.safety_events.empty() || !trial_.marks.empty()) {
+            return trial_; // there is nothing to answer to
         }
     }
     if (it_.protocol.task.kind == study::TaskKind::adjustment) {
         if (is_adjusted_) {
-            result.response = study::Adjusted{*adjusted_};
-            result.tuning = study::settings_of(
-                study::comparison_at(it_.protocol, planned, *adjusted_).presented.parameters);
+            trial_.response = study::Adjusted{*adjusted_};
+            trial_.tuning = study::settings_of(
+                study::comparison_at(it_.protocol, trial_, *adjusted_).parameters);
         }
-        return result;
+        return trial_;
     }
-    const std::optional<Answer> answer = ask(result);
-    if (!answer) {
-        return std::nullopt;
-    }
-    result.response = answer->response;
-    result.response_time_s = answer->time_s;
-    return result;
+    return ask() ? std::optional(trial_) : std::nullopt;
 }
 
 } // namespace springdrive::app::study_screen

@@ -11,7 +11,7 @@
 #include "app/study/sitting/sitting_state.h"
 #include "engine/session/session.h"
 #include "engine/study/conduct/conduct.h"
-#include "engine/study/conduct/intervals.h"
+#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/stimuli/live_stimulus.h"
@@ -44,37 +44,34 @@ public:
     TrialPresenter(const TrialPresenter &) = delete;
     TrialPresenter &operator=(const TrialPresenter &) = delete;
 
-    /// Scene, servo rate and delay of the first interval, so that the device can start.
+    /// The trial that comes next. Scene, servo rate and delay of its first interval, so that the
+    /// device can start.
     void set_up(const study::PlannedTrial &planned);
 
-    /// Nothing if the device was lost in the midst of it. @pre the motors run
-    [[nodiscard]] std::optional<study::TrialResult> present(const study::PlannedTrial &planned);
+    /// The trial that was set up, filled to its response and time. Nothing if the device was lost
+    /// in the midst of it. @pre the motors run
+    [[nodiscard]] std::optional<study::Trial> present();
 
     /// The standard picture of an interval: scene, or nothing.
     [[nodiscard]] ParticipantPicture picture(SittingStep step) const;
 
     /// Leads a simulated hand to where the trial's intervals start.
-    void lead_to_start(const study::PlannedTrial &planned);
+    void lead_to_start();
 
 private:
-    struct Answer {
-        study::Response response;
-        std::optional<double> time_s;
-    };
-
     void load(const std::filesystem::path &scene);
-    void set_up(const study::Interval &interval);
-    [[nodiscard]] bool feel(const study::PlannedTrial &planned, const study::Interval &interval,
-                            study::TrialResult &result);
-    [[nodiscard]] ParticipantPicture interval_picture(const study::Interval &interval) const;
+    void set_up(const study::Presented &presented);
+    [[nodiscard]] bool feel(const study::Presented &presented);
+    [[nodiscard]] ParticipantPicture interval_picture(const study::Presented &presented) const;
     [[nodiscard]] Vector3 way_off() const;
-    [[nodiscard]] std::optional<Answer> ask(study::TrialResult &result);
-    void adjust(study::LiveStimulus &live, const study::PlannedTrial &planned,
-                const std::vector<ParticipantInput> &inputs);
+    [[nodiscard]] bool ask();
+    void adjust(const std::vector<ParticipantInput> &inputs);
     [[nodiscard]] bool is_device_lost() const;
     void wait(double seconds, const ParticipantPicture &shown);
 
     Presenting it_;
+    study::Trial trial_;                        ///< the present one, so far
+    std::vector<study::Presented> intervals_;   ///< of it
     std::unique_ptr<study::LiveStimulus> live_; ///< the last one
     /// Those before, which the servo may use until it has taken the last one up.
     std::vector<std::unique_ptr<study::LiveStimulus>> retired_;

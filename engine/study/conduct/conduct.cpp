@@ -14,24 +14,14 @@ namespace springdrive::study {
 
 namespace {
 
-Trial stored_form(const Protocol &protocol, const Session &session, const PlannedTrial &planned,
-                  TrialResult result, UtcTime at) {
-    Trial trial = before_it_is_run(protocol, planned);
-    const bool was_broken_off = !result.marks.empty() || !result.safety_events.empty();
+/// What is stored with it besides what came of it, and why it does not count.
+void complete(Trial &trial, const Protocol &protocol, const Session &session, UtcTime at) {
+    const bool was_broken_off = !trial.marks.empty() || !trial.safety_events.empty();
     trial.participant = session.participant;
     trial.session = session.id;
     trial.software = session.software;
     trial.at = at;
-    trial.presentations = std::move(result.presentations);
-    trial.response = result.response;
-    trial.response_time_s = result.response_time_s;
     trial.is_correct = is_correct(protocol.task, trial);
-    trial.tuning = std::move(result.tuning);
-    trial.windings_degC = std::move(result.windings_degC);
-    trial.safety_events = std::move(result.safety_events);
-    trial.missed_deadlines = result.missed_deadlines;
-    trial.record = std::move(result.record);
-    trial.marks = std::move(result.marks);
     for (std::string &mark : marks_of(protocol.marking, trial.presentations)) {
         trial.marks.push_back(std::move(mark));
     }
@@ -45,8 +35,7 @@ Trial stored_form(const Protocol &protocol, const Session &session, const Planne
                                                      : protocol.timing.response_s));
     }
     trial.is_presented_again =
-        result.is_wanted_again || comes_again(protocol.marking, trial.marks, trial.response);
-    return trial;
+        trial.is_presented_again || comes_again(protocol.marking, trial.marks, trial.response);
 }
 
 SessionEnding run_trials(StudyStore &store, const Protocol &protocol, const Session &session,
@@ -62,15 +51,15 @@ SessionEnding run_trials(StudyStore &store, const Protocol &protocol, const Sess
         if (const std::optional<SessionEnding> ending = how.ends()) {
             return *ending;
         }
-        std::optional<TrialResult> result = how.present(*planned);
-        if (!result) {
+        std::optional<Trial> trial = how.present(*planned);
+        if (!trial) {
             return how.ends().value_or(SessionEnding::device_lost);
         }
-        trips += result->safety_events.empty() ? 0 : 1;
+        trips += trial->safety_events.empty() ? 0 : 1;
         const UtcTime at = how.now();
-        const Trial trial = stored_form(protocol, session, *planned, std::move(*result), at);
-        store.append(trial);
-        sequence.add(trial);
+        complete(*trial, protocol, session, at);
+        store.append(*trial);
+        sequence.add(*trial);
         if (trips > protocol.stopping.most_trips && sequence.next()) {
             return SessionEnding::safety_trip;
         }

@@ -13,24 +13,13 @@
 
 namespace springdrive::study {
 
-/// What came of presenting a trial.
-struct TrialResult {
-    std::vector<Presentation> presentations;
-    Response response;
-    std::optional<double> response_time_s;
-    std::vector<Setting> tuning; ///< in force in contact
-    std::vector<std::optional<double>> windings_degC;
-    std::vector<SafetyEvent> safety_events; ///< one at least if the safety monitor tripped
-    std::uint64_t missed_deadlines = 0;
-    std::optional<RecordLink> record;
-    std::vector<std::string> marks; ///< why it does not count, besides those of marking.h
-    bool is_wanted_again = false;   ///< and marked; whatever the protocol says of repeating
-};
-
 struct Conduct {
-    /// Presents a trial and takes the answer. Nothing if the device was lost, or the session was
-    /// stopped, in the midst of it: then the trial did not take place, and comes again.
-    std::function<std::optional<TrialResult>(const PlannedTrial &)> present;
+    /// Presents a trial and takes the answer: the planned trial, filled to its response and time;
+    /// with marks besides those of marking.h, and if it is to be presented again whatever the
+    /// protocol says of repeating, so told by a mark, with `is_presented_again`. Nothing if the
+    /// device was lost, or the session was stopped, in the midst of it: then the trial did not take
+    /// place, and comes again.
+    std::function<std::optional<Trial>(const PlannedTrial &)> present;
     /// Before each trial: nothing to go on, or how the session ends. Also asked after `present`
     /// gave nothing; without an answer the device is lost.
     std::function<std::optional<SessionEnding>()> ends;

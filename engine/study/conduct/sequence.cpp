@@ -6,7 +6,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <utility>
+#include <string>
+#include <variant>
 
 namespace springdrive::study {
 
@@ -22,10 +23,15 @@ RandomKey block_key(RandomKey participant, std::size_t place, DrawnInBlock what)
 }
 
 bool presents_the_same(const PlannedTrial &one, const PlannedTrial &other) {
-    return one.presented.kind == other.presented.kind &&
-           one.presented.series == other.presented.series &&
-           one.presented.track == other.presented.track &&
-           one.presented.level == other.presented.level;
+    return one.is_practice == other.is_practice && one.is_catch == other.is_catch &&
+           one.condition == other.condition && one.track == other.track && one.level == other.level;
+}
+
+/// Names of tracks, from 1; empty where there is one only.
+std::string track_name(const Method &method, int track) {
+    const auto *staircases = std::get_if<Staircases>(&method);
+    const bool has_several = staircases != nullptr && staircases->start_levels.size() > 1;
+    return has_several ? std::to_string(track + 1) : std::string();
 }
 
 } // namespace
@@ -56,12 +62,20 @@ std::optional<PlannedTrial> Sequence::next() const {
     const std::size_t place = ended_.size();
     PlannedTrial trial;
     trial.place = {static_cast<int>(place) + 1, position_, 1};
-    trial.block = static_cast<std::size_t>(order_[place]);
-    trial.condition =
-        protocol_.blocks[trial.block].conditions[static_cast<std::size_t>(presented->series)];
-    trial.presented = *presented;
-    trial.key =
-        child(block_key(key_, place, DrawnInBlock::trials), static_cast<std::uint64_t>(position_));
+    const ProtocolBlock &block = protocol_.blocks[static_cast<std::size_t>(order_[place])];
+    const auto series = static_cast<std::size_t>(presented->series);
+    trial.condition = protocol_.conditions[block.conditions[series]].name;
+    trial.track = track_name(protocol_.method, presented->track);
+    trial.is_practice = presented->kind == TrialKind::practice;
+    trial.is_catch = presented->kind == TrialKind::catch_trial;
+    trial.seed =
+        child(block_key(key_, place, DrawnInBlock::trials), static_cast<std::uint64_t>(position_))
+            .bits;
+    trial.level_name = level_name_of(protocol_);
+    trial.level = presented->level;
+    if (is_forced_choice(protocol_.task.kind)) {
+        trial.target = presented->target + 1;
+    }
     const auto again = std::ranges::find_if(
         marked_, [&trial](const PlannedTrial &before) { return presents_the_same(before, trial); });
     if (again != marked_.end()) {
@@ -72,7 +86,7 @@ std::optional<PlannedTrial> Sequence::next() const {
 
 void Sequence::add(const Trial &trial) {
     const std::optional<PlannedTrial> planned = next();
-    if (!planned || !is_of(protocol_, *planned, trial)) {
+    if (!planned || *planned != trial) {
         throw InputError(fmt::format(
             "{} of participant {} is not what the study's protocol presents there: it was run with "
             "another protocol or version; keep this study as it is, and go on in a new one",
@@ -87,10 +101,10 @@ void Sequence::add(const Trial &trial) {
     if (outcome.marked) {
         marked_.push_back(*planned);
     }
-    run_->add({planned->presented, outcome});
+    run_->add({*run_->next(), outcome});
     ++position_;
     if (const BlockState state = run_->state(); state != BlockState::running) {
-        ended_.push_back({planned->block, state});
+        ended_.push_back({static_cast<std::size_t>(order_[ended_.size()]), state});
         begin_block();
     }
 }

@@ -17,19 +17,6 @@
 
 namespace springdrive::study {
 
-/// A trial that is to be run.
-struct PlannedTrial {
-    TrialPlace place;
-    std::size_t block = 0;     ///< index into `Protocol::blocks`
-    std::size_t condition = 0; ///< index into `Protocol::conditions`
-    BlockTrial presented;
-    RandomKey key; ///< of whatever else is drawn in it
-    /// The marked trial whose level is presented again.
-    std::optional<TrialPlace> repetition_of;
-
-    friend bool operator==(const PlannedTrial &, const PlannedTrial &) = default;
-};
-
 /// A block that was begun and ended.
 struct EndedBlock {
     std::size_t block = 0; ///< index into `Protocol::blocks`

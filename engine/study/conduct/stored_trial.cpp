@@ -4,17 +4,6 @@
 
 namespace springdrive::study {
 
-namespace {
-
-/// Names of tracks, from 1; empty where there is one only.
-std::string track_name(const Method &method, int track) {
-    const auto *staircases = std::get_if<Staircases>(&method);
-    const bool has_several = staircases != nullptr && staircases->start_levels.size() > 1;
-    return has_several ? std::to_string(track + 1) : std::string();
-}
-
-} // namespace
-
 std::string level_name_of(const Protocol &protocol) {
     switch (protocol.variable.level) {
     case LevelMeaning::added:
@@ -25,32 +14,6 @@ std::string level_name_of(const Protocol &protocol) {
         break;
     }
     return protocol.variable.parameter;
-}
-
-Trial before_it_is_run(const Protocol &protocol, const PlannedTrial &planned) {
-    Trial trial;
-    trial.place = planned.place;
-    trial.condition = protocol.conditions[planned.condition].name;
-    trial.track = track_name(protocol.method, planned.presented.track);
-    trial.is_practice = planned.presented.kind == TrialKind::practice;
-    trial.is_catch = planned.presented.kind == TrialKind::catch_trial;
-    trial.seed = planned.key.bits;
-    trial.level_name = level_name_of(protocol);
-    trial.level = planned.presented.level;
-    if (is_forced_choice(protocol.task.kind)) {
-        trial.target = planned.presented.target + 1;
-    }
-    trial.repetition_of = planned.repetition_of;
-    return trial;
-}
-
-bool is_of(const Protocol &protocol, const PlannedTrial &planned, const Trial &trial) {
-    const Trial wanted = before_it_is_run(protocol, planned);
-    return trial.place == wanted.place && trial.condition == wanted.condition &&
-           trial.track == wanted.track && trial.is_practice == wanted.is_practice &&
-           trial.is_catch == wanted.is_catch && trial.seed == wanted.seed &&
-           trial.level_name == wanted.level_name && trial.level == wanted.level &&
-           trial.target == wanted.target && trial.repetition_of == wanted.repetition_of;
 }
 
 std::optional<bool> is_correct(const Task &task, const Trial &trial) {

@@ -1,8 +1,10 @@
-// Between a trial as it is planned and as it is stored.
+// What is read from a trial: its level's name, whether its answer is right, what the method learns.
 #pragma once
 
-#include "engine/study/conduct/sequence.h"
+#include "engine/study/protocol/protocol.h"
+#include "engine/study/store/study_contents.h"
 
+#include <optional>
 #include <string>
 
 namespace springdrive::study {
@@ -10,12 +12,6 @@ namespace springdrive::study {
 /// The name of what a level is: the parameter under test with its unit, such as "turn_deg"; with
 /// "_added" or "_taken_off" where levels are differences from the standard.
 [[nodiscard]] std::string level_name_of(const Protocol &protocol);
-
-/// What is known of a trial before it is run. Participant and session are left empty.
-[[nodiscard]] Trial before_it_is_run(const Protocol &protocol, const PlannedTrial &planned);
-
-/// Whether a stored trial is the planned one: place, condition, track, kind, level, target, key.
-[[nodiscard]] bool is_of(const Protocol &protocol, const PlannedTrial &planned, const Trial &trial);
 
 /// Whether the response is the right one; nothing without a response, and where the task has no
 /// right one: yes/no and adjustment.

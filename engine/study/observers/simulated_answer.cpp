@@ -14,7 +14,8 @@ enum class Drawn : std::uint64_t { bias, perception, guess, time };
 
 RandomKey key_of_draw(const SimulatedParticipant &participant, const PlannedTrial &planned,
                       Drawn what) {
-    return child(child(planned.key, participant.seed), static_cast<std::uint64_t>(what));
+    return child(child(RandomKey{planned.seed}, participant.seed),
+                 static_cast<std::uint64_t>(what));
 }
 
 /// In (0, 1): no end of a distribution is drawn.
@@ -54,7 +55,7 @@ Response response_of(const Protocol &protocol, const SimulatedParticipant &parti
     if (is_biased) {
         return Chosen{participant.bias > 0.0 ? 1 : alternatives};
     }
-    const int right = planned.presented.target + 1;
+    const int right = planned.target.value();
     if (is_positive) {
         return Chosen{right};
     }

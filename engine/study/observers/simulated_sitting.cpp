@@ -1,6 +1,5 @@
 #include "engine/study/observers/simulated_sitting.h"
 
-#include "engine/study/conduct/intervals.h"
 #include "engine/study/conduct/presentation.h"
 #include "engine/study/observers/felt_level.h"
 #include "engine/study/observers/simulated_answer.h"
@@ -61,31 +60,32 @@ public:
         motors_ = {air_C, air_C};
     }
 
-    TrialResult present(const PlannedTrial &planned) {
-        TrialResult result;
+    Trial present(const PlannedTrial &planned) {
+        Trial trial(planned);
         std::optional<FeltPresentation> comparison;
         std::optional<FeltPresentation> standard;
         double begins_s = 0.0;
-        warm_if_needed(result);
-        const std::vector<Interval> intervals = intervals_of(protocol_, planned);
+        warm_if_needed(trial);
+        const std::vector<Presented> intervals = intervals_of(protocol_, planned);
         for (std::size_t i = 0; i < intervals.size(); ++i) {
-            const Felt felt = feel(intervals[i], child(child(planned.key, kHandDraws), i));
-            add(result, felt, begins_s);
-            pass(felt.duration_s + (i > 0 ? protocol_.timing.pause_s : 0.0), felt);
-            begins_s = *result.presentations.back().end_s + protocol_.timing.pause_s;
-            (intervals[i].is_comparison ? comparison : standard) = felt.what;
-            if (intervals[i].is_comparison) {
-                result.tuning = settings_of(felt.what.condition);
+            const Felt felt =
+                feel(intervals[i], child(child(RandomKey{planned.seed}, kHandDraws), i));
+            add(trial, felt, begins_s);
+            pass(felt.seen.duration_s + (i > 0 ? protocol_.timing.pause_s : 0.0), felt.seen);
+            begins_s = *trial.presentations.back().end_s + protocol_.timing.pause_s;
+            (intervals[i].level ? comparison : standard) = felt.what;
+            if (intervals[i].level) {
+                trial.tuning = settings_of(felt.what.condition);
             }
         }
-        result.windings_degC = {motors_.winding_C[0], motors_.winding_C[1], motors_.winding_C[2]};
+        trial.windings_degC = {motors_.winding_C[0], motors_.winding_C[1], motors_.winding_C[2]};
         motors_ = cooled(setting_.device, protocol_.windings.air_C, motors_,
                          protocol_.timing.expected_response_s + protocol_.timing.between_trials_s);
         const double level = delivered_level(protocol_, *comparison, standard);
         const SimulatedAnswer answer = simulated_answer(protocol_, participant_, planned, level);
-        result.response = answer.response;
-        result.response_time_s = answer.response_time_s;
-        return result;
+        trial.response = answer.response;
+        trial.response_time_s = answer.response_time_s;
+        return trial;
     }
 
     [[nodiscard]] double warm_up_s() const { return warm_up_s_; }
@@ -93,25 +93,20 @@ public:
 private:
     struct Felt {
         FeltPresentation what;
-        DeliveredStimulus delivered;
-        StimulusFailure failure = StimulusFailure::none;
-        std::string trip;
-        double duration_s = 0.0;
-        MotorTemperatures rise_K; ///< by its heat
+        StimulusTrial seen;
     };
     /// Condition, level or none, and place.
     using Distinct = std::tuple<std::size_t, std::optional<double>, int>;
 
-    Felt feel(const Interval &interval, RandomKey key) {
+    Felt feel(const Presented &presented, RandomKey key) {
         if (felt_ == FeltStimuli::each_simulated) {
-            return simulate(interval.presented, &key);
+            return simulate(presented, &key);
         }
-        const Distinct which{interval.presented.condition, interval.presented.level,
-                             interval.target};
+        const Distinct which{presented.condition, presented.level, presented.target};
         const auto known = measured_.find(which);
         return known != measured_.end()
                    ? known->second
-                   : measured_.emplace(which, simulate(interval.presented, nullptr)).first->second;
+                   : measured_.emplace(which, simulate(presented, nullptr)).first->second;
     }
 
     /// @param key  of the hand's deviations; null: none
@@ -121,19 +116,15 @@ private:
         if (key != nullptr) {
             circumstances.hand = hand_of(*key, stimulus_of(protocol_, setting_, presented).frame);
         }
-        const StimulusTrial trial = try_stimulus(protocol_, setting_, presented, circumstances);
+        const StimulusTrial seen = try_stimulus(protocol_, setting_, presented, circumstances);
         return {{presented.parameters, intended_measures(protocol_, setting_, presented),
-                 trial.delivered.measures},
-                trial.delivered,
-                trial.failure,
-                trial.trip,
-                trial.duration_s,
-                {trial.winding_rise_K, trial.housing_rise_K}};
+                 seen.delivered.measures},
+                seen};
     }
 
     /// What a participant is presented is simulated from what the first one
     /// leaves, so that no result depends on the trials before.
-    void warm_if_needed(TrialResult &result) {
+    void warm_if_needed(Trial &trial) {
         if (!WarmUp::is_needed(protocol_.windings, motors_.winding_C)) {
             return;
         }
@@ -144,29 +135,30 @@ private:
             warmed_C_ = meeting_C(setting_.device, motors_);
         }
         if (!warm_up.trip.empty()) {
-            result.safety_events.push_back({warm_up.duration_s, warm_up.trip});
+            trial.safety_events.push_back({warm_up.duration_s, warm_up.trip});
         } else if (warm_up.failure != WarmUpFailure::none) {
-            result.marks.emplace_back(description(warm_up.failure));
+            trial.marks.emplace_back(description(warm_up.failure));
         }
     }
 
-    void pass(double seconds, const Felt &felt) {
+    void pass(double seconds, const StimulusTrial &seen) {
         motors_ = cooled(setting_.device, protocol_.windings.air_C, motors_, seconds);
-        motors_.winding_C += felt.rise_K.winding_C;
-        motors_.housing_C += felt.rise_K.housing_C;
+        motors_.winding_C += seen.winding_rise_K;
+        motors_.housing_C += seen.housing_rise_K;
     }
 
-    static void add(TrialResult &result, const Felt &felt, double begins_s) {
-        Presentation presentation = presentation_of(felt.what.intended, felt.delivered);
-        presentation.start_s = begins_s + felt.delivered.start_s;
-        presentation.end_s = begins_s + felt.delivered.end_s;
-        if (!felt.trip.empty()) {
-            result.safety_events.push_back({presentation.end_s, felt.trip});
-        } else if (felt.failure != StimulusFailure::none) {
-            result.marks.emplace_back(description(felt.failure));
+    static void add(Trial &trial, const Felt &felt, double begins_s) {
+        const DeliveredStimulus &delivered = felt.seen.delivered;
+        Presentation presentation = presentation_of(felt.what.intended, delivered);
+        presentation.start_s = begins_s + delivered.start_s;
+        presentation.end_s = begins_s + delivered.end_s;
+        if (!felt.seen.trip.empty()) {
+            trial.safety_events.push_back({presentation.end_s, felt.seen.trip});
+        } else if (felt.seen.failure != StimulusFailure::none) {
+            trial.marks.emplace_back(description(felt.seen.failure));
         }
-        result.missed_deadlines += felt.delivered.missed_deadlines;
-        result.presentations.push_back(std::move(presentation));
+        trial.missed_deadlines += delivered.missed_deadlines;
+        trial.presentations.push_back(std::move(presentation));
     }
 
     Protocol protocol_;
@@ -188,7 +180,7 @@ SimulatedSitting &SimulatedSitting::operator=(SimulatedSitting &&) noexcept = de
 
 double SimulatedSitting::warm_up_s() const { return run_->warm_up_s(); }
 
-std::optional<TrialResult> SimulatedSitting::present(const PlannedTrial &planned) {
+std::optional<Trial> SimulatedSitting::present(const PlannedTrial &planned) {
     return run_->present(planned);
 }
 

@@ -55,7 +55,7 @@ public:
     SimulatedSitting &operator=(SimulatedSitting &&) noexcept;
 
     /// For `Conduct::present`. Times of presentations are within the trial: its start is 0.
-    [[nodiscard]] std::optional<TrialResult> present(const PlannedTrial &planned);
+    [[nodiscard]] std::optional<Trial> present(const PlannedTrial &planned);
 
     /// How long all warm-ups have taken, each before its trial [s].
     [[nodiscard]] double warm_up_s() const;

@@ -16,6 +16,7 @@ struct Presented {
     std::optional<double> level; ///< nothing: the standard
     Condition parameters;
     control::Tuning free_space; ///< in force before and after; its η is that of contact
+    int target = 0;             ///< of a forced choice by place, from 0
 };
 
 /// Of every condition in use, the standard and the comparison at all `presentable_levels`.

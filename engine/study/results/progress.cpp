@@ -45,6 +45,10 @@ std::vector<Progress> progress_of(const Protocol &protocol, const StudyContents 
         }
         const Sequence sequence = sequence_after(protocol, participant.number, trials);
         progress.next = sequence.next();
+        if (progress.next) {
+            progress.next_block =
+                static_cast<std::size_t>(sequence.order()[sequence.ended().size()]);
+        }
         progress.has_open_questions =
             !progress.next && progress.sessions > 0 &&
             progress.last_ending != SessionEnding::completed &&

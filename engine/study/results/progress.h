@@ -21,6 +21,7 @@ struct Progress {
     int marked = 0;
     int blocks_unfinished = 0;        ///< ended because too many of their trials were marked
     std::optional<PlannedTrial> next; ///< nothing after the last trial
+    std::size_t next_block = 0;       ///< of that, index into `Protocol::blocks`
     bool has_open_questions = false;  ///< the session was ended in those after the last trial
 };
 

@@ -7,7 +7,10 @@
 #include "engine/study/store/study_contents.h"
 
 #include <concepts>
+#include <cstddef>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace springdrive::study {
 
@@ -21,21 +24,10 @@ struct ParticipantRow {
     bool is_being_removed = false; ///< removed already as far as readers can see
 };
 
-/// A stimulus value, flat.
+/// A stimulus value with its presentation, from 1.
 struct StimulusRow {
     int presentation = 1;
     StimulusValue value;
-};
-
-/// A trial with all its child rows.
-struct TrialRow {
-    Trial trial;
-    std::vector<StimulusRow> stimulus_values; ///< those of `trial.presentations`
-
-    TrialRow() = default;
-    explicit TrialRow(Trial of);
-    /// Back into the trial's presentations; false if there is no such presentation.
-    [[nodiscard]] bool sort_in_stimulus_values();
 };
 
 template <typename Row, typename Value>
@@ -79,36 +71,51 @@ template <RowOf<Setting> Row, typename Field> void for_each_field(Row &row, Fiel
     field("value", row.value);
 }
 
-template <RowOf<TrialRow> Row, typename Field> void for_each_field(Row &row, Field &&field) {
-    auto &trial = row.trial;
-    field("participant", trial.participant);
-    field("block, position, attempt", trial.place);
-    field("session", trial.session);
-    field("condition", trial.condition);
-    field("track", trial.track);
-    field("is_practice", trial.is_practice);
-    field("is_catch", trial.is_catch);
-    field("is_presented_again", trial.is_presented_again);
-    field("seed", trial.seed);
-    field("level_name", trial.level_name);
-    field("level", trial.level);
-    field("target", trial.target);
-    field("response, chosen, adjusted", trial.response);
-    field("is_correct", trial.is_correct);
-    field("response_time_s", trial.response_time_s);
-    field("at_utc", trial.at);
-    field("software", trial.software);
-    field("missed_deadlines", trial.missed_deadlines);
-    field("record_path, record_sha256", trial.record);
-    field("repeats_block, repeats_position, repeats_attempt", trial.repetition_of);
+template <RowOf<Trial> Row, typename Field> void for_each_field(Row &row, Field &&field) {
+    field("participant", row.participant);
+    field("block, position, attempt", row.place);
+    field("session", row.session);
+    field("condition", row.condition);
+    field("track", row.track);
+    field("is_practice", row.is_practice);
+    field("is_catch", row.is_catch);
+    field("is_presented_again", row.is_presented_again);
+    field("seed", row.seed);
+    field("level_name", row.level_name);
+    field("level", row.level);
+    field("target", row.target);
+    field("response, chosen, adjusted", row.response);
+    field("is_correct", row.is_correct);
+    field("response_time_s", row.response_time_s);
+    field("at_utc", row.at);
+    field("software", row.software);
+    field("missed_deadlines", row.missed_deadlines);
+    field("record_path, record_sha256", row.record);
+    field("repeats_block, repeats_position, repeats_attempt", row.repetition_of);
 }
-template <RowOf<TrialRow> Row, typename List> void for_each_list(Row &row, List &&list) {
-    list("presentation", row.trial.presentations);
-    list("stimulus_value", row.stimulus_values);
-    list("tuning_value", row.trial.tuning);
-    list("winding", row.trial.windings_degC);
-    list("safety_event", row.trial.safety_events);
-    list("mark", row.trial.marks);
+template <RowOf<Trial> Row, typename List> void for_each_list(Row &row, List &&list) {
+    list("presentation", row.presentations);
+    std::vector<StimulusRow> values;
+    if constexpr (std::is_const_v<Row>) {
+        for (std::size_t i = 0; i < row.presentations.size(); ++i) {
+            for (const StimulusValue &value : row.presentations[i].values) {
+                values.push_back({static_cast<int>(i) + 1, value});
+            }
+        }
+        list("stimulus_value", values);
+    } else { // loaded; a value of no presentation is lost, which the row's SHA-256 tells
+        list("stimulus_value", values);
+        for (StimulusRow &value : values) {
+            const auto number = static_cast<std::size_t>(value.presentation);
+            if (number >= 1 && number <= row.presentations.size()) {
+                row.presentations[number - 1].values.push_back(std::move(value.value));
+            }
+        }
+    }
+    list("tuning_value", row.tuning);
+    list("winding", row.windings_degC);
+    list("safety_event", row.safety_events);
+    list("mark", row.marks);
 }
 
 template <RowOf<Presentation> Row, typename Field> void for_each_field(Row &row, Field &&field) {

@@ -15,9 +15,9 @@ bool redact(Note &note, std::string_view code) { return redact_code(note.text, c
 bool redact(QuestionnaireAnswer &answer, std::string_view code) {
     return redact_code(answer.answer, code);
 }
-bool redact(TrialRow &row, std::string_view code) {
+bool redact(Trial &trial, std::string_view code) {
     return std::ranges::count_if(
-               row.trial.marks, [&](std::string &reason) { return redact_code(reason, code); }) > 0;
+               trial.marks, [&](std::string &reason) { return redact_code(reason, code); }) > 0;
 }
 
 /// In how many rows.
@@ -63,7 +63,7 @@ int remove_participant(const Database &database, const std::filesystem::path &to
     Transaction transaction(database, Transaction::Kind::write);
     database.prepare("DELETE FROM participant WHERE id = ?").bind(id).run();
     for (const auto redact_rows :
-         {redact_all<Note>, redact_all<QuestionnaireAnswer>, redact_all<TrialRow>}) {
+         {redact_all<Note>, redact_all<QuestionnaireAnswer>, redact_all<Trial>}) {
         redacted += redact_rows(database, code);
     }
     auto study = study_row(database);

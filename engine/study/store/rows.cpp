@@ -93,7 +93,7 @@ template <typename Row> constexpr std::string_view kTable;
 template <> constexpr std::string_view kTable<StudyRow> = "study";
 template <> constexpr std::string_view kTable<ParticipantRow> = "participant";
 template <> constexpr std::string_view kTable<Session> = "session";
-template <> constexpr std::string_view kTable<TrialRow> = "trial";
+template <> constexpr std::string_view kTable<Trial> = "trial";
 template <> constexpr std::string_view kTable<QuestionnaireAnswer> = "answer";
 template <> constexpr std::string_view kTable<Note> = "note";
 
@@ -218,20 +218,20 @@ std::vector<Numbered<Row>> rows(const Database &database, std::optional<std::int
 template std::int64_t insert(const Database &, const StudyRow &);
 template std::int64_t insert(const Database &, const ParticipantRow &);
 template std::int64_t insert(const Database &, const Session &);
-template std::int64_t insert(const Database &, const TrialRow &);
+template std::int64_t insert(const Database &, const Trial &);
 template std::int64_t insert(const Database &, const QuestionnaireAnswer &);
 template std::int64_t insert(const Database &, const Note &);
-template std::string digest_of(std::int64_t, const TrialRow &);
+template std::string digest_of(std::int64_t, const Trial &);
 template void update(const Database &, const Numbered<StudyRow> &);
 template void update(const Database &, const Numbered<ParticipantRow> &);
 template void update(const Database &, const Numbered<Session> &);
-template void update(const Database &, const Numbered<TrialRow> &);
+template void update(const Database &, const Numbered<Trial> &);
 template void update(const Database &, const Numbered<QuestionnaireAnswer> &);
 template void update(const Database &, const Numbered<Note> &);
 template std::vector<Numbered<StudyRow>> rows(const Database &, std::optional<std::int64_t>);
 template std::vector<Numbered<ParticipantRow>> rows(const Database &, std::optional<std::int64_t>);
 template std::vector<Numbered<Session>> rows(const Database &, std::optional<std::int64_t>);
-template std::vector<Numbered<TrialRow>> rows(const Database &, std::optional<std::int64_t>);
+template std::vector<Numbered<Trial>> rows(const Database &, std::optional<std::int64_t>);
 template std::vector<Numbered<QuestionnaireAnswer>> rows(const Database &,
                                                          std::optional<std::int64_t>);
 template std::vector<Numbered<Note>> rows(const Database &, std::optional<std::int64_t>);
@@ -258,15 +258,15 @@ std::optional<Numbered<ParticipantRow>> participant_row(const Database &database
     return found.front().row.is_being_removed ? std::nullopt : std::optional(found.front());
 }
 
-std::optional<Numbered<TrialRow>>
-trial_row(const Database &database, const std::string &participant, const TrialPlace &place) {
+std::optional<Numbered<Trial>> trial_row(const Database &database, const std::string &participant,
+                                         const TrialPlace &place) {
     Statement selection = database.prepare("SELECT id FROM trial WHERE participant = ? AND "
                                            "block = ? AND position = ? AND attempt = ?");
     store(selection.bind(participant), place);
     if (!selection.next()) {
         return std::nullopt;
     }
-    return rows<TrialRow>(database, selection.integer()).front();
+    return rows<Trial>(database, selection.integer()).front();
 }
 
 std::optional<QuestionnaireAnswer> answer_row(const Database &database, SessionId session,
@@ -312,11 +312,7 @@ StudyContents read_contents(const Database &database) {
         }
     }
     std::map<std::pair<std::string, TrialPlace>, std::size_t> places;
-    for (auto &[id, row] : rows<TrialRow>(database)) {
-        Trial &trial = row.trial;
-        if (!row.sort_in_stimulus_values()) {
-            database.refuse_damage(fmt::format("row {} of table trial has changed", id));
-        }
+    for (auto &[id, trial] : rows<Trial>(database)) {
         check(validate_record(trial, contents.facts.records_folder));
         if (shown.contains(trial.participant)) {
             places.emplace(std::pair(trial.participant, trial.place), contents.trials.size());
@@ -340,27 +336,6 @@ StudyContents read_contents(const Database &database) {
         }
     }
     return contents;
-}
-
-TrialRow::TrialRow(Trial of) : trial(std::move(of)) {
-    int presentation = 0;
-    for (const Presentation &one : trial.presentations) {
-        ++presentation;
-        for (const StimulusValue &value : one.values) {
-            stimulus_values.push_back({presentation, value});
-        }
-    }
-}
-
-bool TrialRow::sort_in_stimulus_values() {
-    for (const StimulusRow &row : stimulus_values) {
-        const auto number = static_cast<std::size_t>(row.presentation);
-        if (row.presentation < 1 || number > trial.presentations.size()) {
-            return false;
-        }
-        trial.presentations[number - 1].values.push_back(row.value);
-    }
-    return true;
 }
 
 } // namespace springdrive::study

@@ -1,4 +1,4 @@
-// Rows of a study file with their child rows: of types StudyRow, ParticipantRow, Session, TrialRow,
+// Rows of a study file with their child rows: of types StudyRow, ParticipantRow, Session, Trial,
 // QuestionnaireAnswer and Note. They are checked by their SHA-256 as they are read.
 //
 // Each call is part of a transaction of its caller.
@@ -40,7 +40,7 @@ template <typename Row> [[nodiscard]] std::string digest_of(std::int64_t id, con
 /// Nothing if there is none of that code, or it is being removed.
 [[nodiscard]] std::optional<Numbered<ParticipantRow>> participant_row(const Database &database,
                                                                       const std::string &code);
-[[nodiscard]] std::optional<Numbered<TrialRow>>
+[[nodiscard]] std::optional<Numbered<Trial>>
 trial_row(const Database &database, const std::string &participant, const TrialPlace &place);
 
 /// Nothing if the session has no answer to that item.

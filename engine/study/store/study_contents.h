@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -158,39 +159,49 @@ struct RecordLink {
     friend bool operator==(const RecordLink &, const RecordLink &) = default;
 };
 
-struct Trial {
-    std::string participant;
-    TrialPlace place; ///< no two trials of a participant share one
-    SessionId session = 0;
-
+/// A trial that is to be run: what is known of it before.
+struct PlannedTrial {
+    TrialPlace place;      ///< no two trials of a participant share one
     std::string condition; ///< name in the protocol
     std::string track;     ///< of the method, such as a staircase; empty if it has one only
     bool is_practice = false;
     bool is_catch = false;
-    /// It did not happen for the method, which presents its level again; decided when it is stored.
-    /// A mark that is added later leaves the sequence as it is.
-    bool is_presented_again = false;
     std::uint64_t seed = 0; ///< key of everything random in it
 
     std::string level_name; ///< the variable under test, with its unit; empty: none
     std::optional<double> level;
     std::optional<int> target; ///< the alternative that is right, from 1; or 1 = yes, 0 = no
-    std::vector<Presentation> presentations;
+    /// The marked trial whose level is presented again.
+    std::optional<TrialPlace> repetition_of;
+
+    friend bool operator==(const PlannedTrial &, const PlannedTrial &) = default;
+};
+
+/// Filled from top to bottom: planned; presented; answered; stored, and marked if it does not
+/// count.
+struct Trial : PlannedTrial {
+    Trial() = default;
+    explicit Trial(PlannedTrial planned) : PlannedTrial(std::move(planned)) {}
+
+    std::vector<Presentation> presentations;          ///< intended beside delivered
+    std::vector<Setting> tuning;                      ///< in force in contact; no name twice
+    std::vector<std::optional<double>> windings_degC; ///< by motor, at the end
+    std::vector<SafetyEvent> safety_events; ///< one at least if the safety monitor tripped
+    std::uint64_t missed_deadlines = 0;
+    std::optional<RecordLink> record;
 
     Response response;
     std::optional<bool> is_correct;
     std::optional<double> response_time_s; ///< from the end of the last presentation
 
+    std::string participant;
+    SessionId session = 0;
     UtcTime at{}; ///< when it ended
     std::string software;
-    std::vector<Setting> tuning;                      ///< in force in contact; no name twice
-    std::vector<std::optional<double>> windings_degC; ///< by motor, at the end
-    std::vector<SafetyEvent> safety_events;
-    std::uint64_t missed_deadlines = 0;
-    std::optional<RecordLink> record;
-
     std::vector<std::string> marks; ///< why it does not count; empty: it does
-    std::optional<TrialPlace> repetition_of;
+    /// It did not happen for the method, which presents its level again; decided when it is stored.
+    /// A mark that is added later leaves the sequence as it is.
+    bool is_presented_again = false;
     std::optional<TrialPlace> repeated_by; ///< as read; ignored by `append`
 
     friend bool operator==(const Trial &, const Trial &) = default;

@@ -74,10 +74,10 @@ void end_interrupted(const Database &database) {
 }
 
 /// Whether `stored` is `trial`, apart from marks that were added since.
-bool is_the_same(const TrialRow &stored, const TrialRow &trial) {
-    TrialRow unmarked = stored;
-    if (unmarked.trial.marks.size() > trial.trial.marks.size()) {
-        unmarked.trial.marks.resize(trial.trial.marks.size());
+bool is_the_same(const Trial &stored, const Trial &trial) {
+    Trial unmarked = stored;
+    if (unmarked.marks.size() > trial.marks.size()) {
+        unmarked.marks.resize(trial.marks.size());
     }
     return digest_of(0, unmarked) == digest_of(0, trial);
 }
@@ -156,11 +156,10 @@ void StudyStore::end(SessionId session, SessionEnding ending, UtcTime at) {
 
 Appended StudyStore::append(const Trial &trial) {
     const Database &database = parts_->database;
-    const TrialRow row(trial);
     Transaction transaction(database, Transaction::Kind::write);
     parts_->check(what_is_wrong_with(trial, study_row(database).row.facts.records_folder));
     if (const auto stored = trial_row(database, trial.participant, trial.place)) {
-        if (!is_the_same(stored->row, row)) {
+        if (!is_the_same(stored->row, trial)) {
             database.refuse(fmt::format("has another trial of {} already: {}", trial.participant,
                                         text_of(trial.place)));
         }
@@ -175,7 +174,7 @@ Appended StudyStore::append(const Trial &trial) {
     if (trial.repetition_of && has_repetition(database, trial.participant, *trial.repetition_of)) {
         database.refuse("has a repetition already of " + text_of(*trial.repetition_of));
     }
-    insert(database, row);
+    insert(database, trial);
     transaction.commit();
     return Appended::now;
 }
@@ -190,7 +189,7 @@ void StudyStore::mark(std::string_view participant, const TrialPlace &place,
         database.refuse(
             fmt::format("has no trial of {}: {}", in_quotes(participant), text_of(place)));
     }
-    trial->row.trial.marks.emplace_back(reason);
+    trial->row.marks.emplace_back(reason);
     update(database, *trial);
     transaction.commit();
 }

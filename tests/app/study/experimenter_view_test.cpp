@@ -1,5 +1,7 @@
 // Covers app/study/experimenter/experimenter_view.cpp: what a blind experimenter sees of a session.
 #include "app/study/experimenter/experimenter_view.h"
+
+#include "engine/study/conduct/presentation.h"
 #include "tests/app/study/sitting_rig.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +46,9 @@ TEST_F(StudySitting, ABlindExperimenterSeesTheSameOfEveryStimulus) {
                                          hidden_at);
             };
             const Vector3 at_m =
-                state.trial ? setting.conditions[state.trial->condition].spot.point_m : now.tip_m;
+                state.trial
+                    ? setting.conditions[study::condition_of(protocol_, *state.trial)].spot.point_m
+                    : now.tip_m;
             blind_force_N = std::max(blind_force_N, view(at_m).tip_force_N.norm());
             if (now.contact.touching && state.step == SittingStep::interval) {
                 blind.push_back(drawn_of(view(at_m)));

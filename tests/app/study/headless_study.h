@@ -13,10 +13,10 @@ namespace springdrive::testing {
 
 /// The contents after a session that is run to its end.
 /// @param number  of the participant, whose code is P01
-inline study::StudyContents conducted(
-    const study::Protocol &protocol,
-    const std::function<std::optional<study::TrialResult>(const study::PlannedTrial &)> &present,
-    int number = 1) {
+inline study::StudyContents
+conducted(const study::Protocol &protocol,
+          const std::function<std::optional<study::Trial>(const study::PlannedTrial &)> &present,
+          int number = 1) {
     study::StudyStore store =
         study::StudyStore::in_memory({protocol.title, "text", "0.1.0"}, study::utc_now());
     store.add({"P01", number, study::utc_now()});

@@ -25,10 +25,9 @@ protected:
     StudyLiveCharts() {
         // Right above a level of 0.1, wrong below it.
         contents_ = testing::conducted(protocol_, [](const study::PlannedTrial &planned) {
-            study::TrialResult result;
-            const bool is_felt = planned.presented.level > 0.1;
-            const int target = planned.presented.target;
-            result.response = study::Chosen{1 + (is_felt ? target : 1 - target)};
+            study::Trial result(planned);
+            const bool is_felt = *planned.level > 0.1;
+            result.response = study::Chosen{is_felt ? *planned.target : 3 - *planned.target};
             return result;
         });
     }

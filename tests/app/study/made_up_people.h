@@ -49,8 +49,8 @@ struct Decision {
     double after_s = 0.3;
 };
 inline Decision decision_of(const study::PlannedTrial &planned) {
-    const std::size_t key = study::below(study::child(planned.key, 77), 2);
-    const bool answers = study::uniform(study::child(planned.key, 78)) > 0.15;
+    const std::size_t key = study::below(study::child(study::RandomKey{planned.seed}, 77), 2);
+    const bool answers = study::uniform(study::child(study::RandomKey{planned.seed}, 78)) > 0.15;
     return {key, answers ? 0.3 : -1.0};
 }
 
@@ -153,14 +153,14 @@ inline void present_alone(const study::Protocol &protocol, const study::Protocol
          [&](const ParticipantPicture &picture) { return port.show(picture, state); }});
     session.start();
     presenter.set_up(planned);
-    presenter.lead_to_start(planned);
+    presenter.lead_to_start();
     while (session.latest().safety.state != servo::SafetyState::running) {
         session.advance(kMadeUpFrame_s);
     }
     if (before) {
         before(session);
     }
-    const auto result = presenter.present(planned);
+    const auto result = presenter.present();
     EXPECT_TRUE(result && result->marks.empty() && result->safety_events.empty())
         << (result && !result->marks.empty() ? result->marks.front() : "");
 }
@@ -178,9 +178,9 @@ inline std::vector<study::PlannedTrial> trials_of_conditions(const study::Protoc
         for (const double level : levels) {
             for (const int target : targets) {
                 study::PlannedTrial planned;
-                planned.condition = condition;
-                planned.presented.level = level;
-                planned.presented.target = target;
+                planned.condition = protocol.conditions[condition].name;
+                planned.level = level;
+                planned.target = target + 1;
                 trials.push_back(planned);
             }
         }

@@ -74,8 +74,7 @@ TEST(StudyPixels, AreTheSameOfEachConditionLevelAndOrderUntilTheResponse) {
             is_all() ? std::vector<double>{all.front(), all.back()} : std::vector{all.back()};
         std::vector<Frame> first;
         for (const study::PlannedTrial &planned : trials_of_conditions(protocol, levels, {0, 1})) {
-            SCOPED_TRACE(::testing::Message() << protocol.conditions[planned.condition].name
-                                              << " at " << planned.presented.level);
+            SCOPED_TRACE(::testing::Message() << planned.condition << " at " << *planned.level);
             const std::vector<Frame> frames = frames_of(protocol, folders, planned);
             if (first.empty()) {
                 first = frames;

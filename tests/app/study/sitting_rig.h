@@ -71,7 +71,7 @@ protected:
     /// The same decisions without screens and without a device.
     [[nodiscard]] std::vector<study::Trial> headless() const {
         const auto present = [this](const study::PlannedTrial &planned) {
-            study::TrialResult result;
+            study::Trial result(planned);
             const Decision decision = decision_of(planned);
             if (decision.after_s >= 0.0) {
                 result.response = response_of(protocol_.task, decision.key);

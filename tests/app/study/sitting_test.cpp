@@ -309,7 +309,7 @@ TEST_F(StudySitting, PractisesAgainUntilItIsUnderstood) {
                 }
             }
             if (state.step == SittingStep::response && before != state.step && begun <= 2 &&
-                state.trial->presented.kind == study::TrialKind::practice) {
+                state.trial->is_practice) {
                 ++asked_in_practice;
             }
             before = state.step;
@@ -340,7 +340,7 @@ TEST_F(StudySitting, WhoWasStoppedAfterThePracticeIsAskedAgain) {
             }
             if (state.step == SittingStep::response && before != state.step) {
                 EXPECT_TRUE(was_asked);
-                practised += state.trial->presented.kind == study::TrialKind::practice ? 1 : 0;
+                practised += state.trial->is_practice ? 1 : 0;
             }
             before = state.step;
         };

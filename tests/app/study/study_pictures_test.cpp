@@ -49,8 +49,7 @@ TEST(StudyPictures, AreTheSameOfEachConditionAndLevelUntilTheHandLeaves) {
         std::vector<ParticipantPicture> first;
         for (const PlannedTrial &planned :
              trials_of_conditions(protocol, {levels.front(), levels.back()}, {0, 1})) {
-            SCOPED_TRACE(::testing::Message() << protocol.conditions[planned.condition].name
-                                              << " at " << planned.presented.level);
+            SCOPED_TRACE(::testing::Message() << planned.condition << " at " << *planned.level);
             const std::vector<ParticipantPicture> pictures =
                 pictures_of_first_interval(protocol, folders, planned);
             EXPECT_GT(pictures.size(), 10U);

@@ -257,7 +257,7 @@ std::vector<Trial> without_windows(const fs::path &protocol_file, const Events &
         protocol, study::study_setting(protocol, {protocol_file.parent_path(), testing::assets()}),
         {{}, 0.6, 0.25, 0.0, 1}, study::FeltStimuli::measured_once);
     const auto present = [&](const PlannedTrial &planned) {
-        std::optional<study::TrialResult> result = sitting.present(planned);
+        std::optional<study::Trial> result = sitting.present(planned);
         const Decision decision = decision_at(planned.place, protocol.responses.keys.size());
         result->response = study::NoResponse{};
         result->response_time_s.reset();

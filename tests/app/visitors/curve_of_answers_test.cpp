@@ -27,9 +27,9 @@ study::Protocol shipped(const std::string &name) {
 study::StudyContents visit_of(const study::Protocol &protocol,
                               const study::SimulatedParticipant &visitor, int number) {
     const auto present = [&](const study::PlannedTrial &planned) {
-        study::TrialResult result;
+        study::Trial result(planned);
         result.response =
-            study::simulated_answer(protocol, visitor, planned, planned.presented.level).response;
+            study::simulated_answer(protocol, visitor, planned, *planned.level).response;
         return result;
     };
     return testing::conducted(protocol, present, number);

@@ -126,8 +126,8 @@ protected:
     [[nodiscard]] std::string answer_to(const SittingState &state) const {
         study::SimulatedParticipant visitor;
         visitor.function = plan_.made_up;
-        const study::SimulatedAnswer answer = study::simulated_answer(
-            plan_.protocol, visitor, *state.trial, state.trial->presented.level);
+        const study::SimulatedAnswer answer =
+            study::simulated_answer(plan_.protocol, visitor, *state.trial, *state.trial->level);
         const auto *chosen = std::get_if<study::Chosen>(&answer.response);
         return chosen != nullptr && chosen->alternative == 2 ? "2" : "1";
     }
@@ -214,7 +214,7 @@ TEST_F(Visiting, IsOverWhenTheVisitorWalksAwayAndBeginsAfreshForTheNext) {
             is_at_start = is_start(picture);
             if (state.step == SittingStep::interval && is_new) {
                 is_new = false;
-                first_trials.emplace_back(state.trial->place.position, state.trial->key.bits);
+                first_trials.emplace_back(state.trial->place.position, state.trial->seed);
                 progress_at_begin.push_back(state.progress);
             }
             window_->ends = first_trials.size() == 2;

@@ -78,9 +78,8 @@ TEST_F(StudyConduct, StoresEachTrialWithWhatWasPlannedAndWhatCameOfIt) {
     int again = 0;
     for (const Trial &trial : trials) {
         const PlannedTrial planned = *sequence.next();
-        const TrialResult result = answer_to(protocol_, planned);
-        EXPECT_EQ(trial.place, planned.place);
-        EXPECT_EQ(trial.level, planned.presented.level);
+        const Trial result = answer_to(protocol_, planned);
+        EXPECT_EQ(planned, trial);
         EXPECT_EQ(trial.presentations, result.presentations);
         EXPECT_EQ(trial.response, result.response);
         EXPECT_EQ(trial.tuning, result.tuning);
@@ -169,7 +168,7 @@ TEST_F(StudyConduct, IsCompleteAfterWhatFollowsTheLastTrial) {
     }
     StudyStore store = quick_store(file);
     EXPECT_EQ(store.contents().sessions.back().ending, SessionEnding::interrupted);
-    how.present = [](const PlannedTrial &) -> std::optional<TrialResult> {
+    how.present = [](const PlannedTrial &) -> std::optional<Trial> {
         ADD_FAILURE() << "a trial after the last one";
         return std::nullopt;
     };
@@ -198,7 +197,7 @@ TEST_F(StudyConduct, ALostDeviceEndsTheSessionAndItsTrialComesAgain) {
     StudyStore store = quick_store(file);
     int presented = 0;
     Conduct loses = plain_conduct(protocol_, now_);
-    loses.present = [this, &presented](const PlannedTrial &planned) -> std::optional<TrialResult> {
+    loses.present = [this, &presented](const PlannedTrial &planned) -> std::optional<Trial> {
         if (++presented == 5) {
             return std::nullopt;
         }
@@ -215,7 +214,7 @@ TEST_F(StudyConduct, EndsByTripsAndByTimeJustBeyondTheProtocolsLimits) {
     protocol_.stopping.most_trips = 2;
     Conduct trips = plain_conduct(protocol_, now_);
     trips.present = [this](const PlannedTrial &planned) {
-        TrialResult result = answer_to(protocol_, planned);
+        Trial result = answer_to(protocol_, planned);
         result.safety_events = {{std::nullopt, "a trip"}};
         return result;
     };
@@ -263,9 +262,9 @@ TEST_F(StudyConduct, WhatTheExperimenterWantsAgainIsRepeatedEvenThen) {
     Conduct how = plain_conduct(protocol_, now_);
     how.present = [this](const PlannedTrial &planned) {
         now_ = test_time(planned.place.block * 1000 + planned.place.position);
-        TrialResult result = answer_to(protocol_, planned);
-        result.is_wanted_again = planned.place.position == 5 && planned.place.attempt == 1;
-        if (result.is_wanted_again) {
+        Trial result = answer_to(protocol_, planned);
+        result.is_presented_again = planned.place.position == 5 && planned.place.attempt == 1;
+        if (result.is_presented_again) {
             result.marks.emplace_back("wanted again");
         }
         return result;

@@ -10,18 +10,21 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <string>
 
 namespace springdrive::study {
 namespace {
 
 /// As conduct stores it, as far as the sequence looks at it.
-Trial answered(const Protocol &protocol, const PlannedTrial &planned, bool marked) {
-    Trial trial = before_it_is_run(protocol, planned);
-    trial.response = Chosen{uniform(child(planned.key, 1)) < 0.75 ? planned.presented.target + 1
-                                                                  : 2 - planned.presented.target};
+Trial answered(const PlannedTrial &planned, bool marked) {
+    Trial trial(planned);
+    trial.response = Chosen{
+        uniform(child(RandomKey{planned.seed}, 1)) < 0.75 ? *planned.target : 3 - *planned.target};
     trial.is_presented_again = marked;
     return trial;
 }
+
+bool is_measured(const PlannedTrial &trial) { return !trial.is_practice && !trial.is_catch; }
 
 std::vector<PlannedTrial> all_planned(const Protocol &protocol, int participant,
                                       std::vector<Trial> &stored, double marked_share = 0.0) {
@@ -29,7 +32,8 @@ std::vector<PlannedTrial> all_planned(const Protocol &protocol, int participant,
     std::vector<PlannedTrial> planned;
     while (const std::optional<PlannedTrial> trial = sequence.next()) {
         planned.push_back(*trial);
-        stored.push_back(answered(protocol, *trial, uniform(child(trial->key, 2)) < marked_share));
+        stored.push_back(
+            answered(*trial, uniform(child(RandomKey{trial->seed}, 2)) < marked_share));
         sequence.add(stored.back());
     }
     EXPECT_EQ(sequence.ended().size(), protocol.blocks.size());
@@ -42,11 +46,15 @@ TEST(StudySequence, BlocksComeInTheOrderOfTheParticipantsNumber) {
     for (const int participant : {1, 2}) {
         std::vector<Trial> stored;
         const std::vector<PlannedTrial> planned = all_planned(protocol, participant, stored);
-        first.insert(planned.front().block);
-        EXPECT_NE(planned.front().block, planned.back().block);
+        const Sequence sequence = sequence_after(protocol, participant, stored);
+        first.insert(sequence.ended().front().block);
+        EXPECT_NE(sequence.ended().front().block, sequence.ended().back().block);
         for (const PlannedTrial &trial : planned) {
-            const std::vector<std::size_t> &own = protocol.blocks[trial.block].conditions;
-            EXPECT_NE(std::ranges::find(own, trial.condition), own.end());
+            const int block = sequence.order()[static_cast<std::size_t>(trial.place.block) - 1];
+            const auto &own = protocol.blocks[static_cast<std::size_t>(block)].conditions;
+            EXPECT_TRUE(std::ranges::any_of(own, [&](std::size_t condition) {
+                return protocol.conditions[condition].name == trial.condition;
+            }));
         }
     }
     EXPECT_EQ(first.size(), 2U);
@@ -56,14 +64,14 @@ TEST(StudySequence, EachConditionHasTheTrialsOfItsMethod) {
     const Protocol protocol = small_protocol();
     std::vector<Trial> stored;
     const std::vector<PlannedTrial> planned = all_planned(protocol, 1, stored, 0.2);
-    std::map<std::pair<std::size_t, int>, int> measured; // by condition and track, without marked
+    std::map<std::pair<std::string, std::string>, int>
+        measured; // by condition and track, without marked
     int practice = 0;
     for (std::size_t i = 0; i < planned.size(); ++i) {
-        const BlockTrial &presented = planned[i].presented;
-        if (presented.kind == TrialKind::measured && !stored[i].is_presented_again) {
-            ++measured[{planned[i].condition, presented.track}];
+        if (is_measured(planned[i]) && !stored[i].is_presented_again) {
+            ++measured[{planned[i].condition, planned[i].track}];
         }
-        if (presented.kind == TrialKind::practice) {
+        if (planned[i].is_practice) {
             ++practice;
             EXPECT_EQ(planned[i].place.block, 1); // of the first block only
         }
@@ -87,7 +95,7 @@ TEST(StudySequence, PlacesAreCountedByBlockAndKeysAreAllDifferent) {
         }
         EXPECT_EQ(trial.place, expected);
         ++expected.position;
-        EXPECT_TRUE(keys.insert(trial.key.bits).second);
+        EXPECT_TRUE(keys.insert(trial.seed).second);
     }
 }
 
@@ -114,16 +122,18 @@ TEST(StudySequence, AMarkedTrialIsRepeatedLaterAndOnce) {
         const auto before =
             std::ranges::find(planned, *planned[i].repetition_of, &PlannedTrial::place);
         ASSERT_LT(before, planned.begin() + static_cast<std::ptrdiff_t>(i));
-        EXPECT_EQ(before->presented.level, planned[i].presented.level);
+        EXPECT_EQ(before->level, planned[i].level);
         EXPECT_EQ(before->condition, planned[i].condition);
-        EXPECT_EQ(before->presented.kind, planned[i].presented.kind);
+        EXPECT_EQ(before->track, planned[i].track);
+        EXPECT_EQ(before->is_practice, planned[i].is_practice);
+        EXPECT_EQ(before->is_catch, planned[i].is_catch);
     }
     int marked_and_measured = 0;
     for (std::size_t i = 0; i < planned.size(); ++i) {
         const bool is_repeated = repetitions.contains(planned[i].place);
         EXPECT_LE(repetitions[planned[i].place], 1);
         EXPECT_FALSE(is_repeated && !stored[i].is_presented_again);
-        if (planned[i].presented.kind == TrialKind::measured && stored[i].is_presented_again) {
+        if (is_measured(planned[i]) && stored[i].is_presented_again) {
             ++marked_and_measured;
             EXPECT_TRUE(is_repeated) << text_of(planned[i].place);
         }
@@ -137,7 +147,7 @@ TEST(StudySequence, ABlockWithTooManyMarkedTrialsEndsUnfinished) {
     Sequence sequence(protocol, 1);
     for (int i = 0; i < 3; ++i) {
         ASSERT_TRUE(sequence.ended().empty());
-        sequence.add(answered(protocol, *sequence.next(), true));
+        sequence.add(answered(*sequence.next(), true));
     }
     ASSERT_EQ(sequence.ended().size(), 1U);
     EXPECT_EQ(sequence.ended()[0].state, BlockState::too_many_marked);
@@ -147,7 +157,7 @@ TEST(StudySequence, ABlockWithTooManyMarkedTrialsEndsUnfinished) {
 TEST(StudySequence, RefusesWhatItDidNotAskFor) {
     const Protocol protocol = small_protocol();
     const PlannedTrial planned = *Sequence(protocol, 1).next();
-    const Trial right = answered(protocol, planned, false);
+    const Trial right = answered(planned, false);
     EXPECT_NO_THROW(Sequence(protocol, 1).add(right));
     const auto refuses = [&protocol](Trial wrong) {
         wrong.participant = "P01";

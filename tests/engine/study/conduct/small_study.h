@@ -42,23 +42,23 @@ inline Protocol small_protocol() {
 
 /// A tenth of the trials is out of its band, a twentieth trips, a twentieth is not answered; of the
 /// others, those at high levels are mostly right.
-inline TrialResult answer_to(const Protocol &protocol, const PlannedTrial &planned) {
+inline Trial answer_to(const Protocol &protocol, const PlannedTrial &planned) {
     const auto draws = [&planned](std::uint64_t what, double share) {
-        return uniform(child(planned.key, what)) < share;
+        return uniform(child(RandomKey{planned.seed}, what)) < share;
     };
-    TrialResult result;
+    Trial result(planned);
     Presentation shown;
-    shown.start_s = uniform(child(planned.key, 0));
+    shown.start_s = uniform(child(RandomKey{planned.seed}, 0));
     shown.values = {{"stiffness_N_per_m", 1000.0, draws(1, 0.1) ? 1021.0 : 1019.0}};
     result.presentations.assign(static_cast<std::size_t>(presentations_per_trial(protocol)), shown);
     if (draws(2, 0.05)) {
         result.safety_events = {{0.5, "tip speed 2.1 m/s, at most 2 m/s"}};
     }
     if (!draws(3, 0.05)) {
-        const bool knows = draws(4, 0.2 + planned.presented.level);
-        const int right = planned.presented.target + 1;
+        const bool knows = draws(4, 0.2 + *planned.level);
+        const int right = *planned.target;
         result.response = Chosen{knows ? right : 3 - right};
-        result.response_time_s = 0.3 + uniform(child(planned.key, 5));
+        result.response_time_s = 0.3 + uniform(child(RandomKey{planned.seed}, 5));
     }
     result.tuning = {{"dR_Ohm", 0.5}, {"map", std::string("transpose")}};
     result.windings_degC = {31.0, std::nullopt, 33.0};

@@ -33,8 +33,8 @@ SimulatedParticipant observer(double guess) {
 
 PlannedTrial planned(int number, int target) {
     PlannedTrial trial;
-    trial.key = child(RandomKey{77}, static_cast<std::uint64_t>(number));
-    trial.presented.target = target;
+    trial.seed = child(RandomKey{77}, static_cast<std::uint64_t>(number)).bits;
+    trial.target = target + 1;
     return trial;
 }
 

@@ -41,10 +41,10 @@ SimulatedSitting sitting_of(const Protocol &protocol,
 
 PlannedTrial trial_at(double level, int target, int number) {
     PlannedTrial planned;
-    planned.condition = 0;
-    planned.presented.level = level;
-    planned.presented.target = target;
-    planned.key = child(RandomKey{3}, static_cast<std::uint64_t>(number));
+    planned.condition = "a";
+    planned.level = level;
+    planned.target = target + 1;
+    planned.seed = child(RandomKey{3}, static_cast<std::uint64_t>(number)).bits;
     return planned;
 }
 
@@ -57,7 +57,7 @@ TEST(SimulatedSitting, PresentsTheComparisonInItsInterval) {
     const Protocol protocol = direction_protocol();
     SimulatedSitting sitting = sitting_of(protocol);
     for (const int target : {0, 1}) {
-        const TrialResult result = sitting.present(trial_at(40.0, target, 1)).value();
+        const Trial result = sitting.present(trial_at(40.0, target, 1)).value();
         ASSERT_EQ(result.presentations.size(), 2U);
         const auto at = static_cast<std::size_t>(target);
         EXPECT_NEAR(delivered(result.presentations[at], "direction_deg").value(), 40.0, 1.0);
@@ -74,10 +74,10 @@ TEST(SimulatedSitting, IsTheSameInWhateverOrderAndByWhomeverItIsAsked) {
     const Protocol protocol = direction_protocol();
     SimulatedSitting one = sitting_of(protocol);
     SimulatedSitting resumed = sitting_of(protocol);
-    const TrialResult first = one.present(trial_at(20.0, 0, 1)).value();
-    const TrialResult second = one.present(trial_at(5.0, 1, 2)).value();
-    const TrialResult second_again = resumed.present(trial_at(5.0, 1, 2)).value();
-    const TrialResult first_again = resumed.present(trial_at(20.0, 0, 1)).value();
+    const Trial first = one.present(trial_at(20.0, 0, 1)).value();
+    const Trial second = one.present(trial_at(5.0, 1, 2)).value();
+    const Trial second_again = resumed.present(trial_at(5.0, 1, 2)).value();
+    const Trial first_again = resumed.present(trial_at(20.0, 0, 1)).value();
     EXPECT_EQ(first.presentations, first_again.presentations);
     EXPECT_EQ(first.response, first_again.response);
     EXPECT_EQ(second.presentations, second_again.presentations);
@@ -89,8 +89,8 @@ TEST(SimulatedSitting, IsTheSameInWhateverOrderAndByWhomeverItIsAsked) {
 TEST(SimulatedSitting, StimuliMeasuredOnceAreTheSameEachTime) {
     const Protocol protocol = direction_protocol();
     SimulatedSitting sitting = sitting_of(protocol, FeltStimuli::measured_once);
-    const TrialResult first = sitting.present(trial_at(20.0, 0, 1)).value();
-    const TrialResult other = sitting.present(trial_at(20.0, 0, 2)).value();
+    const Trial first = sitting.present(trial_at(20.0, 0, 1)).value();
+    const Trial other = sitting.present(trial_at(20.0, 0, 2)).value();
     EXPECT_EQ(first.presentations, other.presentations);
     EXPECT_NE(first.response_time_s, other.response_time_s);
 }
@@ -100,7 +100,7 @@ TEST(SimulatedSitting, OfAForcedChoiceByPlaceThePlaceIsTheDirection) {
     protocol.task.kind = TaskKind::forced_choice_by_place;
     SimulatedSitting sitting = sitting_of(protocol, FeltStimuli::measured_once);
     for (const int target : {0, 1}) {
-        const TrialResult result = sitting.present(trial_at(40.0, target, 1)).value();
+        const Trial result = sitting.present(trial_at(40.0, target, 1)).value();
         ASSERT_EQ(result.presentations.size(), 1U);
         EXPECT_NEAR(delivered(result.presentations[0], "direction_deg").value(), 40.0, 1.0);
     }
@@ -111,7 +111,7 @@ TEST(SimulatedSitting, ShowsTheStandardFirstWhereTheProtocolWantsIt) {
     protocol.task.kind = TaskKind::yes_no;
     EXPECT_EQ(sitting_of(protocol).present(trial_at(40.0, 0, 1))->presentations.size(), 1U);
     protocol.variable.shows_standard = true;
-    const TrialResult result = sitting_of(protocol).present(trial_at(40.0, 0, 1)).value();
+    const Trial result = sitting_of(protocol).present(trial_at(40.0, 0, 1)).value();
     ASSERT_EQ(result.presentations.size(), 2U);
     EXPECT_NEAR(delivered(result.presentations[0], "direction_deg").value(), 0.0, 1.0);
     EXPECT_NEAR(delivered(result.presentations[1], "direction_deg").value(), 40.0, 1.0);
@@ -122,7 +122,7 @@ TEST(SimulatedSitting, WarmsTheWindingsFirstAndAgainWhenTheyAreCold) {
     Protocol protocol = direction_protocol();
     SimulatedSitting sitting = sitting_of(protocol, FeltStimuli::measured_once);
     EXPECT_EQ(sitting.warm_up_s(), 0.0);
-    const TrialResult first = sitting.present(trial_at(20.0, 0, 1)).value();
+    const Trial first = sitting.present(trial_at(20.0, 0, 1)).value();
     const double once_s = sitting.warm_up_s();
     EXPECT_GT(once_s, 10.0);
     for (const std::optional<double> &winding_C : first.windings_degC) {
@@ -136,7 +136,7 @@ TEST(SimulatedSitting, WarmsTheWindingsFirstAndAgainWhenTheyAreCold) {
     protocol.timing.between_trials_s = 1800.0;
     SimulatedSitting slow = sitting_of(protocol, FeltStimuli::measured_once);
     static_cast<void>(slow.present(trial_at(20.0, 0, 1)).value());
-    const TrialResult later = slow.present(trial_at(20.0, 0, 2)).value();
+    const Trial later = slow.present(trial_at(20.0, 0, 2)).value();
     EXPECT_GT(slow.warm_up_s(), 1.5 * once_s);
     for (const std::optional<double> &winding_C : later.windings_degC) {
         EXPECT_GE(winding_C.value(), protocol.windings.from_C);
@@ -149,7 +149,7 @@ TEST(SimulatedSitting, TellsOfATripAsASafetyEvent) {
     StudySetting setting = study_setting(protocol, testing::folders());
     setting.device.limits.tip_speed_m_per_s = 0.01;
     SimulatedSitting sitting(protocol, setting, SimulatedParticipant{});
-    const TrialResult result = sitting.present(trial_at(20.0, 0, 1)).value();
+    const Trial result = sitting.present(trial_at(20.0, 0, 1)).value();
     ASSERT_FALSE(result.safety_events.empty());
     EXPECT_NE(result.safety_events[0].text.find("tip speed"), std::string::npos);
 }

@@ -34,13 +34,13 @@ void run_through(const Protocol &protocol, StudyContents &contents, const std::s
     contents.participants.push_back(participant);
     contents.sessions.push_back(session);
     while (const std::optional<PlannedTrial> planned = sequence.next()) {
-        Trial trial = before_it_is_run(protocol, *planned);
+        Trial trial(*planned);
         trial.participant = code;
         trial.session = session.id;
-        const int right = planned->presented.target + 1;
+        const int right = *planned->target;
         trial.response = Chosen{answer(*planned) ? right : 3 - right};
         trial.is_correct = is_correct(protocol.task, trial);
-        if (uniform(child(planned->key, 77)) < 0.1) {
+        if (uniform(child(RandomKey{planned->seed}, 77)) < 0.1) {
             trial.marks = {"late"};
             trial.is_presented_again = true;
         }
@@ -52,7 +52,7 @@ void run_through(const Protocol &protocol, StudyContents &contents, const std::s
 /// Right with the probability of the function.
 Answer observer(const PsychometricFunction &function) {
     return [function](const PlannedTrial &planned) {
-        return answer_of(function, planned.presented.level, planned.key).positive;
+        return answer_of(function, *planned.level, RandomKey{planned.seed}).positive;
     };
 }
 

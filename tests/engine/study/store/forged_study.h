@@ -76,8 +76,8 @@ public:
     }
     void forge_record(const std::string &path) const {
         forge([&](const study::Database &database) {
-            auto row = study::rows<study::TrialRow>(database).front();
-            row.row.trial.record->path = path;
+            auto row = study::rows<study::Trial>(database).front();
+            row.row.record->path = path;
             study::update(database, row);
         });
     }
