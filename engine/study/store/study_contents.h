@@ -199,8 +199,7 @@ struct Trial : PlannedTrial {
     UtcTime at{}; ///< when it ended
     std::string software;
     std::vector<std::string> marks; ///< why it does not count; empty: it does
-    /// It did not happen for the method, which presents its level again; decided when it is stored.
-    /// A mark that is added later leaves the sequence as it is.
+    /// It did not happen for the method, which presents its level again.
     bool is_presented_again = false;
     std::optional<TrialPlace> repeated_by; ///< as read; ignored by `append`
 

@@ -73,15 +73,6 @@ void end_interrupted(const Database &database) {
     transaction.commit();
 }
 
-/// Whether `stored` is `trial`, apart from marks that were added since.
-bool is_the_same(const Trial &stored, const Trial &trial) {
-    Trial unmarked = stored;
-    if (unmarked.marks.size() > trial.marks.size()) {
-        unmarked.marks.resize(trial.marks.size());
-    }
-    return digest_of(0, unmarked) == digest_of(0, trial);
-}
-
 } // namespace
 
 StudyStore::StudyStore(const std::filesystem::path &file) : StudyStore(file, DatabaseSettings{}) {}
@@ -159,7 +150,7 @@ Appended StudyStore::append(const Trial &trial) {
     Transaction transaction(database, Transaction::Kind::write);
     parts_->check(what_is_wrong_with(trial, study_row(database).row.facts.records_folder));
     if (const auto stored = trial_row(database, trial.participant, trial.place)) {
-        if (!is_the_same(stored->row, trial)) {
+        if (digest_of(0, stored->row) != digest_of(0, trial)) {
             database.refuse(fmt::format("has another trial of {} already: {}", trial.participant,
                                         text_of(trial.place)));
         }
@@ -177,21 +168,6 @@ Appended StudyStore::append(const Trial &trial) {
     insert(database, trial);
     transaction.commit();
     return Appended::now;
-}
-
-void StudyStore::mark(std::string_view participant, const TrialPlace &place,
-                      std::string_view reason) {
-    const Database &database = parts_->database;
-    parts_->check(reason.empty() ? "a mark has no reason" : "");
-    Transaction transaction(database, Transaction::Kind::write);
-    auto trial = trial_row(database, std::string(participant), place);
-    if (!trial) {
-        database.refuse(
-            fmt::format("has no trial of {}: {}", in_quotes(participant), text_of(place)));
-    }
-    trial->row.marks.emplace_back(reason);
-    update(database, *trial);
-    transaction.commit();
 }
 
 Appended StudyStore::add(const QuestionnaireAnswer &answer) {

@@ -90,9 +90,6 @@ public:
     ///        for a record outside its participant's folder.
     Appended append(const Trial &trial);
 
-    /// Marks a stored trial as one that does not count. @throw InputError if there is none.
-    void mark(std::string_view participant, const TrialPlace &place, std::string_view reason);
-
     /// Stores an answer; what is asked, and which answers are possible, is for the caller to check.
     /// The same answer again, in that session, is not stored twice.
     /// @throw InputError if the session has another answer to the item; if participant or session

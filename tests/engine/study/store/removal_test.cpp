@@ -46,6 +46,9 @@ protected:
                     trial.condition = kMarker;
                     trial.tuning = {{"hand", std::string(kMarker)}};
                 }
+                if (participant == 1 && trial.place == kMarkedPlace) {
+                    trial.marks.emplace_back("P02 came in");
+                }
                 store.append(trial);
             }
             const auto record = store.new_record_file(participant == 1 ? "P01" : "P02", {});
@@ -56,7 +59,6 @@ protected:
         store.add({"P02", begun, "remarks", "Anything else?", kMarker, kStart});
         store.end(begun, SessionEnding::left, kStart);
         store.add({"P01", 1, "remarks", "Anything else?", "no", kStart});
-        store.mark("P01", kMarkedPlace, "P02 came in");
         store.append({kStart, "note", kMarker, "P02", std::nullopt});
         store.append({kStart, "note", "the room is warm", std::nullopt, std::nullopt});
         // What others' rows and those of the study say of them.

@@ -164,32 +164,21 @@ TEST(StudyStore, DoesNotStoreATrialTwice) {
     EXPECT_EQ(complaint_of([&] { store.append(other); }),
               file.string() + ": has another trial of P01 already: block 1, position 3, attempt 1");
     EXPECT_TRUE(are_identical(store.contents().trials, {trial}));
-    // The same place of another participant, and a mark that came later.
+    // The same place of another participant.
     EXPECT_EQ(store.append(sample_trial(1, 2, 3)), Appended::now);
-    store.mark("P01", trial.place, "participant sneezed");
-    EXPECT_EQ(store.append(trial), Appended::before);
     EXPECT_EQ(store.contents().trials.size(), 2U);
 }
 
-TEST(StudyStore, MarksTrialsThatDoNotCount) {
-    const auto file = sample_study(fresh_folder("study_marks"));
-    StudyStore store(file);
+TEST(StudyStore, CountsNoTrialThatIsMarked) {
     Trial trial = sample_trial(1, 1, 1);
     trial.marks.clear();
     trial.is_practice = trial.is_catch = false;
-    store.append(trial);
-    EXPECT_TRUE(counts(read_study(file).trials[0]));
-    store.mark("P01", trial.place, "participant sneezed");
-    store.mark("P01", trial.place, "and again");
+    EXPECT_TRUE(counts(trial));
     trial.marks = {"participant sneezed", "and again"};
+    const auto file = sample_study(fresh_folder("study_marks"));
+    StudyStore(file).append(trial);
     EXPECT_TRUE(are_identical(read_study(file).trials, {trial}));
-    EXPECT_FALSE(counts(trial));
-    EXPECT_EQ(complaint_of([&] {
-                  store.mark("P01", {1, 1, 2}, "late");
-              }),
-              file.string() + ": has no trial of 'P01': block 1, position 1, attempt 2");
-    EXPECT_EQ(complaint_of([&] { store.mark("P01", trial.place, ""); }),
-              file.string() + ": a mark has no reason");
+    EXPECT_FALSE(counts(read_study(file).trials[0]));
 }
 
 TEST(StudyStore, HoldsSessionsAndNotes) {
