@@ -6,7 +6,7 @@
 #include "base/machine_name.h"
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/conduct/marking.h"
-#include "engine/study/conduct/stored_trial.h"
+#include "engine/study/conduct/sequence.h"
 #include "engine/study/protocol/session_length.h"
 
 #include <fmt/core.h>

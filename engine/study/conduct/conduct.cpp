@@ -2,7 +2,7 @@
 
 #include "base/input_error.h"
 #include "engine/study/conduct/marking.h"
-#include "engine/study/conduct/stored_trial.h"
+#include "engine/study/conduct/sequence.h"
 
 #include <fmt/core.h>
 

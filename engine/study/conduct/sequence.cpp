@@ -1,7 +1,6 @@
 #include "engine/study/conduct/sequence.h"
 
 #include "base/input_error.h"
-#include "engine/study/conduct/stored_trial.h"
 
 #include <fmt/core.h>
 
@@ -56,25 +55,26 @@ void Sequence::begin_block() {
 
 std::optional<PlannedTrial> Sequence::next() const {
     const std::optional<BlockTrial> presented = run_ ? run_->next() : std::nullopt;
-    if (!presented) {
-        return std::nullopt;
-    }
+    return presented ? std::optional(planned_of(*presented)) : std::nullopt;
+}
+
+PlannedTrial Sequence::planned_of(const BlockTrial &presented) const {
     const std::size_t place = ended_.size();
     PlannedTrial trial;
     trial.place = {static_cast<int>(place) + 1, position_, 1};
     const ProtocolBlock &block = protocol_.blocks[static_cast<std::size_t>(order_[place])];
-    const auto series = static_cast<std::size_t>(presented->series);
+    const auto series = static_cast<std::size_t>(presented.series);
     trial.condition = protocol_.conditions[block.conditions[series]].name;
-    trial.track = track_name(protocol_.method, presented->track);
-    trial.is_practice = presented->kind == TrialKind::practice;
-    trial.is_catch = presented->kind == TrialKind::catch_trial;
+    trial.track = track_name(protocol_.method, presented.track);
+    trial.is_practice = presented.kind == TrialKind::practice;
+    trial.is_catch = presented.kind == TrialKind::catch_trial;
     trial.seed =
         child(block_key(key_, place, DrawnInBlock::trials), static_cast<std::uint64_t>(position_))
             .bits;
     trial.level_name = level_name_of(protocol_);
-    trial.level = presented->level;
+    trial.level = presented.level;
     if (is_forced_choice(protocol_.task.kind)) {
-        trial.target = presented->target + 1;
+        trial.target = presented.target + 1;
     }
     const auto again = std::ranges::find_if(
         marked_, [&trial](const PlannedTrial &before) { return presents_the_same(before, trial); });
@@ -85,7 +85,9 @@ std::optional<PlannedTrial> Sequence::next() const {
 }
 
 void Sequence::add(const Trial &trial) {
-    const std::optional<PlannedTrial> planned = next();
+    const std::optional<BlockTrial> presented = run_ ? run_->next() : std::nullopt;
+    const std::optional<PlannedTrial> planned =
+        presented ? std::optional(planned_of(*presented)) : std::nullopt;
     if (!planned || *planned != trial) {
         throw InputError(fmt::format(
             "{} of participant {} is not what the study's protocol presents there: it was run with "
@@ -101,12 +103,45 @@ void Sequence::add(const Trial &trial) {
     if (outcome.marked) {
         marked_.push_back(*planned);
     }
-    run_->add({*run_->next(), outcome});
+    run_->add({*presented, outcome});
     ++position_;
     if (const BlockState state = run_->state(); state != BlockState::running) {
         ended_.push_back({static_cast<std::size_t>(order_[ended_.size()]), state});
         begin_block();
     }
+}
+
+std::string level_name_of(const Protocol &protocol) {
+    switch (protocol.variable.level) {
+    case LevelMeaning::added:
+        return protocol.variable.parameter + "_added";
+    case LevelMeaning::taken_off:
+        return protocol.variable.parameter + "_taken_off";
+    case LevelMeaning::value:
+        break;
+    }
+    return protocol.variable.parameter;
+}
+
+std::optional<bool> is_correct(const Task &task, const Trial &trial) {
+    const auto *chosen = std::get_if<Chosen>(&trial.response);
+    if (!is_forced_choice(task.kind) || chosen == nullptr || !trial.target) {
+        return std::nullopt;
+    }
+    return chosen->alternative == *trial.target;
+}
+
+Outcome outcome_of(const Protocol &protocol, const Trial &trial) {
+    Outcome outcome;
+    outcome.marked = trial.is_presented_again;
+    if (const auto *answer = std::get_if<YesNo>(&trial.response)) {
+        outcome.positive = answer->yes;
+    } else if (const auto *adjusted = std::get_if<Adjusted>(&trial.response)) {
+        outcome.setting = adjusted->level;
+    } else {
+        outcome.positive = is_correct(protocol.task, trial).value_or(false);
+    }
+    return outcome;
 }
 
 Sequence sequence_after(const Protocol &protocol, int participant, std::span<const Trial> trials) {

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace springdrive::study {
@@ -45,6 +46,7 @@ public:
 
 private:
     void begin_block();
+    [[nodiscard]] PlannedTrial planned_of(const BlockTrial &presented) const;
 
     Protocol protocol_;
     RandomKey key_; ///< of the participant
@@ -54,6 +56,17 @@ private:
     int position_ = 1;                 ///< in the present block
     std::vector<PlannedTrial> marked_; ///< of the present block, and not presented again yet
 };
+
+/// The name of what a level is: the parameter under test with its unit, such as "turn_deg"; with
+/// "_added" or "_taken_off" where levels are differences from the standard.
+[[nodiscard]] std::string level_name_of(const Protocol &protocol);
+
+/// Whether the response is the right one; nothing without a response, and where the task has no
+/// right one: yes/no and adjustment.
+[[nodiscard]] std::optional<bool> is_correct(const Task &task, const Trial &trial);
+
+/// What the method learns of a stored trial.
+[[nodiscard]] Outcome outcome_of(const Protocol &protocol, const Trial &trial);
 
 /// The sequence after these trials of the participant, in their order.
 /// @throw InputError as `Sequence::add` does.

@@ -1,6 +1,6 @@
 #include "engine/study/results/results_tables.h"
 
-#include "engine/study/conduct/stored_trial.h"
+#include "engine/study/conduct/sequence.h"
 
 #include <array>
 #include <optional>

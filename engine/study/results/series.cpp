@@ -1,6 +1,6 @@
 #include "engine/study/results/series.h"
 
-#include "engine/study/conduct/stored_trial.h"
+#include "engine/study/conduct/sequence.h"
 
 #include <charconv>
 #include <utility>

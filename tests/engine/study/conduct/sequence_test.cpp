@@ -1,8 +1,7 @@
-// Covers engine/study/conduct/{sequence,stored_trial}.cpp.
+// Covers engine/study/conduct/sequence.cpp.
 #include "engine/study/conduct/sequence.h"
 
 #include "base/input_error.h"
-#include "engine/study/conduct/stored_trial.h"
 #include "tests/engine/study/conduct/small_study.h"
 
 #include <gtest/gtest.h>

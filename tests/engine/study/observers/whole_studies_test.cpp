@@ -3,7 +3,6 @@
 // tests/long.
 #include "engine/study/analysis/posterior.h"
 #include "engine/study/conduct/sequence.h"
-#include "engine/study/conduct/stored_trial.h"
 #include "engine/study/observers/simulated_sitting.h"
 #include "engine/study/store/database.h"
 #include "tests/engine/study/protocol/plain_protocol.h"

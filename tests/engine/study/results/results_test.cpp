@@ -2,7 +2,7 @@
 #include "engine/study/results/results_tables.h"
 
 #include "engine/study/analysis/simulated_study.h"
-#include "engine/study/conduct/stored_trial.h"
+#include "engine/study/conduct/sequence.h"
 #include "engine/study/results/progress.h"
 #include "tests/engine/study/conduct/small_study.h"
 #include "tests/support/csv.h"
