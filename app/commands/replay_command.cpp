@@ -9,7 +9,6 @@
 #include "device/core/device_file.h"
 #include "engine/record/record_reader.h"
 #include "engine/record/replay.h"
-#include "engine/session/journal_check.h"
 #include "engine/session/run_folder.h"
 
 #include <algorithm>
@@ -119,7 +118,7 @@ void replay_record(const TypedReplay &typed) {
     }
 }
 
-/// The replay of a kept session: all its records, against its other files.
+/// The replay of a kept session: all its records, against its device files.
 class RunReplay {
 public:
     RunReplay(std::filesystem::path folder, const std::optional<control::Tuning> &tuning)
@@ -140,18 +139,11 @@ public:
             print(out, "scene {}: {}\n", in_quotes(scene.file), state_of(scene));
         }
         print_gaps(out);
-        if (run_.journal.empty() || run_.journal.front().what != "start") {
-            print(out, "tuning_history.csv does not begin with the start: it is not whole\n");
-        }
-        print(out,
-              "{}: {} ticks replayed, {} of them compared with the tuning history; {} of {} "
-              "records {}\n",
-              folder_.string(), ticks_, compared_, fine_, run_.records.size(),
-              tuning_ ? "belong to this run" : "are as they must be");
+        print(out, "{}: {} ticks replayed; {} of {} records {}\n", folder_.string(), ticks_, fine_,
+              run_.records.size(), tuning_ ? "belong to this run" : "are as they must be");
     }
 
-    /// Without any tick that was compared with the history, nothing is shown of it.
-    [[nodiscard]] bool is_fine() const { return fine_ == run_.records.size() && compared_ > 0; }
+    [[nodiscard]] bool is_fine() const { return fine_ == run_.records.size(); }
     [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
 
 private:
@@ -188,24 +180,18 @@ private:
         }
         record::RecordReader record(file);
         note_scene(record.header().scene_file, record.header().scene_sha256);
-        const device::DeviceDescription device = recorded_device(record);
-        record::Replay replay(device, tuning_);
-        session::JournalCheck journal(run_, part.start_s, device);
+        record::Replay replay(recorded_device(record), tuning_);
         Covered covered;
         replay_all(record, replay, [&](const servo::ServoSample &sample, const auto &) {
-            journal.take(sample);
             covered.take(part.start_s + sample.time_s);
         });
         covered_.push_back(covered);
         ticks_ += replay.replayed();
-        compared_ += journal.compared();
         report(out, record, replay);
-        journal.print_to(out);
         const bool same_device = record.header().device_toml == run_.devices[part.device].toml;
         print(out, "  {:<22} {} the device file of the run\n", "device",
               same_device ? "as in" : "differs from");
-        return same_device && journal.is_fine() && record.ending().why.empty() &&
-               (tuning_ || replay.is_identical());
+        return same_device && record.ending().why.empty() && (tuning_ || replay.is_identical());
     }
 
     /// A scene of the same contents is the same scene.
@@ -240,7 +226,6 @@ private:
     std::vector<Covered> covered_; ///< by each record that could be read
     std::size_t fine_ = 0;
     std::uint64_t ticks_ = 0;
-    std::uint64_t compared_ = 0; ///< with the journal
 };
 
 void replay_folder(const TypedReplay &typed) {
@@ -283,7 +268,7 @@ void add_replay_command(Command &app) {
     command.footer(
         "Exits with 1 if any bit differs. With a tuning, shows instead what it would "
         "have\ncommanded for the same motion. Of a folder, all records are replayed, and "
-        "compared\nwith its device file and tuning history.");
+        "compared\nwith its device file.");
     command.callback([typed] { run(*typed); });
 }
 

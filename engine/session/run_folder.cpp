@@ -95,13 +95,6 @@ void check_room_in(const fs::path &folder) {
     }
 }
 
-/// Both slots, of which A is active.
-TuningSlots slots_in(const fs::path &folder) {
-    TuningSlots slots(control::read_tuning_file(folder / "slot_b.toml"));
-    slots.set(control::read_tuning_file(folder / "slot_a.toml"));
-    return slots;
-}
-
 /// The rows of the past, with the notes between them.
 class PastRows {
 public:
@@ -201,17 +194,6 @@ RunFacts read_run(const fs::path &folder) {
     read_run_json(*json, folder / "run.json", facts);
     for (std::size_t number = 0; number < facts.devices.size(); ++number) {
         facts.devices[number].toml = text_of_file(folder / name_of_device_file(number));
-    }
-    const TuningSlot active = facts.slots.active();
-    facts.slots = slots_in(folder);
-    if (facts.slots.active() != active) {
-        facts.slots.toggle();
-    }
-    const fs::path journal = folder / "tuning_history.csv";
-    facts.journal = read_journal_csv(text_of_file(journal), journal);
-    const fs::path events = folder / "events.csv";
-    if (const std::optional<std::string> text = text_if_any(events)) {
-        facts.events = read_events_csv(*text, events);
     }
     facts.notes = text_if_any(folder / "notes.txt").value_or("");
     return facts;

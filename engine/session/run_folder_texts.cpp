@@ -4,9 +4,7 @@
 #include "base/file_names.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
-#include "base/number_in.h"
 #include "base/one_line.h"
-#include "base/print.h"
 #include "base/quoting.h"
 
 #include <fmt/format.h>
@@ -18,7 +16,9 @@
 #include <iomanip>
 #include <optional>
 #include <sstream>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace springdrive::session {
 
@@ -39,17 +39,6 @@ std::string utc_text(std::chrono::sys_seconds time) {
     std::ostringstream text;
     text << std::put_time(&parts, kUtcFormat);
     return text.str();
-}
-
-std::optional<std::chrono::sys_seconds> utc_time(const std::string &text) {
-    std::tm parts{};
-    std::istringstream stream(text);
-    stream >> std::get_time(&parts, kUtcFormat);
-    if (stream.fail()) {
-        return std::nullopt;
-    }
-    return std::chrono::floor<std::chrono::seconds>(
-        std::chrono::system_clock::from_time_t(timegm(&parts)));
 }
 
 /// A value of run.json; its readers throw InputError for a value of another type.
@@ -75,10 +64,6 @@ public:
         }
         return values;
     }
-    [[nodiscard]] bool has(const std::string &key) const {
-        require(value_.is_object(), "an object");
-        return value_.contains(key);
-    }
     [[nodiscard]] std::string text() const {
         require(value_.is_string(), "a text");
         return value_.get<std::string>();
@@ -87,22 +72,6 @@ public:
         require(value_.is_number() && std::isfinite(value_.get<double>()), "a number");
         return value_.get<double>();
     }
-    [[nodiscard]] std::uint64_t count() const {
-        require(value_.is_number_unsigned(), "a whole number from 0");
-        return value_.get<std::uint64_t>();
-    }
-    [[nodiscard]] bool flag() const {
-        require(value_.is_boolean(), "true or false");
-        return value_.get<bool>();
-    }
-    [[nodiscard]] std::chrono::sys_seconds time() const {
-        const std::optional<std::chrono::sys_seconds> time = utc_time(text());
-        if (!time) {
-            refuse("a time such as 2024-05-31T12:34:56Z");
-        }
-        return *time;
-    }
-
     [[noreturn]] void refuse(const std::string &must_be) const {
         const std::string what = value_.is_string() ? in_quotes(value_.get<std::string>())
                                  : value_.is_number()
@@ -157,48 +126,36 @@ nlohmann::ordered_json json_of_device(const RunDevice &device, std::size_t numbe
             {"observes_resistance", device.observes_resistance}};
 }
 
-RunDevice device_from_json(const RunValue &value) {
-    RunDevice device;
-    device.name = value["name"].text();
-    device.file = value["file"].text();
-    device.seed = value["seed"].count();
-    const RunValue effects = value["effects"];
-    for (const simulated::PlantEffect &effect : simulated::kPlantEffects) {
-        const std::string name(effect.name);
-        if (effects.has(name)) { // else it was written before there was such an effect
-            device.effects.*effect.on = effects[name].flag();
-        }
-    }
-    device.observes_resistance = value["observes_resistance"].flag();
-    return device;
-}
-
 bool is_name_in_folder(const std::string &name) {
     return !name.empty() && name != "." && name != ".." &&
            name.find_first_of(std::string_view("/\0", 2)) == std::string::npos;
 }
 
-std::filesystem::path picture_from_json(const RunValue &value) {
-    const std::string name = value.text();
-    if (!is_name_in_folder(name)) {
-        value.refuse("the name of a file in this folder");
+/// The names of the device files, by their numbers.
+std::vector<std::string> device_files_from_json(const RunValue &list) {
+    std::vector<std::string> files;
+    for (const RunValue &device : list.list()) {
+        const std::string name = name_of_device_file(files.size()).string();
+        if (device["toml"].text() != name) {
+            device["toml"].refuse(in_quotes(name));
+        }
+        files.push_back(name);
     }
-    return name;
+    return files;
 }
 
-RunRecord record_from_json(const RunValue &value, std::size_t devices) {
+RunRecord record_from_json(const RunValue &value, const std::vector<std::string> &device_files) {
     const std::string file = value["file"].text();
     if (!is_name_in_folder(file) &&
         (!file.starts_with('/') || file.find('\0') != std::string::npos)) {
         value["file"].refuse("the name of a file in this folder, or a path from /");
     }
-    const std::string device = value["device"].text();
-    for (std::size_t number = 0; number < devices; ++number) {
-        if (name_of_device_file(number) == device) {
-            return {file, value["start_s"].number(), number};
-        }
+    const auto device = std::ranges::find(device_files, value["device"].text());
+    if (device == device_files.end()) {
+        value["device"].refuse("the file of one of the devices");
     }
-    value["device"].refuse("the file of one of the devices");
+    return {file, value["start_s"].number(),
+            static_cast<std::size_t>(device - device_files.begin())};
 }
 
 /// @throw InputError for what is no JSON, or a run of another version
@@ -218,145 +175,6 @@ nlohmann::json parse_run_json(std::string_view text, const std::filesystem::path
         format.refuse('"' + std::string(kRunFormat) + "\"; read it with the version that wrote it");
     }
     return document;
-}
-
-/// A line of a CSV file: several, if a cell has line breaks.
-struct CsvLine {
-    std::size_t number = 0; ///< from 1
-    std::vector<std::string> cells;
-};
-
-/// Takes a CSV file apart, as `csv_cell` wrote it, or a spreadsheet.
-class CsvReader {
-public:
-    CsvReader(std::string_view text, const std::filesystem::path &file)
-        : text_(text), file_(file) {}
-
-    /// False at the end.
-    bool next(CsvLine &line) {
-        if (at_ >= text_.size()) {
-            return false;
-        }
-        line = {number_, {}};
-        do {
-            line.cells.push_back(unguard_formula(cell()));
-        } while (take(','));
-        take('\r');
-        if (!take('\n') && at_ < text_.size()) {
-            refuse_text(file_, fmt::format("line {}: a comma is missing after a quote", number_));
-        }
-        return true;
-    }
-
-private:
-    bool take(char wanted) {
-        if (at_ >= text_.size() || text_[at_] != wanted) {
-            return false;
-        }
-        number_ += wanted == '\n' ? 1U : 0U;
-        ++at_;
-        return true;
-    }
-
-    std::string cell() {
-        if (take('"')) {
-            return quoted();
-        }
-        const std::size_t end = std::min(text_.find_first_of(",\r\n", at_), text_.size());
-        return std::string(text_.substr(std::exchange(at_, end), end - at_));
-    }
-
-    std::string quoted() {
-        const std::size_t began = number_;
-        std::string cell;
-        while (at_ < text_.size()) {
-            const char next = text_[at_];
-            take(next);
-            if (next == '"' && !take('"')) {
-                return cell;
-            }
-            cell += next;
-        }
-        refuse_text(file_, fmt::format("line {}: a quote is not closed", began));
-    }
-
-    std::string_view text_;
-    const std::filesystem::path &file_;
-    std::size_t at_ = 0;
-    std::size_t number_ = 1;
-};
-
-/// The lines after the first one, which must be `title`.
-std::vector<CsvLine> csv_lines(std::string_view text, const std::filesystem::path &file,
-                               const std::vector<std::string> &title) {
-    CsvReader reader(text, file);
-    CsvLine line;
-    if (!reader.next(line) || line.cells != title) {
-        refuse_text(file, fmt::format("its first line must be {}", fmt::join(title, ",")));
-    }
-    std::vector<CsvLine> lines;
-    while (reader.next(line)) {
-        if (line.cells.size() == 1 && line.cells.front().empty()) {
-            continue; // an empty line
-        }
-        if (line.cells.size() != title.size()) {
-            refuse_text(file, fmt::format("line {}: has {} cells; it must have {}", line.number,
-                                          line.cells.size(), title.size()));
-        }
-        lines.push_back(line);
-    }
-    return lines;
-}
-
-[[noreturn]] void refuse_cell(const std::filesystem::path &file, const CsvLine &line,
-                              std::size_t cell, const std::string &must_be) {
-    refuse_text(file, fmt::format("line {}: cell {} is {}; it must be {}", line.number, cell + 1,
-                                  in_quotes(line.cells[cell]), must_be));
-}
-
-double csv_number(const std::filesystem::path &file, const CsvLine &line, std::size_t cell) {
-    const auto number = number_in<double>(line.cells[cell]);
-    if (!number || !std::isfinite(*number)) {
-        refuse_cell(file, line, cell, "a number");
-    }
-    return *number;
-}
-
-const std::vector<std::string> &journal_title() {
-    static const std::vector<std::string> title = [] {
-        std::vector<std::string> names{"began_s", "time_s", "what"};
-        for (const control::Parameter &parameter : control::kParameters) {
-            names.emplace_back(parameter.name);
-        }
-        names.insert(names.end(), {"map", "alpha_mode"});
-        return names;
-    }();
-    return title;
-}
-
-const std::vector<std::string> &events_title() {
-    static const std::vector<std::string> title{"time_s", "text"};
-    return title;
-}
-
-control::Tuning tuning_from_cells(const std::filesystem::path &file, const CsvLine &line,
-                                  std::size_t first) {
-    control::Tuning tuning;
-    std::size_t cell = first;
-    for (const control::Parameter &parameter : control::kParameters) {
-        tuning.*parameter.value = csv_number(file, line, cell++);
-    }
-    const std::optional<control::MotionMap> map = control::motion_map_named(line.cells[cell]);
-    if (!map) {
-        refuse_cell(file, line, cell, "the name of a map");
-    }
-    const std::optional<control::AlphaMode> mode = control::alpha_mode_named(line.cells[++cell]);
-    if (!mode) {
-        refuse_cell(file, line, cell, "the name of a source of alpha");
-    }
-    tuning.map = *map;
-    tuning.alpha_mode = *mode;
-    return tuning;
 }
 
 } // namespace
@@ -399,35 +217,22 @@ std::string run_json(const RunFacts &facts, const std::filesystem::path &folder)
 void read_run_json(std::string_view text, const std::filesystem::path &file, RunFacts &facts) {
     const nlohmann::json parsed = parse_run_json(text, file);
     const RunValue document(parsed, file, "");
-    facts.software = document["software"].text();
-    facts.started = document["started_utc"].time();
-    facts.kept = document["kept_utc"].time();
     facts.until_s = document["until_s"].number();
-    facts.servo_hz = document["servo_hz"].number();
-    facts.delay_periods = document["delay_periods"].number();
-    for (const RunValue &device : document["devices"].list()) {
-        facts.devices.push_back(device_from_json(device));
-    }
-    const RunValue scene = document["scene"];
-    facts.scene = {scene["file"].text(), scene["sha256"].text(), scene["triangles"].count()};
-    const RunValue slot = document["active_slot"];
-    const auto *const active = std::ranges::find(kTuningSlotNames, slot.text());
-    if (active == kTuningSlotNames.end()) {
-        slot.refuse("A or B");
-    }
-    if (name_of(facts.slots.active()) != *active) {
-        facts.slots.toggle();
-    }
+    const std::vector<std::string> device_files = device_files_from_json(document["devices"]);
+    facts.devices.resize(device_files.size());
+    facts.scene.file = document["scene"]["file"].text();
+    facts.scene.sha256 = document["scene"]["sha256"].text();
     for (const RunValue &record : document["records"].list()) {
-        facts.records.push_back(record_from_json(record, facts.devices.size()));
-    }
-    for (const RunValue &picture : document["screenshots"].list()) {
-        facts.screenshots.push_back(picture_from_json(picture));
+        facts.records.push_back(record_from_json(record, device_files));
     }
 }
 
 std::string journal_csv(const std::vector<TuningEvent> &journal) {
-    std::string text = fmt::format("{}\n", fmt::join(journal_title(), ","));
+    std::string text = "began_s,time_s,what";
+    for (const control::Parameter &parameter : control::kParameters) {
+        text += fmt::format(",{}", parameter.name);
+    }
+    text += ",map,alpha_mode\n";
     for (const TuningEvent &event : journal) {
         text += fmt::format("{},{},{}", csv_cell(event.began_s), csv_cell(event.time_s),
                             csv_cell(event.what));
@@ -440,37 +245,12 @@ std::string journal_csv(const std::vector<TuningEvent> &journal) {
     return text;
 }
 
-std::vector<TuningEvent> read_journal_csv(std::string_view text,
-                                          const std::filesystem::path &file) {
-    std::vector<TuningEvent> journal;
-    for (const CsvLine &line : csv_lines(text, file, journal_title())) {
-        TuningEvent event{csv_number(file, line, 0), csv_number(file, line, 1), line.cells[2],
-                          tuning_from_cells(file, line, 3)};
-        if (event.time_s < event.began_s) {
-            refuse_cell(file, line, 1, "no earlier than began_s");
-        }
-        if (!journal.empty() && event.time_s < journal.back().time_s) {
-            refuse_cell(file, line, 1, "no earlier than in the line before");
-        }
-        journal.push_back(std::move(event));
-    }
-    return journal;
-}
-
 std::string events_csv(const std::vector<RunEvent> &events) {
-    std::string text = fmt::format("{}\n", fmt::join(events_title(), ","));
+    std::string text = "time_s,text\n";
     for (const RunEvent &event : events) {
         text += fmt::format("{},{}\n", csv_cell(event.time_s), csv_cell(event.text));
     }
     return text;
-}
-
-std::vector<RunEvent> read_events_csv(std::string_view text, const std::filesystem::path &file) {
-    std::vector<RunEvent> events;
-    for (const CsvLine &line : csv_lines(text, file, events_title())) {
-        events.push_back({csv_number(file, line, 0), line.cells[1]});
-    }
-    return events;
 }
 
 } // namespace springdrive::session

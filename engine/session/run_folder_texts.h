@@ -18,18 +18,13 @@ namespace springdrive::session {
 /// @param folder  of the run: what is in it is named without its path
 [[nodiscard]] std::string run_json(const RunFacts &facts, const std::filesystem::path &folder);
 
-// Each of these @throw InputError, which names `file`, for a text that is not of its format.
-
-/// Fills what `run_json` wrote.
+/// Fills times, scene, records and the number of devices from what `run_json` wrote.
+/// @throw InputError, which names `file`, for a text that is not of its format
 void read_run_json(std::string_view text, const std::filesystem::path &file, RunFacts &facts);
 
 /// One line per event: times, name, and all parameters, named as in tuning files.
 [[nodiscard]] std::string journal_csv(const std::vector<TuningEvent> &journal);
-[[nodiscard]] std::vector<TuningEvent> read_journal_csv(std::string_view text,
-                                                        const std::filesystem::path &file);
 
 [[nodiscard]] std::string events_csv(const std::vector<RunEvent> &events);
-[[nodiscard]] std::vector<RunEvent> read_events_csv(std::string_view text,
-                                                    const std::filesystem::path &file);
 
 } // namespace springdrive::session

@@ -6,7 +6,6 @@
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
 
-#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -170,8 +169,6 @@ TEST_F(ReplayRun, IsEqualToTheLastBitInAllItsRecords) {
     EXPECT_TRUE(says(ending, "2 of 2 records are as they must be")) << ending.out;
     EXPECT_TRUE(says(ending, "device                 as in the device file")) << ending.out;
     EXPECT_TRUE(says(ending, "plate.gltf': as it was")) << ending.out;
-    EXPECT_TRUE(says(ending, "; moved in ")) << ending.out;        // the drag
-    EXPECT_TRUE(says(ending, "; 501 not compared")) << ending.out; // 1 + after it was saved
 }
 
 TEST_F(ReplayRun, ByTheClockIsEqualToo) {
@@ -198,51 +195,6 @@ TEST_F(ReplayRun, ByTheClockIsEqualToo) {
     played.session.stop();
     const testing::Ending ending = replay(played.save());
     EXPECT_EQ(ending.exit_status, 0) << ending.out << ending.error;
-}
-
-TEST_F(ReplayRun, WithAFalsifiedJournalDiffers) {
-    const std::filesystem::path folder = keep_one();
-    const std::filesystem::path journal = folder / "tuning_history.csv";
-    const std::string before = contents_of(journal);
-    const auto ending_with = [&](const std::string &text) {
-        write_text(journal, text);
-        testing::Ending ending = replay(folder);
-        write_text(journal, before);
-        EXPECT_EQ(says(ending, "tuning                 differs"), ending.exit_status != 0)
-            << text << ending.error << ending.out;
-        return ending.exit_status;
-    };
-    const auto replaced = [&before](const std::string &part, const std::string &by) {
-        std::string text = before;
-        const std::size_t at = text.find(part);
-        EXPECT_NE(at, std::string::npos) << part << '\n' << before;
-        return text.replace(at, part.size(), by);
-    };
-    EXPECT_EQ(ending_with(before), 0);
-    EXPECT_EQ(ending_with(replaced("K_P of", "what ever")), 0);
-    EXPECT_EQ(ending_with(replaced(",7,", ",7.000000000000001,")), 1); // one bit
-    EXPECT_EQ(ending_with(replaced(",8,", ",7.999999999999999,")), 1);
-    EXPECT_EQ(ending_with(replaced("\"\",0.5,8,0.01,1000,3000,0,transpose",
-                                   "\"\",0.5,8,0.01,1000,3000,0,inverse")),
-              1);
-    const std::size_t last = before.rfind('\n', before.rfind("\"K_P of")) + 1;
-    EXPECT_EQ(ending_with(before.substr(0, last)), 1);
-    // Nothing to compare with is no agreement.
-    write_text(journal, before.substr(0, before.find('\n') + 1));
-    const testing::Ending empty = replay(folder);
-    write_text(journal, before);
-    EXPECT_EQ(empty.exit_status, 1);
-    EXPECT_TRUE(says(empty, "does not begin with the start")) << empty.out;
-    // Each change was entered at the last tick that did not have it yet.
-    const std::size_t start = before.find("\"K_P of", before.find("\"K_P of") + 1);
-    const std::size_t line = before.rfind('\n', start) + 1;
-    const double time_s = std::stod(before.substr(line));
-    const auto shifted = [&](double by_s) {
-        return before.substr(0, line) + fmt::format("{},{},", time_s + by_s, time_s + by_s) +
-               before.substr(start);
-    };
-    EXPECT_EQ(ending_with(shifted(0.0015)), 1);
-    EXPECT_EQ(ending_with(shifted(-0.01)), 0); // a window that was slow to pass it on
 }
 
 TEST_F(ReplayRun, ReportsEachBadRecordAndReplaysTheOthers) {
