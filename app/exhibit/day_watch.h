@@ -17,12 +17,12 @@ public:
     std::vector<std::string> update(const session::Session &session, DayFigures &figures);
 
 private:
-    void watch_safety(const record::ChannelStore &store, std::uint64_t row, DayFigures &figures,
+    void watch_safety(const servo::SafetyStatus &safety, double time_s, DayFigures &figures,
                       std::vector<std::string> &events);
 
     std::uint64_t next_row_ = 0;
     servo::SafetyState state_ = servo::SafetyState::waiting;
-    double held_stop_ = 0.0;
+    std::uint32_t held_stop_ = 0;
     bool is_stopped_ = false; ///< and did not run since
     double stopped_s_ = 0.0;
     bool is_lost_ = false;

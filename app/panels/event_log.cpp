@@ -13,22 +13,9 @@ namespace springdrive::app {
 
 namespace {
 
-std::size_t channel(std::string_view name) { return session::channel_named(name).value(); }
-
 servo::SafetyState state_at(const record::ChannelStore &store, std::uint64_t row) {
-    static const std::size_t kState = channel("safety_state");
+    static const std::size_t kState = session::channel_named("safety_state").value();
     return static_cast<servo::SafetyState>(static_cast<int>(store.value(kState, row)));
-}
-
-/// The trip of a row, with its numbers.
-std::string trip_text(const record::ChannelStore &store, std::uint64_t row) {
-    servo::SafetyStatus status;
-    status.state = servo::SafetyState::tripped;
-    status.cause =
-        static_cast<servo::TripCause>(static_cast<int>(store.value(channel("trip_cause"), row)));
-    status.measured = store.value(channel("trip_measured"), row);
-    status.limit = store.value(channel("trip_limit"), row);
-    return "stopped: " + servo::description(status);
 }
 
 } // namespace
@@ -51,7 +38,8 @@ void EventLog::watch_safety(const session::Session &session) {
         }
         const double time_s = store.time_s(row);
         if (now == servo::SafetyState::tripped) {
-            add(time_s, Kind::trip, trip_text(store, row));
+            add(time_s, Kind::trip,
+                "stopped: " + servo::description(session::sample_at(store, row).safety));
         } else if (before == servo::SafetyState::tripped) {
             add(time_s, Kind::note, "reset");
         } else if (now == servo::SafetyState::running) {
@@ -125,11 +113,10 @@ void EventLog::watch_rest(const session::Session &session, double now_s) {
 }
 
 void EventLog::update(const session::Session &session) {
-    const record::ChannelStore &store = session.servo().history().store();
     const auto before = static_cast<std::ptrdiff_t>(events_.size());
     watch_safety(session);
     watch_tuning(session.tuning());
-    const double now_s = store.is_empty() ? 0.0 : store.time_s(store.end() - 1);
+    const double now_s = session.plot_time_s();
     watch_plant(session, now_s);
     watch_rest(session, now_s);
     std::stable_sort(events_.begin() + std::min(before, std::ssize(events_)), events_.end(),

@@ -34,17 +34,12 @@ Vector3 direction_of(const session::Session &session, StimulusDirection directio
     return contact.touching ? Vector3(-contact.normal) : Vector3(-Vector3::UnitY());
 }
 
-double newest_s(const session::Session &session) {
-    const record::ChannelStore &store = session.servo().history().store();
-    return store.is_empty() ? 0.0 : store.time_s(store.end() - 1);
-}
-
 void start(session::Session &session, HandTabState &state) {
     simulated::HandStimulus stimulus = state.stimulus;
     stimulus.direction = direction_of(session, state.direction);
     session.hand().play(stimulus);
     state.played = stimulus;
-    state.started_s = newest_s(session);
+    state.started_s = session.plot_time_s();
     state.measured.reset();
     state.predicted_N_per_m = tip_stiffness_N_per_m(session, stimulus.direction);
 }
@@ -54,8 +49,9 @@ void show_result(const session::Session &session, HandTabState &state) {
         return;
     }
     const double end_s = state.started_s + state.played->duration_s;
-    if (newest_s(session) < end_s) {
-        ui::progress("playing", (newest_s(session) - state.started_s) / state.played->duration_s,
+    if (session.plot_time_s() < end_s) {
+        ui::progress("playing",
+                     (session.plot_time_s() - state.started_s) / state.played->duration_s,
                      "playing");
         return;
     }
