@@ -171,11 +171,13 @@ void show_recording(session::Session &session, ServoPanelState &state) {
 }
 
 /// True if it is to be kept.
-bool show_keeping(const SessionKeeper &keeper) {
+bool show_keeping(const session::Session &session, const SessionKeeper &keeper) {
     const bool is_asked = ui::button("keep");
-    ui::explain(
-        "keeps this session in a folder: what is still in memory and what follows, tunings,\n"
-        "notes, log and a picture. Again: brings it up to date. Ctrl+S");
+    const double written_MB = 1e-6 * static_cast<double>(keeper.bytes_to_write(session));
+    ui::explain(ui::formatted(
+        "keeps this session in a folder: what is still in memory ({:.0f} MB as a record) and what\n"
+        "follows, tunings, notes, log and a picture. Again: brings it up to date. Ctrl+S",
+        written_MB));
     if (keeper.is_writing()) {
         ImGui::SameLine();
         ui::text(kFaintInk, "writing");
@@ -184,6 +186,9 @@ bool show_keeping(const SessionKeeper &keeper) {
         const ui::Scope scope("kept");
         ui::text(kGood, "kept");
         ui::explain(keeper.folder().lexically_normal().string());
+    } else {
+        ImGui::SameLine();
+        ui::text(kFaintInk, "{:.0f} MB", written_MB);
     }
     return is_asked;
 }
@@ -276,7 +281,7 @@ bool draw_servo_panel(session::Session &session, const EventLog &log, SessionKee
     show_speed(session);
     show_recording(session, state);
     ImGui::SameLine();
-    const bool keeps = show_keeping(keeper);
+    const bool keeps = show_keeping(session, keeper);
     show_errors(session, keeper, state);
     const ui::Tabs tabs("servo");
     if (!tabs) {

@@ -2,6 +2,7 @@
 
 #include "base/file_names.h"
 #include "base/input_error.h"
+#include "engine/record/record_writer.h"
 
 #include <fmt/core.h>
 
@@ -22,11 +23,6 @@ constexpr std::uint64_t kOverlap = 2000;
 
 std::chrono::sys_seconds now() {
     return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
-double newest_time_s(const session::Session &session) {
-    const record::ChannelStore &store = session.servo().history().store();
-    return store.is_empty() ? 0.0 : store.time_s(store.end() - 1);
 }
 
 struct PastFile {
@@ -175,6 +171,13 @@ void SessionKeeper::note_end_of_recording() {
     }
 }
 
+std::uint64_t SessionKeeper::bytes_to_write(const session::Session &session) const {
+    static const record::RecordHeader layout = record::record_header(1000.0); // of any rate
+    const record::ChannelStore &store = session.servo().history().store();
+    const std::uint64_t from_row = std::clamp(covered_to_row_, store.begin(), store.end());
+    return record::bytes_of_rows(store.end() - from_row, layout);
+}
+
 void SessionKeeper::update(const session::Session &session) {
     if (!folder_) {
         return;
@@ -193,7 +196,7 @@ session::RunFacts SessionKeeper::facts(const session::Session &session, const Ev
     facts.software = session.program_version();
     facts.started = started_;
     facts.kept = now();
-    facts.until_s = newest_time_s(session);
+    facts.until_s = session.plot_time_s();
     facts.servo_hz = session.servo().rate_hz();
     facts.delay_periods = session.device().device().delay_periods();
     const session::LoadedScene &scene = session.scenes().now();

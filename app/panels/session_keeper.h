@@ -42,6 +42,9 @@ public:
     [[nodiscard]] std::filesystem::path folder() const {
         return folder_ ? folder_->path() : std::filesystem::path();
     }
+    /// The size of the records that the next keep makes of what is in memory, without their
+    /// headers.
+    [[nodiscard]] std::uint64_t bytes_to_write(const session::Session &session) const;
     [[nodiscard]] bool is_writing() const { return writing_.is_busy(); }
     /// Whether the last keep succeeded, and nothing was lost since.
     [[nodiscard]] bool is_kept() const { return folder_.has_value() && error_.empty(); }

@@ -196,10 +196,13 @@ void RecordWriter::end_at_last_chunk(int error) {
                      "; free disk space or choose another folder");
 }
 
-std::uint64_t expected_bytes(std::uint64_t rows, const RecordHeader &header) {
+std::uint64_t bytes_of_rows(std::uint64_t rows, const RecordHeader &header) {
     const std::uint64_t chunks = (rows + header.chunk_rows - 1) / header.chunk_rows;
-    return kMagic.size() + 4 + to_json(header).size() + 4 + chunks * kChunkHeadBytes +
-           rows * header.row_bytes;
+    return chunks * kChunkHeadBytes + rows * header.row_bytes;
+}
+
+std::uint64_t expected_bytes(std::uint64_t rows, const RecordHeader &header) {
+    return kMagic.size() + 4 + to_json(header).size() + 4 + bytes_of_rows(rows, header);
 }
 
 } // namespace springdrive::record

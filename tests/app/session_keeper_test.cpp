@@ -102,6 +102,20 @@ TEST_F(SessionKeeperTest, KeepsThePastAndWhatFollows) {
     expect_replays();
 }
 
+TEST_F(SessionKeeperTest, SaysTheSizeOfThePastBeforeItIsWritten) {
+    EXPECT_EQ(keeper.bytes_to_write(played), 0U);
+    run(2.0);
+    const std::uint64_t said = keeper.bytes_to_write(played);
+    keep();
+    EXPECT_EQ(keeper.bytes_to_write(played), 0U);
+    const std::filesystem::path past = keeper.folder() / "past.rec";
+    const std::uint64_t header = std::filesystem::file_size(past) - said;
+    const std::string json = testing::contents_of(past).substr(12, header - 16);
+    EXPECT_EQ(json.front(), '{');
+    EXPECT_EQ(json.back(), '}');
+    finish();
+}
+
 TEST_F(SessionKeeperTest, KeepsWhatCameAfterAStoppedRecording) {
     run(1.0);
     keep();
