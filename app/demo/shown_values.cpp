@@ -3,7 +3,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"
 #include "engine/lab/loops/both_maps.h"
-#include "engine/session/telemetry_channels.h"
+#include "engine/session/telemetry_history.h"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 #include "app/exhibit/kiosk_limits.h"
 #include "app/view/view_state.h"
 #include "base/complaint.h"
-#include "engine/session/telemetry_channels.h"
+#include "engine/session/telemetry_history.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include "app/view/view_state.h"
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"
-#include "engine/session/telemetry_channels.h"
+#include "engine/session/telemetry_history.h"
 
 #include <algorithm>
 #include <cmath>

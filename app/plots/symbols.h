@@ -4,7 +4,7 @@
 // engine/servo/safety_limits.h; here they only get the paper's name for them.
 #pragma once
 
-#include "engine/session/telemetry_channels.h"
+#include "engine/session/telemetry_history.h"
 
 #include <span>
 #include <string>

@@ -11,18 +11,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <system_error>
 
 namespace springdrive::session {
 
 namespace {
-
-/// The servo's rate in a header, which may be of another version.
-double rate_of(const record::RecordHeader &header) {
-    const double servo_hz = 1.0 / header.period_s;
-    return std::isfinite(servo_hz) && servo_hz > 0.0 ? servo_hz : 1000.0;
-}
 
 /// Collects what a file's chunks contain.
 class RecordLoading {
@@ -31,7 +26,7 @@ public:
         : reader_(file), from_s_(from_s), max_bytes_(max_bytes),
           device_(device::read_device_text(reader_.header().device_toml,
                                            file.string() + ", its device")),
-          rows_(device_.geometry, reader_.header()) {
+          rows_(history_for(device_.geometry, reader_.header())) {
         std::error_code ignored; // only for the progress
         file_bytes_ =
             std::max<double>(1.0, static_cast<double>(std::filesystem::file_size(file, ignored)));
@@ -87,7 +82,9 @@ private:
     }
 
     void add(const servo::ServoSample &sample) {
-        if (can_be_a_row(sample)) {
+        constexpr std::uint64_t kExact = std::uint64_t{1} << 53U; // below it, doubles are exact
+        if (sample.tick < kExact && sample.measurement_number < kExact) {
+            rows_.follow_rate(sample);
             rows_.add(sample);
         } else {
             ++left_out_rows_;
@@ -138,7 +135,7 @@ private:
     std::size_t max_bytes_;
     double file_bytes_ = 1.0;
     device::DeviceDescription device_;
-    RecordRows rows_;
+    TelemetryHistory rows_;
     std::optional<std::uint32_t> time_offset_; ///< of the time within a row
     std::optional<RowTimes> all_;              ///< so far
     std::vector<DelayChange> delays_;
@@ -175,33 +172,11 @@ LoadedRecord load_record(const std::filesystem::path &file, double from_s, std::
     return RecordLoading(file, from_s, max_bytes).read(talk);
 }
 
-bool can_be_a_row(const servo::ServoSample &sample) {
-    constexpr std::uint64_t kExact = std::uint64_t{1} << 53U; // below it, doubles are exact
-    return std::isfinite(sample.time_s) && sample.tick < kExact &&
-           sample.measurement_number < kExact;
-}
-
-RecordRows::RecordRows(const device::PhantomGeometry &geometry, const record::RecordHeader &header)
-    : row_(geometry, rate_of(header)) {}
-
-/// The rate is that of the header until the time between two ticks differs.
-void RecordRows::follow_rate(const servo::ServoSample &sample) {
-    if (!last_tick_ || sample.tick <= *last_tick_) {
-        return;
-    }
-    constexpr double kRoundOff = 1e-6; // of a difference of times, after days
-    const auto ticks = static_cast<double>(sample.tick - *last_tick_);
-    const double servo_hz = ticks / (sample.time_s - last_s_);
-    if (std::isfinite(servo_hz) && std::abs(servo_hz - row_.servo_hz()) > kRoundOff * servo_hz) {
-        row_.set_rate(std::round(servo_hz * 1e3) / 1e3);
-    }
-}
-
-std::span<const double> RecordRows::row_of(const servo::ServoSample &sample) {
-    follow_rate(sample);
-    last_tick_ = sample.tick;
-    last_s_ = sample.time_s;
-    return row_.of(sample);
+TelemetryHistory history_for(const device::PhantomGeometry &geometry,
+                             const record::RecordHeader &header) {
+    const double servo_hz = 1.0 / header.period_s; // of any origin
+    return {geometry, std::isfinite(servo_hz) && servo_hz > 0.0 ? servo_hz : 1000.0,
+            std::numeric_limits<std::size_t>::max()};
 }
 
 } // namespace springdrive::session

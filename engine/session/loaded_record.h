@@ -1,23 +1,20 @@
 // A record in memory: all channels of its rows, or of as many as fit from a given time on.
 //
-//   file ──► RecordReader ──► ServoSample ──► RecordRows ──► ChannelStore
+//   file ──► RecordReader ──► ServoSample ──► TelemetryHistory ──► ChannelStore
 #pragma once
 
 #include "base/background.h"
 #include "device/core/device_description.h"
 #include "engine/record/channel_store.h"
 #include "engine/record/record_header.h"
-#include "engine/session/telemetry_channels.h"
+#include "engine/session/telemetry_history.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <optional>
-#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace springdrive::session {
@@ -74,31 +71,8 @@ struct LoadedRecord {
 [[nodiscard]] LoadedRecord load_record(const std::filesystem::path &file, double from_s,
                                        std::size_t max_bytes, BackgroundTalk &talk);
 
-/// Whether a sample can be a row of a store, which keeps whole numbers as doubles and is ordered by
-/// time: false for a time that is not finite, and for a tick or measurement number of 2⁵³ or more.
-[[nodiscard]] bool can_be_a_row(const servo::ServoSample &sample);
-
-/// Makes rows of consecutive samples of a record, whose servo rate may change.
-class RecordRows {
-public:
-    RecordRows(const device::PhantomGeometry &geometry, const record::RecordHeader &header);
-
-    /// @param sample  later than the previous one, see also `can_be_a_row`
-    void add(const servo::ServoSample &sample) { store_.add(sample.time_s, row_of(sample)); }
-    /// Without a row for it: the next rows are as if it had one.
-    void pass_over(const servo::ServoSample &sample) { static_cast<void>(row_of(sample)); }
-
-    [[nodiscard]] const record::ChannelStore &store() const { return store_; }
-    [[nodiscard]] record::ChannelStore take() && { return std::move(store_); }
-
-private:
-    [[nodiscard]] std::span<const double> row_of(const servo::ServoSample &sample);
-    void follow_rate(const servo::ServoSample &sample);
-
-    ChannelRow row_;
-    record::ChannelStore store_{channels().size(), std::numeric_limits<std::size_t>::max()};
-    std::optional<std::uint64_t> last_tick_; ///< of the previous sample
-    double last_s_ = 0.0;                    ///< its time
-};
+/// For the rows of a record, none yet, and without a bound.
+[[nodiscard]] TelemetryHistory history_for(const device::PhantomGeometry &geometry,
+                                           const record::RecordHeader &header);
 
 } // namespace springdrive::session

@@ -7,7 +7,7 @@
 #include "engine/control/tuning_file.h"
 #include "engine/record/record_writer.h"
 #include "engine/session/run_folder_texts.h"
-#include "engine/session/telemetry_channels.h"
+#include "engine/session/telemetry_history.h"
 
 #include <fmt/core.h>
 

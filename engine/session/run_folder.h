@@ -65,7 +65,7 @@ struct RunFacts {
     std::string software; ///< version of the program
     std::chrono::sys_seconds started{};
     std::chrono::sys_seconds kept{};
-    double until_s = 0.0; ///< of the last tick: journal and events are complete up to here
+    double until_s = 0.0; ///< of the last tick
     double servo_hz = 0.0;
     double delay_periods = 0.0;     ///< d
     std::vector<RunDevice> devices; ///< in the order of their use
@@ -101,8 +101,9 @@ private:
     std::filesystem::path path_;
 };
 
-/// Reads what `save` wrote. Notes and events may be missing. Records and pictures are not opened:
-/// they may be missing, too.
+/// Reads what is needed to look at a run again: `until_s`, each device's toml, the scene's file and
+/// hash, the records, and the notes, which may be missing; all else keeps its default, as the
+/// records hold it for each tick. Records are not opened: they may be missing, too.
 /// @throw InputError in one line naming the file and what is wrong with it.
 [[nodiscard]] RunFacts read_run(const std::filesystem::path &folder);
 

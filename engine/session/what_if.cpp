@@ -200,7 +200,7 @@ void WhatIf::take_force(const record::ReplayedTick &tick, servo::ServoSample &an
 
 record::ChannelStore what_if(const LoadedRecord &record, const control::Tuning &tuning,
                              const RowRange &rows) {
-    RecordRows answer(record.device.geometry, record.header);
+    TelemetryHistory answer = history_for(record.device.geometry, record.header);
     if (rows.from == rows.to) {
         return std::move(answer).take();
     }
@@ -211,8 +211,9 @@ record::ChannelStore what_if(const LoadedRecord &record, const control::Tuning &
         const servo::ServoSample recorded = sample_at(record.store, row);
         tuned.set_delay(record.delay_periods_at(recorded.tick));
         const servo::ServoSample sample = tuned.of(recorded);
+        answer.follow_rate(sample);
         if (row < rows.from) {
-            answer.pass_over(sample);
+            answer.row_of(sample); // for the filter
         } else {
             answer.add(sample);
         }

@@ -3,7 +3,7 @@
 #include "app/exhibit/tour.h"
 #include "base/degrees.h"
 #include "engine/session/session.h"
-#include "engine/session/telemetry_channels.h"
+#include "engine/session/telemetry_history.h"
 #include "tests/engine/session/session_fixture.h"
 
 #include <gtest/gtest.h>

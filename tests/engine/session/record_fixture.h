@@ -87,8 +87,9 @@ inline void write_samples(const std::filesystem::path &file,
 inline session::LoadedRecord in_memory(const std::vector<servo::ServoSample> &samples,
                                        const record::RecordHeader &header = header_of()) {
     const device::DeviceDescription device = device::read_device_text(header.device_toml, "test");
-    session::RecordRows rows(device.geometry, header);
+    session::TelemetryHistory rows = session::history_for(device.geometry, header);
     for (const servo::ServoSample &sample : samples) {
+        rows.follow_rate(sample);
         rows.add(sample);
     }
     const session::RowTimes times{samples.front().time_s, samples.back().time_s};

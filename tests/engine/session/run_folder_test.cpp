@@ -482,13 +482,14 @@ protected:
     PastRecordTest() { past.header = record::record_header(testing::kServo_hz); }
 
     void add(std::size_t rows) {
-        ChannelRow row(testing::phantom_1_0().geometry, testing::kServo_hz);
+        TelemetryHistory history(testing::phantom_1_0().geometry, testing::kServo_hz);
         for (servo::ServoSample &sample :
              testing::random_samples(rows, testing::kServo_hz, past.store.end())) {
             sample.tick += past.store.end();
             // Integers of more than 53 bits are no numbers of ticks or measurements.
             sample.measurement_number %= std::uint64_t{1} << 53U;
-            past.store.add(sample.time_s + static_cast<double>(past.store.end()), row.of(sample));
+            past.store.add(sample.time_s + static_cast<double>(past.store.end()),
+                           history.row_of(sample));
             added.push_back(testing::row_of(sample));
         }
     }

@@ -1,7 +1,7 @@
 // The scene of the wrong direction, touched by the simulated hand: what the window measures there.
 #include "base/degrees.h"
 #include "engine/session/session.h"
-#include "engine/session/telemetry_channels.h"
+#include "engine/session/telemetry_history.h"
 #include "tests/engine/session/session_fixture.h"
 
 #include <gtest/gtest.h>
