@@ -3,8 +3,10 @@
 #include "app/commands/command.h"
 #include "app/commands/progress_line.h"
 #include "app/commands/study/opened_study.h"
-#include "app/commands/study/simulated_session.h"
+#include "app/host/ending_signal.h"
 #include "base/input_error.h"
+#include "base/machine_name.h"
+#include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/session_length.h"
 
 #include <fmt/core.h>
@@ -115,12 +117,30 @@ bool StudyTurns::is_person(const std::string &code) const {
 }
 
 void StudyTurns::run_simulated(const study::Progress &before) {
+    const SimulatedObserver observer = observer_of_participant(before);
+    study::SimulatedParticipant participant;
+    participant.function = observer.function;
+    participant.seed = observer.seed;
+    study::SimulatedSitting sitting(protocol_, setting_, participant, observer.felt);
+    study::Session session;
+    session.participant = before.participant;
+    session.started = study::utc_now();
+    session.device = study::DeviceKind::simulated;
+    session.device_name = setting_.device.name;
+    session.software = SPRINGDRIVE_VERSION;
+    session.host = machine_name();
+    session.facts = facts_of(observer);
+    session.id = store_.begin(session);
     ProgressLine line;
     const int most = study::session_length(protocol_).most_trials;
     int trials = before.trials;
-    run_simulated_session(
-        store_, {protocol_, setting_, before.participant, observer_of_participant(before),
-                 [&] { line.show(before.participant, std::min(1.0, 1.0 * trials++ / most)); }});
+    study::Conduct how;
+    how.present = [&](const study::PlannedTrial &planned) { return sitting.present(planned); };
+    how.ends = [&] {
+        line.show(before.participant, std::min(1.0, 1.0 * trials++ / most));
+        return asked_to_end() ? std::optional(study::SessionEnding::stopped) : std::nullopt;
+    };
+    study::conduct(store_, protocol_, session, how);
 }
 
 /// The one who answered before; else the one that was typed.

@@ -48,8 +48,7 @@ public:
 
     /// The participant's session, of the kind of the first one, else as typed; added to the study
     /// if they are new. Tells of it on standard output.
-    /// @throw InputError if all trials are done; as `run_simulated_session` and
-    ///        `run_person_session` do
+    /// @throw InputError if all trials are done; as `study::conduct` and `run_person_session` do
     /// @throw what `end_with_status` does, for an end that is no success
     void run(const std::string &code);
     /// The same, which must be a person's. @throw InputError if it is a simulated observer
@@ -57,6 +56,7 @@ public:
 
 private:
     [[nodiscard]] std::optional<study::Session> last_session(const std::string &code) const;
+    /// Without a window, until they are through or the program is asked to end.
     void run_simulated(const study::Progress &before);
     [[nodiscard]] SimulatedObserver observer_of_participant(const study::Progress &progress) const;
     void tell(const std::string &code) const;
