@@ -1,8 +1,6 @@
 // Exports a record as comma-separated values.
 #include "engine/record/record_export.h"
 
-#include "engine/record/selected_rows.h"
-
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -43,7 +41,6 @@ void append_cell(std::string &line, ColumnType type, const std::byte *from) {
 ExportSummary export_csv(RecordReader &record, const ExportSelection &selection,
                          std::ostream &out) {
     const auto columns = selected_columns(record.header(), selection.columns);
-    const record::TimeRange range(record.header(), selection);
     std::string lines;
     for (const RecordColumn &column : columns) {
         lines += (lines.empty() ? "" : ",") + column.name;
@@ -59,12 +56,12 @@ ExportSummary export_csv(RecordReader &record, const ExportSelection &selection,
     const auto put_out = [&] {
         out << lines;
         lines.clear();
-        record::check_taken(out);
+        check_taken(out);
     };
-    put_out();
-    const std::uint64_t rows = record::for_each_row(record, range, add_line, put_out);
+    const std::uint64_t rows = for_each_row(record, selection, add_line, put_out);
+    put_out(); // also of a record without rows
     out.flush();
-    record::check_taken(out);
+    check_taken(out);
     return {rows, columns.size(), record.ending()};
 }
 

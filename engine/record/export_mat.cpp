@@ -2,7 +2,6 @@
 #include "engine/record/record_export.h"
 
 #include "base/input_error.h"
-#include "engine/record/selected_rows.h"
 
 #include <matio.h>
 
@@ -73,13 +72,13 @@ void check_sizes(const std::vector<RecordColumn> &columns, std::uint64_t rows) {
 using Numbers = std::vector<std::byte>;
 
 /// For each of `columns` its values in all rows of the range.
-std::vector<Numbers> read_columns(RecordReader &record, const record::TimeRange &range,
+std::vector<Numbers> read_columns(RecordReader &record, const ExportSelection &selection,
                                   std::span<const RecordColumn> columns, std::uint64_t rows) {
     std::vector<Numbers> numbers(columns.size());
     for (std::size_t i = 0; i < columns.size(); ++i) {
         numbers[i].reserve(rows * bytes_of(columns[i].type));
     }
-    record::for_each_row(record, range, [&](std::span<const std::byte> row) {
+    for_each_row(record, selection, [&](std::span<const std::byte> row) {
         for (std::size_t i = 0; i < columns.size(); ++i) {
             const auto cell = row.subspan(columns[i].offset, bytes_of(columns[i].type));
             numbers[i].insert(numbers[i].end(), cell.begin(), cell.end());
@@ -98,7 +97,7 @@ bool write_variable(mat_t *mat, const RecordColumn &column, Numbers &numbers) {
 }
 
 /// False if the file could not be written.
-bool write_variables(RecordReader &record, const record::TimeRange &range, std::uint64_t rows,
+bool write_variables(RecordReader &record, const ExportSelection &selection, std::uint64_t rows,
                      std::span<const RecordColumn> columns, const std::filesystem::path &file) {
     const std::unique_ptr<mat_t, CloseMat> mat(Mat_CreateVer(file.c_str(), kTitle, MAT_FT_MAT5));
     const std::uint64_t widest = std::max<std::uint64_t>(rows * sizeof(double), 1);
@@ -107,7 +106,7 @@ bool write_variables(RecordReader &record, const record::TimeRange &range, std::
     bool is_good = mat != nullptr;
     while (is_good && !columns.empty()) {
         const auto now = columns.first(std::min(at_a_time, columns.size()));
-        std::vector<Numbers> numbers = read_columns(record, range, now, rows);
+        std::vector<Numbers> numbers = read_columns(record, selection, now, rows);
         for (std::size_t i = 0; is_good && i < now.size(); ++i) {
             is_good = write_variable(mat.get(), now[i], numbers[i]);
         }
@@ -121,8 +120,7 @@ bool write_variables(RecordReader &record, const record::TimeRange &range, std::
 ExportSummary export_mat(RecordReader &record, const ExportSelection &selection,
                          const std::filesystem::path &file, Existing existing) {
     const auto columns = selected_columns(record.header(), selection.columns);
-    const record::TimeRange range(record.header(), selection);
-    const std::uint64_t rows = record::count_rows(record, range);
+    const std::uint64_t rows = for_each_row(record, selection, [](auto) {});
     const ExportSummary summary{rows, columns.size(), record.ending()};
     check_sizes(columns, rows);
     std::uint64_t min_bytes = 128; // the file's header
@@ -132,7 +130,7 @@ ExportSummary export_mat(RecordReader &record, const ExportSelection &selection,
     NewFile written(file);
     std::error_code error;
     // The library does not report a full disk; the file's size shows it.
-    if (!write_variables(record, range, rows, columns, written.temporary()) ||
+    if (!write_variables(record, selection, rows, columns, written.temporary()) ||
         std::filesystem::file_size(written.temporary(), error) < min_bytes || error) {
         throw InputError(file.string() + ": cannot be written; check its folder, permissions and "
                                          "free disk space");

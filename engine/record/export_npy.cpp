@@ -5,8 +5,6 @@
 // Version 2 has a u32 length, for headers above 64 KB.
 #include "engine/record/record_export.h"
 
-#include "engine/record/selected_rows.h"
-
 #include <cstring>
 #include <ostream>
 
@@ -53,9 +51,8 @@ std::string npy_header(const std::vector<RecordColumn> &columns, std::uint64_t r
 ExportSummary export_npy(RecordReader &record, const ExportSelection &selection,
                          std::ostream &out) {
     const auto columns = selected_columns(record.header(), selection.columns);
-    const record::TimeRange range(record.header(), selection);
     // The count precedes the rows, and the output may not be seekable.
-    const std::uint64_t announced = record::count_rows(record, range);
+    const std::uint64_t announced = for_each_row(record, selection, [](auto) {});
     out << npy_header(columns, announced);
     std::string bytes;
     const auto add_row = [&](std::span<const std::byte> row) {
@@ -67,11 +64,11 @@ ExportSummary export_npy(RecordReader &record, const ExportSelection &selection,
     const auto put_out = [&] {
         out << bytes;
         bytes.clear();
-        record::check_taken(out);
+        check_taken(out);
     };
-    const std::uint64_t rows = record::for_each_row(record, range, add_row, put_out);
+    const std::uint64_t rows = for_each_row(record, selection, add_row, put_out);
     out.flush();
-    record::check_taken(out);
+    check_taken(out);
     return {rows, columns.size(), record.ending()};
 }
 

@@ -2,9 +2,10 @@
 
 #include "base/input_error.h"
 #include "base/similar_names.h"
-#include "engine/record/selected_rows.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <ostream>
 #include <string_view>
 
@@ -37,6 +38,52 @@ std::string nearest_names(const RecordHeader &header, std::string_view name) {
         "; the closest are " + nearest_names(header, name));
 }
 
+/// The rows of a time range.
+class TimeRange {
+public:
+    /// @throw InputError for a range that ends before it begins, or if rows have no time.
+    TimeRange(const RecordHeader &header, const ExportSelection &selection)
+        : from_s_(selection.from_s), to_s_(selection.to_s), period_s_(header.period_s) {
+        if (!(from_s_ <= to_s_)) {
+            throw InputError("a range from " + std::to_string(from_s_) + " to " +
+                             std::to_string(to_s_) + " s is empty; give its start first");
+        }
+        // tick × T is rounded: at 1 kHz the tick at 1.009 s has the time 1.0090000000000001.
+        from_s_ -= kRounding * period_s_;
+        to_s_ += kRounding * period_s_;
+        is_all_ = std::isinf(from_s_) && from_s_ < 0.0 && std::isinf(to_s_) && to_s_ > 0.0;
+        const RecordColumn *const time = header.column("time_s");
+        const RecordColumn *const tick = header.column("tick");
+        if (time != nullptr && time->type == ColumnType::f64) {
+            time_offset_ = time->offset;
+        } else if (tick != nullptr && tick->type == ColumnType::u64) {
+            tick_offset_ = tick->offset;
+        } else if (!is_all_) {
+            throw InputError("the record has neither time_s nor tick, so no time range can be "
+                             "selected; export all of it");
+        }
+    }
+
+    [[nodiscard]] bool holds(std::span<const std::byte> row) const {
+        if (is_all_) {
+            return true;
+        }
+        const double time_s =
+            time_offset_
+                ? load<double>(row.data() + *time_offset_)
+                : static_cast<double>(load<std::uint64_t>(row.data() + *tick_offset_)) * period_s_;
+        return time_s >= from_s_ && time_s <= to_s_;
+    }
+
+private:
+    double from_s_;
+    double to_s_;
+    bool is_all_;
+    double period_s_;
+    std::optional<std::uint32_t> time_offset_;
+    std::optional<std::uint32_t> tick_offset_;
+};
+
 } // namespace
 
 std::vector<RecordColumn> selected_columns(const RecordHeader &header,
@@ -64,41 +111,22 @@ std::vector<RecordColumn> selected_columns(const RecordHeader &header,
     return selected;
 }
 
-TimeRange::TimeRange(const RecordHeader &header, const ExportSelection &selection)
-    : from_s_(selection.from_s), to_s_(selection.to_s), period_s_(header.period_s) {
-    if (!(from_s_ <= to_s_)) {
-        throw InputError("a range from " + std::to_string(from_s_) + " to " +
-                         std::to_string(to_s_) + " s is empty; give its start first");
+std::uint64_t for_each_row(RecordReader &record, const ExportSelection &selection,
+                           const std::function<void(std::span<const std::byte>)> &take,
+                           const std::function<void()> &end_chunk) {
+    const TimeRange range(record.header(), selection);
+    std::uint64_t taken = 0;
+    record.rewind();
+    while (record.next()) {
+        for (std::uint32_t i = 0; i < record.rows(); ++i) {
+            if (range.holds(record.row(i))) {
+                ++taken;
+                take(record.row(i));
+            }
+        }
+        end_chunk();
     }
-    // tick × T is rounded: at 1 kHz the tick at 1.009 s has the time 1.0090000000000001.
-    from_s_ -= kRounding * period_s_;
-    to_s_ += kRounding * period_s_;
-    is_all_ = std::isinf(from_s_) && from_s_ < 0.0 && std::isinf(to_s_) && to_s_ > 0.0;
-    const RecordColumn *const time = header.column("time_s");
-    const RecordColumn *const tick = header.column("tick");
-    if (time != nullptr && time->type == ColumnType::f64) {
-        time_offset_ = time->offset;
-    } else if (tick != nullptr && tick->type == ColumnType::u64) {
-        tick_offset_ = tick->offset;
-    } else if (!is_all_) {
-        throw InputError("the record has neither time_s nor tick, so no time range can be "
-                         "selected; export all of it");
-    }
-}
-
-bool TimeRange::holds(std::span<const std::byte> row) const {
-    if (is_all_) {
-        return true;
-    }
-    const double time_s =
-        time_offset_
-            ? load<double>(row.data() + *time_offset_)
-            : static_cast<double>(load<std::uint64_t>(row.data() + *tick_offset_)) * period_s_;
-    return time_s >= from_s_ && time_s <= to_s_;
-}
-
-std::uint64_t count_rows(RecordReader &record, const TimeRange &range) {
-    return for_each_row(record, range, [](std::span<const std::byte>) {});
+    return taken;
 }
 
 void check_taken(std::ostream &out) {

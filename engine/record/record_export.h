@@ -8,10 +8,13 @@
 #include "base/new_file.h"
 #include "engine/record/record_reader.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +41,16 @@ struct ExportSummary {
 
 /// Each of these reads the record from its beginning. @throw InputError for an invalid selection,
 /// and for an output that cannot be written.
+
+/// Calls take(row) for each row of the selected times, and end_chunk() after each chunk. Returns
+/// the number of rows.
+std::uint64_t for_each_row(
+    RecordReader &record, const ExportSelection &selection,
+    const std::function<void(std::span<const std::byte>)> &take,
+    const std::function<void()> &end_chunk = [] {});
+
+/// @throw InputError if the stream has failed.
+void check_taken(std::ostream &out);
 
 /// A line of names, then one line per row. Numbers have the fewest digits that read back as the
 /// same value; NaN is an empty cell, true is 1.

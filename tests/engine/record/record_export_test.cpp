@@ -1,7 +1,6 @@
-// Covers engine/record/record_export.cpp and selected_rows.h: which columns and rows.
+// Covers engine/record/record_export.cpp: which columns and rows.
 #include "engine/record/record_export.h"
 
-#include "engine/record/selected_rows.h"
 #include "tests/engine/record/record_bytes.h"
 #include "tests/engine/record/samples.h"
 
