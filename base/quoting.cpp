@@ -46,11 +46,6 @@ std::string guard_formula(std::string_view text) {
     return (needs_it ? "'" : "") + std::string(text);
 }
 
-std::string unguard_formula(std::string_view guarded) {
-    const bool has_it = guarded.starts_with('\'') && begins_formula(after_quotes(guarded));
-    return std::string(guarded.substr(has_it ? 1 : 0));
-}
-
 std::string csv_cell(std::string_view text) {
     const std::string guarded = guard_formula(text);
     return guarded.find_first_of(",\"\n\r") == std::string::npos ? guarded : enclosed(guarded, '"');

@@ -11,9 +11,6 @@ namespace springdrive {
 /// opened with a spreadsheet, which runs what begins like a formula.
 [[nodiscard]] std::string guard_formula(std::string_view text);
 
-/// What `guard_formula` was given.
-[[nodiscard]] std::string unguard_formula(std::string_view guarded);
-
 /// A cell of a CSV file: guarded, and in quotes if needed (RFC 4180).
 [[nodiscard]] std::string csv_cell(std::string_view text);
 

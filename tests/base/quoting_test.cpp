@@ -34,7 +34,6 @@ TEST(FormulaGuard, LetsNoTextBeginLikeAFormula) {
              {"'=1", "''=1"},
              {"'-5", "''-5"}}) {
         EXPECT_EQ(guard_formula(text), guarded);
-        EXPECT_EQ(unguard_formula(guarded), text);
     }
 }
 
@@ -42,7 +41,6 @@ TEST(FormulaGuard, LeavesNumbersAndOrdinaryTextsAsTheyAre) {
     for (const std::string text : {"", "-5", "-0", "-1e-300", "-inf", "-1e999", "5", "a=b", "'",
                                    "'tis", "a - b", "n/a", "ä"}) {
         EXPECT_EQ(guard_formula(text), text);
-        EXPECT_EQ(unguard_formula(text), text);
     }
 }
 
