@@ -86,9 +86,8 @@ void OpenedRecord::renew_behind() {
     behind_of_ = wanted;
     if (behind_) {
         behind_->name = of_record ? playback_.record().file.filename().string()
-                        : playback_.answered_tuning() == playback_.asked()
-                            ? "with the active tuning"
-                            : "with the tuning before it";
+                        : playback_.is_answer_current() ? "with the active tuning"
+                                                        : "with the tuning before it";
         behind_->window = {playback_.position_s(), playback_.position_s()};
     }
 }

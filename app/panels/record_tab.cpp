@@ -103,8 +103,7 @@ void draw_values(const session::RecordPlayback &playback) {
         ui::text(kFaintInk, "recorded");
         ImGui::TableNextColumn();
         ui::text(kFaintInk, "{}",
-                 playback.answered_tuning() == playback.asked() ? "active tuning"
-                                                                : "tuning before it");
+                 playback.is_answer_current() ? "active tuning" : "tuning before it");
     }
     const auto row = [&](const char *name, const char *format, auto &&value_of) {
         compare(name, format, value_of(now),

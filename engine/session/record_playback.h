@@ -99,6 +99,8 @@ public:
     }
     /// Its tuning. Only with an answer.
     [[nodiscard]] const control::Tuning &answered_tuning() const { return answer_->tuning; }
+    /// Whether it is for the present question, not for the one before. Only with an answer.
+    [[nodiscard]] bool is_answer_current() const { return answer_->tuning == asked_; }
     /// Its row at the playhead; empty if it has none.
     [[nodiscard]] std::optional<servo::ServoSample> answered_sample() const;
 
