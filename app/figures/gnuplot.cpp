@@ -36,6 +36,24 @@ bool is_whole(const std::filesystem::path &svg) {
            text.compare(end + 1 - kEnd.size(), kEnd.size(), kEnd) == 0;
 }
 
+/// A CSV file without what is in quotes, under the name of a file to come: gnuplot does not know
+/// doubled quotes, so that a name could change which cells it reads.
+std::string without_quoted(const std::filesystem::path &csv, const std::filesystem::path &copy) {
+    std::ifstream from(csv, std::ios::binary);
+    std::ofstream to(copy, std::ios::binary);
+    bool is_quoted = false;
+    for (char c = 0; from.get(c);) {
+        is_quoted = is_quoted != (c == '"');
+        if (!is_quoted && c != '"') {
+            to.put(c);
+        }
+    }
+    if (!from.eof() || !to.flush()) {
+        throw InputError(csv.string() + ": cannot be copied for gnuplot; is the disk full?");
+    }
+    return gnuplot_string(copy.string());
+}
+
 } // namespace
 
 void ChartMarks::add(std::string_view name, double number) {
@@ -49,7 +67,13 @@ void ChartMarks::add(std::string_view name, std::string_view text) {
 void draw(const Chart &chart, FilePolicy policy) {
     const std::filesystem::path svg = chart.folder / chart.svg;
     NewFile drawn(svg, policy.readers);
-    const std::string files = "csv = " + gnuplot_string(chart.csv) +
+    const std::filesystem::path csv = chart.folder / chart.csv;
+    const std::filesystem::path second_csv =
+        chart.folder / (chart.second_csv.empty() ? chart.csv : chart.second_csv);
+    const NewFile copy(csv, policy.readers);
+    const NewFile second_copy(second_csv, policy.readers);
+    const std::string files = "csv = " + without_quoted(csv, copy.temporary()) + "; second_csv = " +
+                              without_quoted(second_csv, second_copy.temporary()) +
                               "; svg = " + gnuplot_string(drawn.temporary().string()) + "; ";
     // -d: ignore the user's gnuplot settings.
     const std::filesystem::path script = std::filesystem::absolute(chart.script);

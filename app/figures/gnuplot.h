@@ -25,9 +25,10 @@ private:
 struct Chart {
     std::filesystem::path script; ///< run after the style.gnuplot beside it, which opens `svg`
     std::string assignments;      ///< in gnuplot's language, before the script
-    std::filesystem::path folder; ///< where `csv` is and `svg` will be
-    std::string csv;
+    std::filesystem::path folder; ///< where the tables are and `svg` will be
+    std::string csv;              ///< a table of numbers; texts in it are not read
     std::string svg;
+    std::string second_csv{}; ///< another table, if any
 };
 
 /// Draws a chart, which appears when it is complete. No shell is involved, so any folder name

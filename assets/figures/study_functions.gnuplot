@@ -37,7 +37,7 @@ do for [i=1:panels] {
          chance with lines linewidth 0.8 dashtype 2 linecolor rgb grey notitle, \
          csv using 3:7 skip 1 every ::f::l with lines linewidth 1.5 dashtype 2 linecolor rgb vermillion title "maximum likelihood", \
          csv using 3:4 skip 1 every ::f::l with lines linewidth 2 linecolor rgb blue title "posterior", \
-         levels_csv using 3:($5/$4):(size($4)) skip 1 every ::p::q with points pointtype 7 pointsize variable linecolor rgb "black" title "trials"
+         second_csv using 3:($5/$4):(size($4)) skip 1 every ::p::q with points pointtype 7 pointsize variable linecolor rgb "black" title "trials"
     unset key
     unset label 1
     unset label 2

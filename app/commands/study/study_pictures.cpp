@@ -17,9 +17,14 @@ namespace springdrive::app {
 namespace {
 
 Chart chart_of(std::string_view script, const ChartMarks &marks,
-               const std::filesystem::path &folder, std::string csv, std::string svg) {
-    return {asset_folder() / "figures" / script, marks.assignments(), folder, std::move(csv),
-            std::move(svg)};
+               const std::filesystem::path &folder, std::string csv, std::string svg,
+               std::string second_csv = {}) {
+    return {asset_folder() / "figures" / script,
+            marks.assignments(),
+            folder,
+            std::move(csv),
+            std::move(svg),
+            std::move(second_csv)};
 }
 
 /// "turn_deg [°]"
@@ -95,7 +100,6 @@ Chart functions_picture(const study::Protocol &protocol, const study::StudyResul
     marks.add("answers_label",
               study::is_forced_choice(protocol.task.kind) ? "right answers" : "answers \"yes\"");
     marks.add("chance", study::guess_range(protocol.task).minimum);
-    marks.add("levels_csv", "levels.csv");
     int most = 1;
     std::size_t panel = 0;
     for (const SeriesRows &rows : series) {
@@ -124,7 +128,7 @@ Chart functions_picture(const study::Protocol &protocol, const study::StudyResul
     marks.add("panels", static_cast<double>(panel));
     marks.add("most_trials", most);
     return chart_of("study_functions.gnuplot", marks, folder, "functions.csv",
-                    "functions_" + participant + ".svg");
+                    "functions_" + participant + ".svg", "levels.csv");
 }
 
 Chart traces_picture(const study::Protocol &protocol, const study::StudyResults &results,

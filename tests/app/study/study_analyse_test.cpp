@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -24,6 +26,14 @@ void expect_picture(const fs::path &svg) {
 }
 
 double number(const std::string &text) { return std::stod(text); }
+
+/// How many discs of a colour, as an RGB of SVG begins, are in a picture: one for each row that is
+/// drawn, and one in the legend.
+std::ptrdiff_t discs(const fs::path &svg, const std::string &colour) {
+    const std::string text = testing::contents_of(svg);
+    const std::regex disc("#gpPt6'[^>]*color='rgb\\(" + colour);
+    return std::distance(std::sregex_iterator(text.begin(), text.end(), disc), {});
+}
 
 class ShippedProtocol : public ::testing::TestWithParam<std::string> {};
 
@@ -61,11 +71,12 @@ TEST_P(ShippedProtocol, ComesFromNewToTheFigure) {
     expect_picture(folder / "results/functions_P01.svg");
     expect_picture(folder / "results/functions_P02.svg");
     expect_picture(folder / "results/group.svg");
-    const std::string group = testing::contents_of(folder / "results/group.svg");
-    const std::regex mark("#gpPt6'[^>]*color='rgb\\(119"); // a participant's
-    EXPECT_EQ(std::distance(std::sregex_iterator(group.begin(), group.end(), mark), {}),
-              std::ssize(medians) + 1); // and that of the legend
-    if (name != "hardness") {           // constant stimuli have no course
+    EXPECT_EQ(discs(folder / "results/group.svg", "119"), std::ssize(medians) + 1);
+    const std::vector<std::string> levels =
+        testing::column_of(testing::contents_of(folder / "results/levels.csv"), "participant");
+    EXPECT_EQ(discs(folder / "results/functions_P01.svg", " *0"),
+              std::ranges::count(levels, "P01") + 1);
+    if (name != "hardness") { // constant stimuli have no course
         expect_picture(folder / "results/traces_P02.svg");
     }
     // What cannot be written is told before anything is.
