@@ -65,7 +65,7 @@ public:
     /// Looks until `holds`; the last report. Fails the test after `limit_s` of both the clock's and
     /// the frames' time, saying `what`.
     Report wait_until(const std::function<bool(const Report &)> &holds, const std::string &what,
-                      double limit_s = 20.0);
+                      double limit_s = 60.0);
 
     /// Of the frames' time; with Pace::clock of the computer's.
     void let_pass(double duration_s);

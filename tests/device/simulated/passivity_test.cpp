@@ -166,7 +166,7 @@ double load_share(const device::DeviceDescription &device, const Vector3 &force_
     return torque_Nm.cwiseAbs().cwiseQuotient(device.friction.coulomb_Nm).maxCoeff();
 }
 
-TEST(Friction, HoldsLoadsBelowBreakawayExactlyForAMinute) {
+TEST(JointFriction, HoldsLoadsBelowBreakawayExactlyForAMinute) {
     const device::DeviceDescription description = testing::phantom_1_0();
     std::mt19937_64 random(3);
     std::normal_distribution<double> one;
@@ -186,7 +186,7 @@ TEST(Friction, HoldsLoadsBelowBreakawayExactlyForAMinute) {
     }
 }
 
-TEST(Friction, SlipsAboveBreakaway) {
+TEST(JointFriction, SlipsAboveBreakaway) {
     const device::DeviceDescription description = testing::phantom_1_0();
     for (const double share : {0.999, 1.001}) {
         Vector3 force_N(0.3, 1.0, -0.2);
@@ -200,7 +200,7 @@ TEST(Friction, SlipsAboveBreakaway) {
     }
 }
 
-TEST(Friction, AnOscillationStopsAndStaysExactlyAtRest) {
+TEST(JointFriction, AnOscillationStopsAndStaysExactlyAtRest) {
     // With weight, held by a hand: after the oscillation has decayed, friction balances hand and
     // gravity without chatter.
     SimulationOptions options;
@@ -218,7 +218,7 @@ TEST(Friction, AnOscillationStopsAndStaysExactlyAtRest) {
     }
 }
 
-TEST(Friction, CoastingJointsDissipateTorqueTimesAngle) {
+TEST(JointFriction, CoastingJointsDissipateTorqueTimesAngle) {
     // Coulomb friction alone dissipates τ_c |Δq| at every joint that turns.
     SimulationOptions options = free_running(0.0);
     options.amplifier = device::AmplifierKind::current_drive;

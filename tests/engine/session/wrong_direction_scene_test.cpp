@@ -76,7 +76,7 @@ private:
     Session session_;
 };
 
-TEST(WrongDirectionScene, TheInverseMapIsBeyond25DegreesAndTheTransposeMapBelow5) {
+TEST(WrongDirectionSession, TheInverseMapIsBeyond25DegreesAndTheTransposeMapBelow5) {
     for (const std::uint64_t seed : {0, 3, 7, 11}) { // the file's own device, and drawn ones
         SCOPED_TRACE(seed);
         PressedSpot pressed(seed);

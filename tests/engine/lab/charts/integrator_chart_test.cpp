@@ -78,7 +78,7 @@ TEST(Integrators, ConvergeOnTheContactTransientAtTheirOrders) {
     }
 }
 
-TEST(Cvode, AgreesWithItselfByAnotherMethodAndByTolerance) {
+TEST(CvodeOfPlant, AgreesWithItselfByAnotherMethodAndByTolerance) {
     for (const IntegratorTrial *trial : {&pen_trial(), &vice_trial()}) {
         const auto error_N = [&](CvodeMethod method, double tolerance) {
             return force_error_N(run_press(trial->press(), trial->cvode_plant(method, tolerance)),

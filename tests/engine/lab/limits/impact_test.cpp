@@ -73,7 +73,7 @@ TEST(Impact, GrowsWithTheWall) {
 
 /// M with rotors, through J along the vertical: the mass of an unpowered current drive for a hand
 /// that guides it along a line.
-TEST(ApparentMass, OfACurrentDriveIsTheLinkagesOwn) {
+TEST(MeasuredMass, OfACurrentDriveIsTheLinkagesOwn) {
     loops::StabilityCase which = held_firmly();
     which.drive = device::AmplifierKind::current_drive;
     const device::DeviceDescription &device = which.device;
@@ -92,7 +92,7 @@ TEST(ApparentMass, OfACurrentDriveIsTheLinkagesOwn) {
 }
 
 /// k_T² τ/dR of each motor on top, τ the loop's whole lag (docs/design.md, "Contact and maps").
-TEST(ApparentMass, OfASpringDriveHasTheLagsToo) {
+TEST(MeasuredMass, OfASpringDriveHasTheLagsToo) {
     loops::StabilityCase which = held_firmly();
     which.period_s = 1e-3;
     const double spring = apparent_mass_kg(which);

@@ -50,7 +50,7 @@ std::vector<SpringDrive> stable_drives(std::size_t count) {
     return drives;
 }
 
-TEST(StiffnessSweep, MeasuredAgreesWithSampledForRandomStableTunings) {
+TEST(SimulatedSweep, MeasuredAgreesWithSampledForRandomStableTunings) {
     double largest_difference = 0.0;
     for (const SpringDrive &drive : stable_drives(50)) {
         const SweepRange range{1.0, 0.25 / drive.period_s, 8};
@@ -66,7 +66,7 @@ TEST(StiffnessSweep, MeasuredAgreesWithSampledForRandomStableTunings) {
     RecordProperty("largest_difference", std::to_string(largest_difference));
 }
 
-TEST(StiffnessSweep, DetectsADelayThatTheSampledFormLacks) {
+TEST(SimulatedSweep, DetectsADelayThatTheSampledFormLacks) {
     for (SpringDrive drive : stable_drives(5)) {
         const SweepWindow window = sweep_window(0.1 / drive.period_s, drive.period_s);
         const double omega = 2.0 * pi * window.frequency_hz(drive.period_s);
@@ -76,7 +76,7 @@ TEST(StiffnessSweep, DetectsADelayThatTheSampledFormLacks) {
     }
 }
 
-TEST(StiffnessSweep, MeasuredAgreesWithSampledForAnyDelay) {
+TEST(SimulatedSweep, MeasuredAgreesWithSampledForAnyDelay) {
     std::mt19937 random(7);
     double largest_difference = 0.0;
     for (SpringDrive drive : stable_drives(30)) {
@@ -91,7 +91,7 @@ TEST(StiffnessSweep, MeasuredAgreesWithSampledForAnyDelay) {
     RecordProperty("largest_difference", std::to_string(largest_difference));
 }
 
-TEST(StiffnessSweep, MeetsWholeDelaysFromBothSides) {
+TEST(SimulatedSweep, MeetsWholeDelaysFromBothSides) {
     for (SpringDrive drive : stable_drives(5)) {
         const SweepWindow window = sweep_window(0.1 / drive.period_s, drive.period_s);
         drive.delay_periods = 1.0;
@@ -106,7 +106,7 @@ TEST(StiffnessSweep, MeetsWholeDelaysFromBothSides) {
     }
 }
 
-TEST(StiffnessSweep, DetectsAFractionThatTheSampledFormLacks) {
+TEST(SimulatedSweep, DetectsAFractionThatTheSampledFormLacks) {
     for (SpringDrive drive : stable_drives(5)) {
         const SweepWindow window = sweep_window(0.1 / drive.period_s, drive.period_s);
         const double omega = 2.0 * pi * window.frequency_hz(drive.period_s);
@@ -117,7 +117,7 @@ TEST(StiffnessSweep, DetectsAFractionThatTheSampledFormLacks) {
     }
 }
 
-TEST(StiffnessSweep, MeasuresTheShortedWindingWithoutAServo) {
+TEST(SimulatedSweep, MeasuresTheShortedWindingWithoutAServo) {
     SpringDrive drive;
     drive.motor = testing::phantom_1_0().motor[0];
     drive.tuning.K_P_V_per_rad = 0.0;
@@ -131,7 +131,7 @@ TEST(StiffnessSweep, MeasuresTheShortedWindingWithoutAServo) {
     }
 }
 
-TEST(StiffnessSweep, AnEncoderBlursByNoMoreThanItsQuantum) {
+TEST(SimulatedSweep, AnEncoderBlursByNoMoreThanItsQuantum) {
     SpringDrive drive;
     drive.motor = testing::phantom_1_0().motor[0];
     drive.tuning.K_D_Vs_per_rad = 0.0;

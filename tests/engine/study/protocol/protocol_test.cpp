@@ -125,7 +125,7 @@ TEST(Levels, ThatCanBePresentedAreThoseOfMethodPracticeAndCatchTrials) {
 }
 
 /// The claim of protocol.h on which the whole of it rests.
-TEST(FreeSpace, IsTheSameForEveryGainMapAndEta) {
+TEST(FreeSpaceTuning, IsTheSameForEveryGainMapAndEta) {
     const device::DeviceDescription device = testing::phantom_1_0();
     const control::HapticLaw law(device);
     const Vector3 q_rad(0.2, 0.35, -0.3);
@@ -150,7 +150,7 @@ TEST(FreeSpace, IsTheSameForEveryGainMapAndEta) {
     }
 }
 
-TEST(FreeSpace, OfAnotherServoRateHasTheSameLag) {
+TEST(FreeSpaceTuning, OfAnotherServoRateHasTheSameLag) {
     Protocol protocol = protocol_of(kPlainProtocol);
     for (const double servo_hz : {800.0, 1000.0, 4000.0, 10'000.0}) {
         Condition condition = protocol.conditions[0];
