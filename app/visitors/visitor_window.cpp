@@ -19,7 +19,6 @@ namespace {
 using study_screen::InputSource;
 using study_screen::ParticipantInput;
 using study_screen::ParticipantPicture;
-using study_screen::PixelBox;
 using study_screen::SittingFrame;
 using study_screen::SittingState;
 
@@ -74,21 +73,17 @@ void VisitorWindow::obey_staff(const std::vector<ParticipantInput> &inputs) {
 }
 
 void VisitorWindow::report(const ParticipantPicture &picture, const SittingState &state) const {
-    const auto place = [](const PixelBox &box) {
-        return Rectangle{{static_cast<float>(box.x), static_cast<float>(box.y)},
-                         {static_cast<float>(box.width), static_cast<float>(box.height)}};
-    };
     const study_screen::ParticipantLayout &layout = view_.layout();
-    ui::enter_at(place(layout.heading.box), "visitor/heading", "text", picture.heading);
-    ui::enter_at(place(layout.text.box), "visitor/text", "text", picture.text);
-    ui::enter_at(place(layout.footer.box), "visitor/footer", "text", picture.footer);
-    ui::enter_at(place(layout.curve.plot), "visitor/curve", "text",
+    ui::enter_at(layout.heading.box, "visitor/heading", "text", picture.heading);
+    ui::enter_at(layout.text.box, "visitor/text", "text", picture.text);
+    ui::enter_at(layout.footer.box, "visitor/footer", "text", picture.footer);
+    ui::enter_at(layout.curve.plot, "visitor/curve", "text",
                  picture.curve ? fmt::format("{} dots", picture.curve->dots.size()) : "");
-    ui::enter_at(place(layout.scene), "visitor/step", "text",
+    ui::enter_at(layout.scene, "visitor/step", "text",
                  std::string(study_screen::description(state.step)));
     for (std::size_t i = 0; i < layout.choices.size(); ++i) {
-        ui::enter_at(place(layout.choices[i].plate), fmt::format("visitor/choice {}", i + 1),
-                     "button", picture.choices[i].text);
+        ui::enter_at(layout.choices[i].plate, fmt::format("visitor/choice {}", i + 1), "button",
+                     picture.choices[i].text);
     }
 }
 

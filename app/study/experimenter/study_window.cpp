@@ -130,14 +130,13 @@ void StudyWindow::draw_experimenter(const SittingState &state, ExperimenterActs 
 /// What the participant sees, for tests: the plates at their places in that window, in its pixels.
 void StudyWindow::report_participant(const SittingState &state, const ParticipantPicture &picture) {
     const auto enter = [](const char *name, std::string text, decltype(ShownItem::value) value = {},
-                          const PixelBox &box = {}) {
+                          const Rectangle &box = {}) {
         ui::report().enter({std::string("participant/") + name,
                             "text",
                             std::move(text),
                             std::move(value),
                             {},
-                            {{static_cast<float>(box.x), static_cast<float>(box.y)},
-                             {static_cast<float>(box.width), static_cast<float>(box.height)}}});
+                            box});
     };
     enter("heading", picture.heading);
     enter("text", picture.text);

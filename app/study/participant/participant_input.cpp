@@ -1,8 +1,7 @@
 #include "app/study/participant/participant_input.h"
 
-#include "app/view/typeface.h"
-
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 namespace springdrive::app::study_screen {
@@ -28,11 +27,14 @@ char upper(char letter) {
     return letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 'a' + 'A') : letter;
 }
 
+/// Whether a byte of UTF-8 is not the first one of its sequence.
+bool continues(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
+
 void take_off_last_code_point(std::string &text) {
     while (!text.empty()) {
-        const auto byte = static_cast<unsigned char>(text.back());
+        const char byte = text.back();
         text.pop_back();
-        if ((byte & 0xC0U) != 0x80U) { // the first byte of its sequence
+        if (!continues(byte)) {
             return;
         }
     }
@@ -50,9 +52,9 @@ bool is_key_name(std::string_view name) {
     if (std::ranges::find(kKeyNames, input_name(name)) != kKeyNames.end()) {
         return true;
     }
-    const std::u32string letters = code_points(name);
-    return letters.size() == 1 && letters[0] > U' ' && letters[0] != U'\u007F' &&
-           letters[0] != U'\u00A0' && letters[0] != U'\uFFFD';
+    return !name.empty() && !continues(name.front()) &&
+           std::ranges::count_if(name.substr(1), std::not_fn(continues)) == 0 &&
+           static_cast<unsigned char>(name.front()) > ' ' && name != "\u007F" && name != "\u00A0";
 }
 
 bool is_mouse_button_name(std::string_view name) {

@@ -3,318 +3,447 @@
 #include "base/assertions.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
+#include <string_view>
 #include <utility>
 
 namespace springdrive::app::study_screen {
 
 namespace {
 
-constexpr double kMostHeading = 1.0 / 13.0; // of the height, as all below
-constexpr double kMostText = 1.0 / 22.0;
-constexpr double kMargin = 1.0 / 16.0;
-constexpr double kColumn = 1.25;    // width of text: some 60 letters a line
-constexpr double kWideColumn = 1.6; // of headings and choices
-constexpr double kWidestPlate = 0.62;
-constexpr double kBar = 1.0 / 45.0; // height of what is left of a break
-constexpr double kProgress = 1.0 / 180.0;
-constexpr double kSceneTop = 0.2;
-constexpr double kSceneBottom = 0.72;
+constexpr float kMargin = 1.0F / 16.0F; // of the height, as all below
+constexpr float kColumn = 1.25F;        // width of text: some 60 letters a line
+constexpr float kWideColumn = 1.6F;     // of headings and choices
+constexpr float kWidestPlate = 0.62F;
+constexpr float kBar = 1.0F / 45.0F; // height of what is left of a break
+constexpr float kProgress = 1.0F / 180.0F;
+constexpr float kSceneTop = 0.2F;
+constexpr float kSceneBottom = 0.72F;
 
 constexpr std::size_t kHeadingLines = 2;
 constexpr std::size_t kFieldLines = 4;
-constexpr int kSteps = 12;        // from the largest to the least size
-constexpr double kFurther = 0.94; // a step below the least
-constexpr double kSmallest_px = 2.0;
+constexpr int kReadableSteps = 4; // sizes of text, which is always so many steps below headings:
+constexpr int kTextStep = Letters::kSizes - kReadableSteps;
+constexpr float kFurther = 0.94F; // a step below the least
+constexpr float kSmallest_px = 2.0F;
+constexpr float kHeadingPerText = 1.5F; // there
 
-int rounded_px(double length) { return static_cast<int>(std::lround(length)); }
-
-/// Sizes of text [px], whole ones, and what is given up for them.
+/// Sizes of text, and what is given up for them.
 struct Attempt {
-    double heading_px;
-    double text_px;
+    float heading_px;
+    float text_px;
     bool is_strict; ///< no word is broken, and a heading has two lines at most
 };
 
-/// Something of a height in a column.
-struct Part {
-    int height;
-    int gap; ///< to what is above
-    std::function<void(int top)> place;
+std::array<Rectangle *, 4> boxes_of(PlacedChoice &choice) {
+    return {&choice.plate, &choice.key, &choice.text.box, &choice.key_text.box};
+}
+
+/// Things one below the other, from 0; moved to the middle of what is free at the end.
+class Column {
+public:
+    /// @param gap  to what is above
+    void add(Rectangle &box, float gap) {
+        bottom_ += tops_.empty() ? 0.0F : gap;
+        box.corner.y = bottom_;
+        tops_.push_back(&box.corner.y);
+        bottom_ += box.size.y;
+    }
+    /// Things whose places from the top are known.
+    void add(std::vector<PlacedChoice> &choices, float height, float gap) {
+        bottom_ += tops_.empty() ? 0.0F : gap;
+        for (PlacedChoice &choice : choices) {
+            for (Rectangle *const box : boxes_of(choice)) {
+                box->corner.y += bottom_;
+                tops_.push_back(&box->corner.y);
+            }
+        }
+        bottom_ += height;
+    }
+    void leave(float gap) { bottom_ += gap; }
+
+    /// @return whether there is room
+    [[nodiscard]] bool settle(float top, float bottom) {
+        const float down = std::floor(top + 0.5F * (bottom - top - bottom_));
+        for (float *const y : tops_) {
+            *y += down;
+        }
+        return bottom_ <= bottom - top;
+    }
+
+private:
+    float bottom_ = 0.0F;
+    std::vector<float *> tops_;
+};
+
+/// Plates of one size, in rows that are filled one after the other.
+struct Plates {
+    std::vector<PlacedChoice> choices; ///< from 0, 0
+    ImVec2 size{};
+    bool keeps_texts_whole = true;
+};
+
+class PlateMaker {
+public:
+    PlateMaker(const std::vector<AnswerChoice> &choices, const ImFont &font, float text_px,
+               float most_width, float most_plate_width)
+        : choices_(choices), font_(font), text_px_(text_px), most_width_(most_width),
+          most_plate_width_(most_plate_width), padding_(std::round(0.55F * text_px)),
+          gap_(std::round(0.6F * text_px)), cap_(std::round(1.55F * text_px)) {
+        for (const AnswerChoice &choice : choices) {
+            if (!choice.key.empty()) {
+                cap_width_ =
+                    std::max({cap_width_, cap_, line(choice.key).box.size.x + 2.0F * padding_});
+            }
+        }
+    }
+
+    /// In as few rows as the texts allow, with keys beside their texts or above them. Nothing if a
+    /// text would be broken within a word, or into more than two lines beside its key, or three
+    /// below it; where that is allowed, the arrangement of the least height.
+    [[nodiscard]] std::optional<Plates> made(bool is_strict) const {
+        std::optional<Plates> lowest;
+        const std::size_t count = choices_.size();
+        for (std::size_t rows = 1; rows <= count; ++rows) {
+            const std::size_t columns = (count + rows - 1) / rows;
+            for (const bool has_keys_beside : {true, false}) {
+                std::optional<Plates> plates = arranged(columns, has_keys_beside);
+                if (plates && plates->keeps_texts_whole) {
+                    return plates;
+                }
+                if (plates && !is_strict && (!lowest || plates->size.y < lowest->size.y)) {
+                    lowest = std::move(plates);
+                }
+            }
+        }
+        return lowest;
+    }
+
+private:
+    [[nodiscard]] TextLines line(const std::string &text) const {
+        return wrapped(text, font_, text_px_, most_width_);
+    }
+
+    /// Nothing if there is no room for keys and some letters.
+    [[nodiscard]] std::optional<Plates> arranged(std::size_t columns, bool has_keys_beside) const {
+        const auto number = static_cast<float>(columns);
+        const float width = std::min(most_plate_width_,
+                                     std::floor((most_width_ - (number - 1.0F) * gap_) / number));
+        const float beside = has_keys_beside && cap_width_ > 0.0F ? cap_width_ + gap_ : 0.0F;
+        const float text_width = width - 2.0F * padding_ - beside;
+        if (text_width < 2.0F * text_px_ || width < cap_width_ + 2.0F * padding_) {
+            return std::nullopt;
+        }
+        Plates plates;
+        float height = 0.0F; // of what is in a plate
+        for (const AnswerChoice &choice : choices_) {
+            PlacedChoice placed;
+            placed.text = wrapped(choice.text, font_, text_px_, text_width);
+            if (!choice.key.empty()) {
+                placed.key.size = {cap_width_, cap_};
+                placed.key_text = line(choice.key);
+            }
+            const float text = placed.text.box.size.y;
+            const float key = placed.key.size.y;
+            height = std::max(height, has_keys_beside ? std::max(key, text)
+                                      : text > 0.0F   ? text_top(key) + text
+                                                      : key);
+            plates.keeps_texts_whole = plates.keeps_texts_whole && !placed.text.breaks_words &&
+                                       placed.text.lines.size() <= (has_keys_beside ? 2U : 3U);
+            plates.choices.push_back(std::move(placed));
+        }
+        height += 2.0F * padding_;
+        for (std::size_t i = 0; i < choices_.size(); ++i) {
+            PlacedChoice &placed = plates.choices[i];
+            placed.plate = {{static_cast<float>(i % columns) * (width + gap_),
+                             static_cast<float>(i / columns) * (height + gap_)},
+                            {width, height}};
+            fill(placed, has_keys_beside);
+            plates.size.y = placed.plate.corner.y + height;
+        }
+        plates.size.x = number * (width + gap_) - gap_;
+        return plates;
+    }
+
+    /// Of a text below a key of that height, which may be 0.
+    [[nodiscard]] float text_top(float key) const {
+        return key > 0.0F ? key + std::round(0.5F * gap_) : 0.0F;
+    }
+
+    /// Key and text as one group in the middle of the plate. Below keys, all texts begin at one
+    /// height.
+    void fill(PlacedChoice &placed, bool has_keys_beside) const {
+        const bool has_key = !is_empty(placed.key);
+        put_in_middle(placed.text.box, placed.plate);
+        put_in_middle(placed.key, placed.plate);
+        if (has_key && !has_keys_beside) {
+            placed.key.corner.y = placed.plate.corner.y + padding_;
+            placed.text.box.corner.y = placed.key.corner.y + text_top(cap_);
+        } else if (has_key && !placed.text.lines.empty()) {
+            const float group = cap_width_ + gap_ + placed.text.box.size.x;
+            placed.key.corner.x =
+                placed.plate.corner.x + std::floor(0.5F * (placed.plate.size.x - group));
+            placed.text.box.corner.x = placed.key.corner.x + cap_width_ + gap_;
+        }
+        put_in_middle(placed.key_text.box, placed.key);
+    }
+
+    static void put_in_middle(Rectangle &box, const Rectangle &around) {
+        box.corner = {around.corner.x + std::floor(0.5F * (around.size.x - box.size.x)),
+                      around.corner.y + std::floor(0.5F * (around.size.y - box.size.y))};
+    }
+
+    const std::vector<AnswerChoice> &choices_;
+    const ImFont &font_;
+    float text_px_;
+    float most_width_;
+    float most_plate_width_;
+    float padding_;          ///< between a plate's edge and what is in it
+    float gap_;              ///< between plates, and between a key and its text
+    float cap_;              ///< height of a key's cap, and its least width
+    float cap_width_ = 0.0F; ///< of all keys; 0 without any
 };
 
 class Composition {
 public:
-    Composition(const ParticipantPicture &picture, int width, int height, const Typeface &typeface,
+    Composition(const ParticipantPicture &picture, int width, int height, const Letters &letters,
                 const Attempt &attempt)
-        : picture_(picture), width_(width), height_(height), typeface_(typeface), attempt_(attempt),
-          margin_(rounded_px(kMargin * height)),
-          column_(std::min(width - 2 * margin_, rounded_px(kColumn * height))),
-          wide_(std::min(width - 2 * margin_, rounded_px(kWideColumn * height))),
-          gap_(rounded_px(0.9 * attempt.text_px)) {}
+        : picture_(picture), width_(static_cast<float>(width)), height_(static_cast<float>(height)),
+          letters_(letters), attempt_(attempt), margin_(std::round(kMargin * height_)),
+          column_(std::min(width_ - 2.0F * margin_, std::round(kColumn * height_))),
+          wide_(std::min(width_ - 2.0F * margin_, std::round(kWideColumn * height_))),
+          gap_(std::round(0.9F * attempt.text_px)) {}
 
     /// Nothing if it does not fit.
     std::optional<ParticipantLayout> composed() {
-        if (column_ < 4.0 * attempt_.text_px) {
+        if (column_ < 4.0F * attempt_.text_px) {
             return std::nullopt;
         }
-        const int bottom = place_foot();
-        const std::vector<Part> upper = words();
-        std::vector<Part> lower = answers();
-        if (picture_.scene == SceneShown::scene || picture_.curve) {
-            const int scene_top = rounded_px(kSceneTop * height_);
-            const int scene_bottom = rounded_px(kSceneBottom * height_);
-            if (picture_.curve) {
-                layout_.curve =
-                    arranged(*picture_.curve,
-                             {(width_ - column_) / 2, scene_top, column_, scene_bottom - scene_top},
-                             small_text_px(), typeface_);
-            } else {
-                layout_.scene = {0, scene_top, width_, scene_bottom - scene_top};
-            }
-            fits_ = fits_ && place(upper, margin_ / 2, scene_top - gap_ / 2) &&
-                    place(lower, scene_bottom + gap_ / 2, bottom);
-        } else {
-            lower.insert(lower.begin(), upper.begin(), upper.end());
-            fits_ = fits_ && place(lower, margin_, bottom);
+        const float bottom = place_foot();
+        const float half_gap = std::round(0.5F * gap_);
+        const float scene_top = std::round(kSceneTop * height_);
+        const float scene_bottom = std::round(kSceneBottom * height_);
+        const bool is_split = picture_.scene == SceneShown::scene || picture_.curve;
+        Column upper;
+        add_words(upper);
+        Column lower;
+        add_answers(is_split ? lower : upper);
+        if (picture_.curve) {
+            const Rectangle box{{middle(column_), scene_top}, {column_, scene_bottom - scene_top}};
+            layout_.curve = arranged(*picture_.curve, box, letters_.font(small_px()), small_px());
+        } else if (is_split) {
+            layout_.scene = {{0.0F, scene_top}, {width_, scene_bottom - scene_top}};
         }
-        return fits_ ? std::optional(std::move(layout_)) : std::nullopt;
+        const bool has_room =
+            is_split ? upper.settle(std::round(0.5F * margin_), scene_top - half_gap) &&
+                           lower.settle(scene_bottom + half_gap, bottom)
+                     : upper.settle(margin_, bottom);
+        lay_plate();
+        fill_field();
+        return fits_ && has_room ? std::optional(std::move(layout_)) : std::nullopt;
     }
 
 private:
-    [[nodiscard]] TextLines lines(const std::string &text, double size_px, int most_width,
-                                  TextAlign align = TextAlign::centre) {
-        TextLines made = wrapped(text, typeface_, size_px, most_width, align);
+    [[nodiscard]] float middle(float wide) const { return std::floor(0.5F * (width_ - wide)); }
+
+    [[nodiscard]] float small_px() const {
+        return std::min(attempt_.text_px, letters_.size_px(Letters::kSizes - 1));
+    }
+
+    [[nodiscard]] TextLines lines(const std::string &text, float size_px, float most_width,
+                                  float paragraph_gap = 0.0F) {
+        TextLines made = wrapped(text, letters_.font(size_px), size_px, most_width, paragraph_gap);
+        made.box.corner.x = middle(made.box.size.x);
         fits_ = fits_ && !(attempt_.is_strict && made.breaks_words);
         return made;
     }
 
-    [[nodiscard]] PlacedText centred(TextLines text, int top) const {
-        const int wide = text.width_px;
-        const int high = text.height_px();
-        return {{(width_ - wide) / 2, top, wide, high}, std::move(text)};
-    }
-
-    [[nodiscard]] double small_text_px() const {
-        return std::min(attempt_.text_px, std::round(1.05 * kLeastTextPerHeight * height_));
-    }
-
     /// Footer and progress. @return where everything else must end
-    int place_foot() {
-        int bottom = height_ - margin_ / 2;
+    float place_foot() {
+        float bottom = height_ - std::round(0.5F * margin_);
         if (picture_.progress) {
-            const int high = std::max(3, rounded_px(kProgress * height_));
-            layout_.progress = {margin_, bottom - high, width_ - 2 * margin_, high};
-            bottom -= high + margin_ / 4;
+            const float high = std::max(3.0F, std::round(kProgress * height_));
+            layout_.progress = {{margin_, bottom - high}, {width_ - 2.0F * margin_, high}};
+            bottom -= high + std::round(0.25F * margin_);
         }
-        if (!picture_.footer.empty()) {
-            TextLines text = lines(picture_.footer, small_text_px(), width_ - 2 * margin_);
-            bottom -= text.height_px();
-            layout_.footer = centred(std::move(text), bottom);
-        }
-        return bottom - gap_ / 2;
+        layout_.footer = lines(picture_.footer, small_px(), width_ - 2.0F * margin_);
+        bottom -= layout_.footer.box.size.y;
+        layout_.footer.box.corner.y = bottom;
+        return bottom - std::round(0.5F * gap_);
     }
 
-    /// Heading and text.
-    std::vector<Part> words() {
-        std::vector<Part> parts;
-        const int plate = picture_.is_calm_stop ? gap_ : 0;
+    /// Heading and text, with room for the plate behind them.
+    void add_words(Column &column) {
+        const float plate = picture_.is_calm_stop ? gap_ : 0.0F;
+        column.leave(plate);
         if (!picture_.heading.empty()) {
-            TextLines heading = lines(picture_.heading, attempt_.heading_px, wide_ - 2 * plate);
-            fits_ = fits_ && !(attempt_.is_strict && heading.lines.size() > kHeadingLines);
-            parts.push_back({heading.height_px(), plate, [this, heading](int top) {
-                                 layout_.heading = centred(heading, top);
-                             }});
+            layout_.heading = lines(picture_.heading, attempt_.heading_px, wide_ - 2.0F * plate);
+            fits_ = fits_ && !(attempt_.is_strict && layout_.heading.lines.size() > kHeadingLines);
+            column.add(layout_.heading.box, 0.0F);
         }
-        if (!picture_.text.empty()) {
-            TextLines text = body(column_ - 2 * plate);
-            parts.push_back({text.height_px(), parts.empty() ? plate : 3 * gap_ / 4,
-                             [this, text](int top) { layout_.text = centred(text, top); }});
+        if (!picture_.text.empty()) { // in the middle where it is short, else flush left
+            layout_.text = lines(picture_.text, attempt_.text_px, column_ - 2.0F * plate,
+                                 std::round(0.5F * attempt_.text_px));
+            layout_.text.is_centred = layout_.text.lines.size() <= 2 || picture_.is_calm_stop;
+            column.add(layout_.text.box, std::round(0.75F * gap_));
         }
-        if (plate > 0 && !parts.empty()) { // lies behind the parts before it
-            parts.push_back({plate, 0, [this, plate](int top) { lay_plate(top + plate, plate); }});
-        }
-        return parts;
-    }
-
-    /// In the middle where it is short, else flush left.
-    TextLines body(int most_width) {
-        TextLines text = lines(picture_.text, attempt_.text_px, most_width, TextAlign::left);
-        if (text.lines.size() <= 2 || picture_.is_calm_stop) {
-            text = lines(picture_.text, attempt_.text_px, most_width);
-        }
-        text.paragraph_gap_px = text.line_height_px / 2;
-        return text;
-    }
-
-    void lay_plate(int bottom, int padding) {
-        const PixelBox &heading = layout_.heading.box;
-        const PixelBox &text = layout_.text.box;
-        const int top = (heading.is_empty() ? text.y : heading.y) - padding;
-        const int wide = std::max({heading.width, text.width}) + 4 * padding;
-        const int fitting = std::min(wide, width_ - 2 * margin_);
-        layout_.calm_plate = {(width_ - fitting) / 2, top, fitting, bottom - top};
+        column.leave(plate);
     }
 
     /// What is left of a break, a free text, choices.
-    std::vector<Part> answers() {
-        std::vector<Part> parts;
+    void add_answers(Column &column) {
         if (picture_.left_share) {
-            const int high = std::max(4, rounded_px(kBar * height_));
-            const int wide = std::min(column_, rounded_px(0.8 * height_));
-            parts.push_back({high, gap_, [this, wide, high](int top) {
-                                 layout_.left_bar = {(width_ - wide) / 2, top, wide, high};
-                             }});
+            const float wide = std::min(column_, std::round(0.8F * height_));
+            layout_.left_bar = {{middle(wide), 0.0F},
+                                {wide, std::max(4.0F, std::round(kBar * height_))}};
+            column.add(layout_.left_bar, gap_);
         }
         if (!picture_.left_text.empty()) {
-            TextLines text = lines(picture_.left_text, attempt_.text_px, column_);
-            parts.push_back({text.height_px(), gap_ / 2,
-                             [this, text](int top) { layout_.left_text = centred(text, top); }});
+            layout_.left_text = lines(picture_.left_text, attempt_.text_px, column_);
+            column.add(layout_.left_text.box, std::round(0.5F * gap_));
         }
         if (picture_.has_text_field) {
-            add_field(parts);
+            layout_.field = {{middle(column_), 0.0F},
+                             {column_, kFieldLines * attempt_.text_px + 2.0F * field_padding()}};
+            column.add(layout_.field, gap_);
         }
-        if (!picture_.choices.empty()) {
-            add_choices(parts);
-        }
-        return parts;
-    }
-
-    void add_field(std::vector<Part> &parts) {
-        const int padding = rounded_px(0.5 * attempt_.text_px);
-        TextLines typed = wrapped(picture_.typed.empty() ? " " : picture_.typed, typeface_,
-                                  attempt_.text_px, column_ - 3 * padding);
-        if (typed.lines.size() > kFieldLines) {
-            typed.lines.erase(typed.lines.begin(), typed.lines.end() - kFieldLines);
-        }
-        const int high = static_cast<int>(kFieldLines) * typed.line_height_px + 2 * padding;
-        parts.push_back({high, gap_, [this, typed, padding, high](int top) {
-                             layout_.field = {(width_ - column_) / 2, top, column_, high};
-                             fill_field(typed, padding);
-                         }});
-    }
-
-    void fill_field(const TextLines &typed, int padding) {
-        const PixelBox &field = layout_.field;
-        layout_.typed = {{field.x + padding, field.y + padding, typed.width_px, typed.height_px()},
-                         typed};
-        // After the last letter, and the blanks behind it.
-        const std::size_t letters_end = picture_.typed.find_last_not_of(' ');
-        const std::string blanks =
-            picture_.typed.substr(letters_end == std::string::npos ? 0 : letters_end + 1);
-        const int thick = std::max(2, rounded_px(0.08 * attempt_.text_px));
-        const int right = field.x + field.width - padding - thick;
-        const int at =
-            layout_.typed.box.x + typed.lines.back().width_px +
-            (picture_.typed.empty() ? 0 : text_width_px(blanks, typeface_, attempt_.text_px)) +
-            thick;
-        const int last_top =
-            field.y + padding + (static_cast<int>(typed.lines.size()) - 1) * typed.line_height_px;
-        layout_.cursor = {std::min(at, right), last_top, thick, typed.line_height_px};
-    }
-
-    void add_choices(std::vector<Part> &parts) {
-        const int widest = rounded_px(kWidestPlate * height_);
-        std::optional<ChoicePlates> plates =
-            arranged(picture_.choices, typeface_, attempt_.text_px, wide_, widest);
-        if (!plates && !attempt_.is_strict) {
-            plates = squeezed(picture_.choices, typeface_, attempt_.text_px, wide_, widest);
-        }
-        if (!plates || plates->choices.empty()) {
-            fits_ = false;
+        if (picture_.choices.empty()) {
             return;
         }
-        parts.push_back({plates->height, gap_, [this, plates](int top) {
-                             const int left = (width_ - plates->width) / 2;
-                             for (const PlacedChoice &choice : plates->choices) {
-                                 layout_.choices.push_back(moved(choice, left, top));
-                             }
-                         }});
+        std::optional<Plates> plates =
+            PlateMaker(picture_.choices, letters_.font(attempt_.text_px), attempt_.text_px, wide_,
+                       std::round(kWidestPlate * height_))
+                .made(attempt_.is_strict);
+        fits_ = fits_ && plates;
+        if (plates) {
+            layout_.choices = std::move(plates->choices);
+            for (PlacedChoice &choice : layout_.choices) {
+                for (Rectangle *const box : boxes_of(choice)) {
+                    box->corner.x += middle(plates->size.x);
+                }
+            }
+            column.add(layout_.choices, plates->size.y, gap_);
+        }
     }
 
-    /// In the middle between two heights. @return whether there is room
-    static bool place(const std::vector<Part> &parts, int top, int bottom) {
-        int high = 0;
-        for (std::size_t i = 0; i < parts.size(); ++i) {
-            high += parts[i].height + (i > 0 ? parts[i].gap : 0);
+    /// Behind heading and text.
+    void lay_plate() {
+        if (!picture_.is_calm_stop || (picture_.heading + picture_.text).empty()) {
+            return;
         }
-        if (high > bottom - top) {
-            return false;
+        const Rectangle &heading = layout_.heading.box;
+        const Rectangle &text = layout_.text.box;
+        const float top = (is_empty(heading) ? text : heading).corner.y - gap_;
+        const Rectangle &last = is_empty(text) ? heading : text;
+        const float wide =
+            std::min(std::max(heading.size.x, text.size.x) + 4.0F * gap_, width_ - 2.0F * margin_);
+        layout_.calm_plate = {{middle(wide), top},
+                              {wide, last.corner.y + last.size.y + gap_ - top}};
+    }
+
+    [[nodiscard]] float field_padding() const { return std::round(0.5F * attempt_.text_px); }
+
+    void fill_field() {
+        if (!picture_.has_text_field) {
+            return;
         }
-        int at = top + (bottom - top - high) / 2;
-        for (std::size_t i = 0; i < parts.size(); ++i) {
-            at += i > 0 ? parts[i].gap : 0;
-            parts[i].place(at);
-            at += parts[i].height;
+        const Rectangle &field = layout_.field;
+        const float padding = field_padding();
+        TextLines &typed = layout_.typed;
+        typed =
+            wrapped(picture_.typed.empty() ? " " : picture_.typed, letters_.font(attempt_.text_px),
+                    attempt_.text_px, column_ - 3.0F * padding);
+        while (typed.lines.size() > kFieldLines) {
+            typed.lines.erase(typed.lines.begin());
         }
-        return true;
+        const float hidden = typed.lines.front().top;
+        for (TextLine &line : typed.lines) {
+            line.top -= hidden;
+        }
+        typed.is_centred = false;
+        typed.box = {{field.corner.x + padding, field.corner.y + padding},
+                     {typed.box.size.x, typed.box.size.y - hidden}};
+        const TextLine &last = typed.lines.back();
+        const float thick = std::max(2.0F, std::round(0.08F * attempt_.text_px));
+        const float right = field.corner.x + field.size.x - padding - thick;
+        const float at = typed.box.corner.x + (picture_.typed.empty() ? 0.0F : last.width) + thick;
+        layout_.cursor = {{std::min(at, right), typed.box.corner.y + last.top},
+                          {thick, attempt_.text_px}};
     }
 
     const ParticipantPicture &picture_;
-    int width_;
-    int height_;
-    const Typeface &typeface_;
+    float width_;
+    float height_;
+    const Letters &letters_;
     Attempt attempt_;
-    int margin_;
-    int column_; ///< width of text
-    int wide_;   ///< width of headings and choices
-    int gap_;    ///< between parts
+    float margin_;
+    float column_; ///< width of text
+    float wide_;   ///< width of headings and choices
+    float gap_;    ///< between parts
     bool fits_ = true;
     ParticipantLayout layout_;
 };
 
-/// From the largest to the least readable sizes, first without broken words.
-std::vector<Attempt> readable_attempts(int height) {
-    std::vector<Attempt> attempts;
+/// From the largest to the least readable sizes, first without broken words; then those that
+/// cannot be read.
+std::vector<Attempt> attempts(const Letters &letters) {
+    std::vector<Attempt> all;
     for (const bool is_strict : {true, false}) {
-        for (int i = 0; i <= kSteps; ++i) {
-            const double share = static_cast<double>(i) / kSteps;
-            attempts.push_back(
-                {std::ceil(std::lerp(kMostHeading, kLeastHeadingPerHeight, share) * height),
-                 std::ceil(std::lerp(kMostText, kLeastTextPerHeight, share) * height), is_strict});
+        for (int step = 0; step < kReadableSteps; ++step) {
+            all.push_back({letters.size_px(step), letters.size_px(step + kTextStep), is_strict});
         }
     }
-    return attempts;
+    for (float text_px = all.back().text_px; text_px > kSmallest_px;) {
+        text_px = std::min(text_px - 1.0F, std::round(kFurther * text_px));
+        all.push_back({std::round(kHeadingPerText * text_px), text_px, false});
+    }
+    return all;
+}
+
+/// All that is written on it.
+std::vector<std::string_view> texts_of(const ParticipantPicture &picture) {
+    std::vector<std::string_view> texts{picture.heading, picture.text, picture.typed,
+                                        picture.footer, picture.left_text};
+    for (const AnswerChoice &choice : picture.choices) {
+        texts.insert(texts.end(), {choice.text, choice.key});
+    }
+    if (picture.curve) {
+        texts.insert(texts.end(), {picture.curve->level_label, picture.curve->share_label});
+    }
+    return texts;
 }
 
 } // namespace
 
 std::optional<std::size_t> ParticipantLayout::choice_at(double x, double y) const {
+    const ImVec2 place{static_cast<float>(x), static_cast<float>(y)};
     const auto found = std::ranges::find_if(
-        choices, [&](const PlacedChoice &choice) { return choice.plate.contains(x, y); });
+        choices, [&](const PlacedChoice &choice) { return choice.plate.contains(place); });
     return found == choices.end()
                ? std::nullopt
                : std::optional(static_cast<std::size_t>(found - choices.begin()));
 }
 
 ParticipantLayout lay_out(const ParticipantPicture &picture, int width, int height,
-                          const Typeface &typeface) {
+                          Letters &letters) {
     SPRINGDRIVE_ASSERT(width > 0 && height > 0);
-    const std::vector<Attempt> attempts = readable_attempts(height);
-    for (const Attempt &attempt : attempts) {
-        if (auto layout = Composition(picture, width, height, typeface, attempt).composed()) {
+    letters.prepare(height, texts_of(picture));
+    int tried = 0;
+    for (const Attempt &attempt : attempts(letters)) {
+        if (auto layout = Composition(picture, width, height, letters, attempt).composed()) {
+            layout->is_readable = tried < 2 * kReadableSteps;
             return *std::move(layout);
         }
-    }
-    Attempt smaller = attempts.back();
-    while (smaller.text_px > kSmallest_px) {
-        smaller.text_px = std::min(smaller.text_px - 1.0, std::round(kFurther * smaller.text_px));
-        smaller.heading_px =
-            std::round(kLeastHeadingPerHeight / kLeastTextPerHeight * smaller.text_px);
-        if (auto layout = Composition(picture, width, height, typeface, smaller).composed()) {
-            layout->is_readable = false;
-            return *std::move(layout);
-        }
+        ++tried;
     }
     ParticipantLayout nothing;
     nothing.is_readable = false;
     return nothing;
 }
 
-bool is_readable(const ParticipantPicture &picture, const Typeface &typeface, int width,
-                 int height) {
-    return lay_out(picture, width, height, typeface).is_readable;
+bool is_readable(const ParticipantPicture &picture, Letters &letters, int width, int height) {
+    return lay_out(picture, width, height, letters).is_readable;
 }
 
 } // namespace springdrive::app::study_screen

@@ -2,18 +2,18 @@
 #pragma once
 
 #include <glm/vec3.hpp>
-#include <glm/vec4.hpp>
+#include <imgui.h>
 
 namespace springdrive::app::study_screen::palette {
 
 // Contrasts by WCAG 2.1 on the ground: ink 14, dim ink 7.
-inline const glm::vec3 kGround{0.105F, 0.115F, 0.130F};
-inline const glm::vec4 kInk{0.925F, 0.935F, 0.945F, 1.0F};
-inline const glm::vec4 kDimInk{0.655F, 0.680F, 0.710F, 1.0F};
-inline const glm::vec4 kAccent{0.530F, 0.770F, 0.945F, 1.0F};
-inline const glm::vec4 kPlate{0.170F, 0.187F, 0.212F, 1.0F};
-inline const glm::vec4 kPlateRim{0.300F, 0.325F, 0.360F, 1.0F};
-inline const glm::vec4 kChosenPlate{0.180F, 0.275F, 0.345F, 1.0F};
-inline const glm::vec4 kTrough{0.200F, 0.218F, 0.245F, 1.0F}; // of bars
+inline constexpr glm::vec3 kGround{0.105F, 0.115F, 0.130F};
+inline constexpr ImU32 kInk = IM_COL32(236, 238, 241, 255);
+inline constexpr ImU32 kDimInk = IM_COL32(167, 173, 181, 255);
+inline constexpr ImU32 kAccent = IM_COL32(135, 196, 241, 255);
+inline constexpr ImU32 kPlate = IM_COL32(43, 48, 54, 255);
+inline constexpr ImU32 kPlateRim = IM_COL32(76, 83, 92, 255);
+inline constexpr ImU32 kChosenPlate = IM_COL32(46, 70, 88, 255);
+inline constexpr ImU32 kTrough = IM_COL32(51, 56, 62, 255); // of bars
 
 } // namespace springdrive::app::study_screen::palette

@@ -125,7 +125,7 @@ const Program &ParticipantScene::begin(const LitVariant &variant,
     return lit;
 }
 
-void ParticipantScene::draw(GLuint framebuffer, const PixelBox &part, int height,
+void ParticipantScene::draw(GLuint framebuffer, const Rectangle &part, int height,
                             const std::optional<Vector3> &tip_m, const glm::vec3 &background) {
     // Without a ball its shadow is cast from where nothing is.
     constexpr float kFarBelow_m = -1.0e3F;
@@ -137,12 +137,14 @@ void ParticipantScene::draw(GLuint framebuffer, const PixelBox &part, int height
     const std::vector<Solid> rings{ring(spot_.point_m, spot_.normal, spot_.radius_m, kRingColour)};
     cast_shadows(balls);
 
-    const double aspect = static_cast<double>(part.width) / part.height;
+    const int part_width = static_cast<int>(part.size.x);
+    const int part_height = static_cast<int>(part.size.y);
+    const double aspect = static_cast<double>(part_width) / part_height;
     const glm::mat4 view_projection = camera_.projection(aspect) * camera_.view();
     const auto begin_variant = [&](const LitVariant &variant) -> const Program & {
         return begin(variant, view_projection);
     };
-    target_.begin(part.width, part.height);
+    target_.begin(part_width, part_height);
     glDepthMask(GL_TRUE);
     glClearColor(background.r, background.g, background.b, 1.0F);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
@@ -167,7 +169,8 @@ void ParticipantScene::draw(GLuint framebuffer, const PixelBox &part, int height
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
     glBindVertexArray(0);
-    target_.end(framebuffer, part.x, height - part.y - part.height);
+    target_.end(framebuffer, static_cast<int>(part.corner.x),
+                height - static_cast<int>(part.corner.y) - part_height);
 }
 
 } // namespace springdrive::app::study_screen

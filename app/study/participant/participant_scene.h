@@ -2,13 +2,13 @@
 // ball. No device, no arrow, no caption, and no colour that could tell anything.
 #pragma once
 
-#include "app/study/participant/pixel_box.h"
 #include "app/view/camera.h"
 #include "app/view/lit_programs.h"
 #include "app/view/multisampled_target.h"
 #include "app/view/scene_meshes.h"
 #include "app/view/shadow_map.h"
 #include "app/view/solid_painter.h"
+#include "app/widgets/rectangle.h"
 #include "engine/scene/scene.h"
 
 #include <glm/vec3.hpp>
@@ -40,9 +40,10 @@ public:
     /// @throw std::runtime_error if OpenGL cannot hold it
     void set(const scene::Scene &scene, const MarkedSpot &spot, double floor_height_m);
 
-    /// Draws into a part of a framebuffer, which is bound afterwards; over `background`, which is
-    /// in sRGB. Leaves depth test, blending and culling off. @param height  of the framebuffer
-    void draw(GLuint framebuffer, const PixelBox &part, int height,
+    /// Draws into a part of a framebuffer, in its pixels from the top left, which is bound
+    /// afterwards; over `background`, which is in sRGB. Leaves depth test, blending and culling
+    /// off. @param height  of the framebuffer
+    void draw(GLuint framebuffer, const Rectangle &part, int height,
               const std::optional<Vector3> &tip_m, const glm::vec3 &background);
 
 private:

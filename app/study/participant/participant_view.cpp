@@ -3,6 +3,8 @@
 #include "app/study/participant/participant_palette.h"
 #include "base/assertions.h"
 
+#include <backends/imgui_impl_opengl3.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -12,33 +14,82 @@ namespace springdrive::app::study_screen {
 
 namespace {
 
-glm::vec2 corner_of(const PixelBox &box) {
-    return {static_cast<float>(box.x), static_cast<float>(box.y)};
+/// Makes a context of ImGui current, and again the former one at the end.
+class CurrentGui {
+public:
+    explicit CurrentGui(ImGuiContext *gui) : before_(ImGui::GetCurrentContext()) {
+        ImGui::SetCurrentContext(gui);
+    }
+    ~CurrentGui() { ImGui::SetCurrentContext(before_); }
+    CurrentGui(const CurrentGui &) = delete;
+    CurrentGui &operator=(const CurrentGui &) = delete;
+
+private:
+    ImGuiContext *before_;
+};
+
+ImGuiContext *new_gui(ImFontAtlas &letters) {
+    ImGuiContext *const gui = ImGui::CreateContext(&letters);
+    const CurrentGui current(gui);
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui_ImplOpenGL3_Init("#version 330 core");
+    return gui;
 }
 
-glm::vec2 size_of(const PixelBox &box) {
-    return {static_cast<float>(box.width), static_cast<float>(box.height)};
+void end_gui(ImGuiContext *gui) {
+    {
+        const CurrentGui current(gui);
+        ImGui_ImplOpenGL3_Shutdown();
+    }
+    ImGui::DestroyContext(gui);
 }
 
-Plate plate(const PixelBox &box, const glm::vec4 &colour, float radius_px, float border_px = 0.0F) {
-    return {corner_of(box), size_of(box), colour, radius_px, border_px};
+ImVec2 end_of(const Rectangle &box) {
+    return {box.corner.x + box.size.x, box.corner.y + box.size.y};
 }
 
-/// The part of a bar that is filled, from the left.
-PixelBox filled(PixelBox bar, double share) {
-    bar.width = static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * bar.width));
-    return bar;
-}
+/// A page of plates, bars and text.
+class Page {
+public:
+    Page(ImDrawList &list, int height)
+        : list_(list), round_px_(static_cast<float>(height) / 90.0F),
+          thin_px_(std::max(1.0F, std::round(static_cast<float>(height) / 480.0F))) {}
 
-/// What the layout depends on.
-ParticipantPicture laid_out(ParticipantPicture picture) {
-    picture.tip_m.reset();
-    picture.chosen.reset();
-    picture.choices_take_clicks = false;
-    picture.progress = picture.progress ? std::optional(0.0) : std::nullopt;
-    picture.left_share = picture.left_share ? std::optional(0.0) : std::nullopt;
-    return picture;
-}
+    void add_plate(const Rectangle &box, ImU32 fill, ImU32 rim) {
+        if (!is_empty(box)) {
+            list_.AddRectFilled(box.corner, end_of(box), fill, round_px_);
+            list_.AddRect(box.corner, end_of(box), rim, round_px_, 0, thin_px_);
+        }
+    }
+
+    void add_bar(const Rectangle &bar, double share) {
+        if (is_empty(bar)) {
+            return;
+        }
+        const float round_px = 0.5F * bar.size.y;
+        list_.AddRectFilled(bar.corner, end_of(bar), palette::kTrough, round_px);
+        const auto full = static_cast<float>(std::round(std::clamp(share, 0.0, 1.0) * bar.size.x));
+        if (full > 0.0F) { // its ends are round
+            const Rectangle filled{bar.corner, {std::max(full, bar.size.y), bar.size.y}};
+            list_.AddRectFilled(filled.corner, end_of(filled), palette::kAccent, round_px);
+        }
+    }
+
+    void add_text(const TextLines &text, ImU32 colour) {
+        for (const TextLine &line : text.lines) {
+            const float right =
+                text.is_centred ? std::floor(0.5F * (text.box.size.x - line.width)) : 0.0F;
+            list_.AddText(text.font, text.size_px,
+                          {text.box.corner.x + right, text.box.corner.y + line.top}, colour,
+                          line.text.data(), line.text.data() + line.text.size());
+        }
+    }
+
+private:
+    ImDrawList &list_;
+    float round_px_;
+    float thin_px_;
+};
 
 } // namespace
 
@@ -53,7 +104,8 @@ ParticipantView::Target::Target(int wide, int high)
     }
 }
 
-ParticipantView::ParticipantView(int samples) : text_(typeface_), scene_(samples) {
+ParticipantView::ParticipantView(int samples)
+    : gui_(new_gui(letters_.atlas()), end_gui), scene_(samples) {
     check_gl("setting up the participant's picture");
 }
 
@@ -73,9 +125,7 @@ void ParticipantView::draw(const ParticipantPicture &picture, int width, int hei
         target_.reset(); // first, so that both are never held
         target_.emplace(width, height);
     }
-    if (is_resized || laid_out(picture) != laid_out(picture_)) {
-        layout_ = lay_out(picture, width, height, typeface_);
-    }
+    layout_ = lay_out(picture, width, height, letters_);
     picture_ = picture;
     is_outdated_ = false;
 
@@ -86,75 +136,61 @@ void ParticipantView::draw(const ParticipantPicture &picture, int width, int hei
     glDisable(GL_CULL_FACE);
     glClearColor(palette::kGround.r, palette::kGround.g, palette::kGround.b, 1.0F);
     glClear(GL_COLOR_BUFFER_BIT);
-    if (!layout_.scene.is_empty()) {
+    if (!is_empty(layout_.scene)) {
         scene_.draw(target_->framebuffer.name(), layout_.scene, height, picture.tip_m,
                     palette::kGround);
-        glViewport(0, 0, width, height);
     }
-    glEnable(GL_BLEND);
-    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    draw_plates();
-    draw_texts();
-    glDisable(GL_BLEND);
+    draw_page();
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     check_gl("drawing the participant's picture");
 }
 
-void ParticipantView::draw_plates() {
-    const float round_px = static_cast<float>(target_->height) / 90.0F;
-    const float thin_px = std::max(1.0F, static_cast<float>(target_->height) / 480.0F);
-    std::vector<Plate> plates;
-    const auto add = [&](const PixelBox &box, const glm::vec4 &colour, float radius_px,
-                         float border_px = 0.0F) {
-        if (!box.is_empty()) {
-            plates.push_back(plate(box, colour, radius_px, border_px));
+void ParticipantView::draw_page() {
+    const CurrentGui current(gui_.get());
+    ImGuiIO &io = ImGui::GetIO();
+    ImGui_ImplOpenGL3_NewFrame();
+    if (std::exchange(letters_version_, letters_.version()) != letters_.version()) {
+        ImGui_ImplOpenGL3_DestroyFontsTexture();
+        ImGui_ImplOpenGL3_CreateFontsTexture();
+        glBindTexture(GL_TEXTURE_2D,
+                      static_cast<GLuint>(reinterpret_cast<std::uintptr_t>(io.Fonts->TexID)));
+        for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+            glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST); // exactly the letters' pixels
         }
-    };
-    const auto add_bar = [&](const PixelBox &bar, double share) {
-        const float half_px = 0.5F * static_cast<float>(bar.height);
-        add(bar, palette::kTrough, half_px);
-        PixelBox full = filled(bar, share);
-        if (full.width > 0) {
-            full.width = std::max(full.width, bar.height); // its ends are round
-            add(full, palette::kAccent, half_px);
-        }
-    };
-    add(layout_.calm_plate, palette::kPlate, round_px);
-    add(layout_.calm_plate, palette::kPlateRim, round_px, thin_px);
+    }
+    io.DisplaySize = {static_cast<float>(target_->width), static_cast<float>(target_->height)};
+    ImGui::NewFrame();
+    ImDrawList &list = *ImGui::GetBackgroundDrawList();
+    Page page(list, target_->height);
+    page.add_plate(layout_.calm_plate, palette::kPlate, palette::kPlateRim);
+    page.add_text(layout_.heading, palette::kInk);
+    page.add_text(layout_.text, palette::kInk);
+    page.add_bar(layout_.left_bar, picture_.left_share.value_or(0.0));
+    page.add_text(layout_.left_text, palette::kDimInk);
+    page.add_plate(layout_.field, palette::kPlate, palette::kPlateRim);
+    page.add_text(layout_.typed, palette::kInk);
+    list.AddRectFilled(layout_.cursor.corner, end_of(layout_.cursor), palette::kAccent);
     for (std::size_t i = 0; i < layout_.choices.size(); ++i) {
         const PlacedChoice &choice = layout_.choices[i];
         const bool is_chosen = picture_.chosen == i;
-        add(choice.plate, is_chosen ? palette::kChosenPlate : palette::kPlate, round_px);
-        add(choice.plate, is_chosen ? palette::kAccent : palette::kPlateRim, round_px, thin_px);
-        add(choice.key, palette::kAccent, 0.7F * round_px, thin_px);
+        page.add_plate(choice.plate, is_chosen ? palette::kChosenPlate : palette::kPlate,
+                       is_chosen ? palette::kAccent : palette::kPlateRim);
+        page.add_plate(choice.key, 0, palette::kAccent);
+        page.add_text(choice.text, palette::kInk);
+        page.add_text(choice.key_text, palette::kAccent);
     }
-    add(layout_.field, palette::kPlate, round_px);
-    add(layout_.field, palette::kPlateRim, round_px, thin_px);
-    add(layout_.cursor, palette::kAccent, 0.0F);
-    add_bar(layout_.left_bar, picture_.left_share.value_or(0.0));
-    add_bar(layout_.progress, picture_.progress.value_or(0.0));
-    plates.insert(plates.end(), layout_.curve.plates.begin(), layout_.curve.plates.end());
-    plates_.draw(plates, {static_cast<float>(target_->width), static_cast<float>(target_->height)});
-}
-
-void ParticipantView::draw_text(const PlacedText &text, const glm::vec4 &colour) {
-    text_.draw(text.lines, text.box.x, text.box.y, colour,
-               {static_cast<float>(target_->width), static_cast<float>(target_->height)});
-}
-
-void ParticipantView::draw_texts() {
-    draw_text(layout_.heading, palette::kInk);
-    draw_text(layout_.text, palette::kInk);
-    draw_text(layout_.left_text, palette::kDimInk);
-    draw_text(layout_.typed, palette::kInk);
-    for (const PlacedChoice &choice : layout_.choices) {
-        draw_text(choice.text, palette::kInk);
-        draw_text(choice.key_text, palette::kAccent);
+    if (picture_.curve) {
+        draw_curve(layout_.curve, *picture_.curve, list);
+        for (const TextLines &label : layout_.curve.labels) {
+            page.add_text(label, palette::kDimInk);
+        }
     }
-    for (const PlacedText &label : layout_.curve.texts) {
-        draw_text(label, palette::kDimInk);
-    }
-    draw_text(layout_.footer, palette::kDimInk);
+    page.add_text(layout_.footer, palette::kDimInk);
+    page.add_bar(layout_.progress, picture_.progress.value_or(0.0));
+    ImGui::Render();
+    glUseProgram(0); // ImGui makes the present one current again, which may be deleted already
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    vertices_ += static_cast<std::size_t>(ImGui::GetDrawData()->TotalVtxCount);
 }
 
 std::vector<std::uint8_t> ParticipantView::pixels() const {

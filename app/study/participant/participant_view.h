@@ -1,14 +1,14 @@
-// Draws a ParticipantPicture into a texture of its own.
+// Draws a ParticipantPicture into a texture of its own, by an ImGui context of its own.
 #pragma once
 
 #include "app/study/participant/participant_layout.h"
 #include "app/study/participant/participant_picture.h"
 #include "app/study/participant/participant_scene.h"
 #include "app/view/gl_objects.h"
-#include "app/view/plate_painter.h"
-#include "app/view/text_painter.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -35,14 +35,13 @@ public:
 
     /// Of the last picture.
     [[nodiscard]] const ParticipantLayout &layout() const { return layout_; }
-    [[nodiscard]] const ParticipantPicture &picture() const { return picture_; }
+    /// Vertices of all but the scene that have been drawn so far.
+    [[nodiscard]] std::size_t vertices() const { return vertices_; }
     /// Bottom row first; name 0 before the first picture.
     [[nodiscard]] GLuint texture() const { return target_ ? target_->texture.name() : 0; }
 
     /// The last picture: RGB, top row first. Waits for the drawing.
     [[nodiscard]] std::vector<std::uint8_t> pixels() const;
-
-    [[nodiscard]] const Typeface &typeface() const { return typeface_; }
 
 private:
     struct Target {
@@ -54,17 +53,16 @@ private:
         int height;
     };
 
-    void draw_plates();
-    void draw_texts();
-    void draw_text(const PlacedText &text, const glm::vec4 &colour);
+    void draw_page();
 
-    Typeface typeface_;
-    TextPainter text_;
-    PlatePainter plates_;
+    Letters letters_;
+    std::unique_ptr<ImGuiContext, void (*)(ImGuiContext *)> gui_;
+    int letters_version_ = 0; ///< of ImGui's texture
     ParticipantScene scene_;
     ParticipantPicture picture_;
     ParticipantLayout layout_;
     std::optional<Target> target_;
+    std::size_t vertices_ = 0;
     bool is_outdated_ = true;
 };
 

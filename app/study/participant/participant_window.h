@@ -1,5 +1,5 @@
-// The participant's window: a second one beside the experimenter's, without ImGui, which shows what
-// a ParticipantView has drawn and reports what the participant does.
+// The participant's window: a second one beside the experimenter's, which shows what a
+// ParticipantView has drawn and reports what the participant does, without ImGui.
 //
 // Pacing. A swap that waits for the display blocks the thread, and one thread draws both windows:
 // two swaps that wait would halve the rate, and beat where the displays' rates differ. So only the

@@ -3,7 +3,6 @@
 #include "app/study/participant/answers.h"
 #include "app/study/participant/participant_layout.h"
 #include "app/study/sitting/questions.h"
-#include "app/view/typeface.h"
 
 #include <fmt/core.h>
 
@@ -109,9 +108,9 @@ std::vector<NamedPicture> pictures_of(const study::Protocol &protocol) {
 study::ProtocolFindings check_for_persons(const study::Protocol &protocol,
                                           const study::StudySetting &setting) {
     study::ProtocolFindings findings = errors_for_persons(protocol, setting);
-    const Typeface typeface;
+    Letters letters;
     for (const NamedPicture &one : pictures_of(protocol)) {
-        if (!is_readable(one.picture, typeface)) {
+        if (!is_readable(one.picture, letters)) {
             findings.push_back({study::Severity::warning, one.text,
                                 "does not fit on a screen of 1280 × 720 in letters that can be "
                                 "read from where a participant sits",

@@ -1,9 +1,10 @@
 // Covers app/study/participant/curve_chart.cpp, and where participant_layout.cpp puts a curve.
 #include "app/study/participant/curve_chart.h"
 
-#include "app/study/participant/participant_layout.h"
+#include "tests/app/study/sound_layout.h"
 
 #include <gtest/gtest.h>
+#include <imgui_internal.h>
 
 #include <cmath>
 
@@ -26,75 +27,71 @@ OwnCurve sample_curve() {
     return curve;
 }
 
-bool is_within(const PixelBox &inner, const PixelBox &outer) {
-    return inner.x >= outer.x && inner.y >= outer.y &&
-           inner.x + inner.width <= outer.x + outer.width &&
-           inner.y + inner.height <= outer.y + outer.height;
+CurveChart chart_in(const Rectangle &box, float text_px) {
+    Letters &letters = letters_of(kScreenSizes[0]);
+    letters.prepare(kScreenSizes[0].height, {});
+    return arranged(sample_curve(), box, letters.font(text_px), text_px);
 }
 
 TEST(CurveChart, PutsLevelsOnALogarithmicAxisAndSharesOnALinearOne) {
-    const Typeface typeface;
     const OwnCurve curve = sample_curve();
-    const CurveChart chart = arranged(curve, {100, 50, 800, 400}, 20.0, typeface);
+    const CurveChart chart = chart_in({{100, 50}, {800, 400}}, 20.0F);
+    const Rectangle &plot = chart.plot;
     // 10 is the geometric mean of 5 and 20, and of 2 and 50.
-    const double x = chart.x_px(curve, 10.0);
-    EXPECT_NEAR(x, 0.5 * (chart.x_px(curve, 5.0) + chart.x_px(curve, 20.0)), 1e-9);
-    EXPECT_NEAR(x, 0.5 * (chart.x_px(curve, 2.0) + chart.x_px(curve, 50.0)), 1e-9);
-    EXPECT_DOUBLE_EQ(chart.y_px(0.5), chart.plot.y + 0.5 * chart.plot.height);
-    EXPECT_DOUBLE_EQ(chart.y_px(1.0), chart.plot.y);
-    EXPECT_GT(chart.x_px(curve, 2.0), chart.plot.x);
-    EXPECT_LT(chart.x_px(curve, 60.0), chart.plot.x + chart.plot.width);
+    const float x = chart.x_px(curve, 10.0);
+    EXPECT_NEAR(x, 0.5F * (chart.x_px(curve, 5.0) + chart.x_px(curve, 20.0)), 1e-3);
+    EXPECT_NEAR(x, 0.5F * (chart.x_px(curve, 2.0) + chart.x_px(curve, 50.0)), 1e-3);
+    EXPECT_FLOAT_EQ(chart.y_px(0.5), plot.corner.y + 0.5F * plot.size.y);
+    EXPECT_FLOAT_EQ(chart.y_px(1.0), plot.corner.y);
+    EXPECT_GT(chart.x_px(curve, 2.0), plot.corner.x);
+    EXPECT_LT(chart.x_px(curve, 60.0), plot.corner.x + plot.size.x);
 }
 
 TEST(CurveChart, AreaOfADotIsItsNumberOfAnswers) {
-    EXPECT_NEAR(std::pow(dot_radius_px(8, 400.0) / dot_radius_px(2, 400.0), 2.0), 4.0, 1e-12);
-    EXPECT_EQ(dot_radius_px(kFullTrials, 400.0), dot_radius_px(5 * kFullTrials, 400.0));
-    EXPECT_GT(dot_radius_px(1, 374.0), 4.0) << "one answer on a small screen has to be seen";
+    EXPECT_NEAR(std::pow(dot_radius_px(8, 400.0F) / dot_radius_px(2, 400.0F), 2.0), 4.0, 1e-6);
+    EXPECT_EQ(dot_radius_px(kFullTrials, 400.0F), dot_radius_px(5 * kFullTrials, 400.0F));
+    EXPECT_GT(dot_radius_px(1, 374.0F), 4.0F) << "one answer on a small screen has to be seen";
 }
 
 TEST(CurveChart, KeepsAllOfItInItsBox) {
-    const Typeface typeface;
-    const OwnCurve curve = sample_curve();
-    for (const auto &[box, text_px] : {std::pair{PixelBox{190, 144, 900, 374}, 21.0},
-                                       std::pair{PixelBox{285, 216, 1350, 562}, 32.0}}) {
-        const CurveChart chart = arranged(curve, box, text_px, typeface);
+    for (const auto &[box, text_px] : {std::pair{Rectangle{{190, 144}, {900, 374}}, 20.0F},
+                                       std::pair{Rectangle{{285, 216}, {1350, 562}}, 29.0F}}) {
+        const CurveChart chart = chart_in(box, text_px);
         EXPECT_TRUE(is_within(chart.plot, box));
-        for (const PlacedText &text : chart.texts) {
-            EXPECT_TRUE(is_within(text.box, box)) << text.box.x << ", " << text.box.y;
-        }
-        // Dots at 0 % and 100 % stand out of the plot by their radius, and touch no label.
-        for (const Plate &plate : chart.plates) {
-            EXPECT_GE(plate.corner_px.x, static_cast<float>(box.x));
-            EXPECT_GE(plate.corner_px.y, static_cast<float>(box.y));
-            EXPECT_LE(plate.corner_px.x + plate.size_px.x, static_cast<float>(box.x + box.width));
-            EXPECT_LE(plate.corner_px.y + plate.size_px.y, static_cast<float>(box.y + box.height));
-        }
-        for (std::size_t i = 0; i < chart.texts.size(); ++i) {
+        for (std::size_t i = 0; i < chart.labels.size(); ++i) {
+            EXPECT_TRUE(is_within(chart.labels[i].box, box)) << i;
             for (std::size_t k = 0; k < i; ++k) {
-                const PixelBox &a = chart.texts[i].box;
-                const PixelBox &b = chart.texts[k].box;
-                EXPECT_FALSE(a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height &&
-                             b.y < a.y + a.height)
-                    << "labels " << k << " and " << i << " overlap";
+                EXPECT_FALSE(overlap(chart.labels[i].box, chart.labels[k].box)) << k << ", " << i;
             }
+        }
+        ImDrawListSharedData shared;
+        shared.SetCircleTessellationMaxError(0.3F);
+        ImDrawList list(&shared);
+        list._ResetForNewFrame();
+        list.PushClipRect({0, 0}, {2000, 1000});
+        draw_curve(chart, sample_curve(), list);
+        ASSERT_GT(list.VtxBuffer.Size, 900);
+        // Dots at 0 % and 100 % stand out of the plot by their radius.
+        for (const ImDrawVert &vertex : list.VtxBuffer) {
+            EXPECT_TRUE(box.contains(vertex.pos)) << vertex.pos.x << ", " << vertex.pos.y;
         }
     }
 }
 
 TEST(CurveChart, IsReadableWithTheWordsOfAVisitorsResult) {
-    const Typeface typeface;
     ParticipantPicture picture;
     picture.heading = "The made-up visitor feels a force that is turned by 48 degrees (39 to 58).";
     picture.text = "In truth it was 25 degrees. Larger dots are more answers.\n"
                    "Nothing of this is kept: no answer, no name, no file.";
     picture.choices = {{"Next visitor", "↵"}};
     picture.curve = sample_curve();
-    for (const auto &[width, height] : {std::pair{1280, 720}, std::pair{1920, 1080}}) {
-        const ParticipantLayout layout = lay_out(picture, width, height, typeface);
-        EXPECT_TRUE(layout.is_readable) << width;
-        EXPECT_GT(layout.curve.plot.width, width / 2) << width;
+    for (const ScreenSize &size : {kScreenSizes[0], kScreenSizes[1]}) {
+        const ParticipantLayout layout = laid_out(picture, size);
+        const Rectangle &plot = layout.curve.plot;
+        EXPECT_TRUE(layout.is_readable) << size.width;
+        EXPECT_GT(plot.size.x, 0.5F * static_cast<float>(size.width));
         ASSERT_EQ(layout.choices.size(), 1U);
-        EXPECT_LT(layout.text.box.y + layout.text.box.height, layout.curve.plot.y) << width;
+        EXPECT_LT(layout.text.box.corner.y + layout.text.box.size.y, plot.corner.y);
     }
 }
 

@@ -1,4 +1,4 @@
-// Covers app/study/participant/participant_layout.cpp, choice_plates.cpp, participant_input.cpp,
+// Covers app/study/participant/participant_layout.cpp, letters.cpp, participant_input.cpp,
 // monitors.cpp.
 #include "app/study/participant/monitors.h"
 #include "app/study/participant/participant_input.h"
@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 namespace springdrive::app::study_screen {
@@ -19,7 +20,7 @@ TEST(ParticipantLayout, OfEveryScreenOfASittingIsSoundAndReadable) {
         for (const auto &[name, picture] : pictures_of_a_sitting()) {
             SCOPED_TRACE(name + " at height " + std::to_string(size.height));
             expect_sound(picture, size);
-            EXPECT_TRUE(is_readable(picture, dejavu(), size.width, size.height));
+            EXPECT_TRUE(laid_out(picture, size).is_readable);
         }
     }
 }
@@ -58,14 +59,14 @@ TEST(ParticipantLayout, OfRandomPicturesHasNothingOutsideOrOverlapping) {
 TEST(ParticipantLayout, KeepsTheSceneWhereItIsWhateverIsAroundIt) {
     ParticipantPicture bare;
     bare.scene = SceneShown::scene;
-    const PixelBox place = lay_out(bare, 1280, 720, dejavu()).scene;
-    ASSERT_FALSE(place.is_empty());
+    const Rectangle place = laid_out(bare, kScreenSizes[0]).scene;
+    ASSERT_FALSE(is_empty(place));
     for (auto [name, picture] : pictures_of_a_sitting()) {
         picture.scene = SceneShown::scene;
         picture.has_text_field = false;
         picture.choices.resize(std::min<std::size_t>(picture.choices.size(), 2));
         picture.text.resize(std::min<std::size_t>(picture.text.size(), 60));
-        EXPECT_EQ(lay_out(picture, 1280, 720, dejavu()).scene, place) << name;
+        EXPECT_TRUE(laid_out(picture, kScreenSizes[0]).scene == place) << name;
     }
 }
 
@@ -74,18 +75,96 @@ TEST(ParticipantLayout, SaysWhichTextIsTooLong) {
     for (int i = 0; i < 60; ++i) {
         picture.text += "Some words that fill a line of it. ";
     }
-    EXPECT_TRUE(is_readable(picture, dejavu()));
+    Letters letters;
+    EXPECT_TRUE(is_readable(picture, letters));
     for (int doubled = 0; doubled < 3; ++doubled) {
         picture.text += picture.text;
     }
-    EXPECT_FALSE(is_readable(picture, dejavu()));
+    EXPECT_FALSE(is_readable(picture, letters));
+}
+
+const ImFont &font_of_20_px() {
+    static Letters letters;
+    letters.prepare(720, {"Ж"});
+    return letters.font(20.0F);
+}
+
+TEST(Letters, AreThoseOfLatinGreekAndCyrillicAndNoOthersThanTheFont) {
+    Letters letters;
+    letters.prepare(100, {"ÜłşΩЖ漢"});
+    for (const ImWchar letter : u"azÄÖÜäöüßéçñøåłşαβΩЖйя←→↵“”–") {
+        EXPECT_TRUE(letter == 0 || letters.font(5.0F).FindGlyphNoFallback(letter) != nullptr)
+            << letter;
+    }
+    EXPECT_EQ(letters.font(5.0F).FindGlyphNoFallback(u'漢'), nullptr);
+}
+
+TEST(Letters, AreMadeAnewForAnotherHeightOrAlphabetOnly) {
+    Letters letters;
+    letters.prepare(100, {"some “words” →", "Grüße"});
+    EXPECT_EQ(letters.version(), 1);
+    letters.prepare(100, {"others"});
+    EXPECT_EQ(letters.version(), 1);
+    letters.prepare(100, {"Жук"});
+    letters.prepare(100, {"Объявление"});
+    EXPECT_EQ(letters.version(), 2);
+    letters.prepare(200, {});
+    EXPECT_EQ(letters.version(), 3);
+}
+
+TEST(WrappedText, LosesNoLetterAndKeepsToItsWidth) {
+    std::mt19937_64 random(7);
+    const std::vector<std::string> alphabet{"a", "e", "i", "n", "r", "s", "t", "l", "Ä", "ü",
+                                            "ß", "Ω", "Ж", "-", ",", ".", " ", " ", " ", " "};
+    for (int trial = 0; trial < 300; ++trial) {
+        std::string text;
+        for (std::size_t i = 1 + random() % 120; i > 0; --i) {
+            text += random() % 40 == 0 ? "\n" : alphabet[random() % alphabet.size()];
+        }
+        const float most_px = 40.0F + static_cast<float>(random() % 400);
+        const TextLines lines = wrapped(text, font_of_20_px(), 20.0F, most_px, 10.0F);
+        std::string shown;
+        float bottom = 0.0F;
+        long gaps = 0;
+        for (const TextLine &line : lines.lines) {
+            ASSERT_LE(line.width, most_px);
+            ASSERT_LE(line.width, lines.box.size.x);
+            ASSERT_GE(line.top, bottom);
+            gaps += line.top > bottom ? 1 : 0;
+            bottom = line.top + 20.0F;
+            shown += line.text;
+        }
+        ASSERT_EQ(bottom, lines.box.size.y);
+        ASSERT_EQ(gaps, std::ranges::count(text, '\n'));
+        const auto is_blank = [](char letter) { return letter == ' ' || letter == '\n'; };
+        std::erase_if(text, is_blank);
+        std::erase_if(shown, is_blank);
+        ASSERT_EQ(shown, text);
+    }
+}
+
+TEST(WrappedText, BreaksAtBlanksAndAWordOnlyWhereItIsLongerThanALine) {
+    const auto width_of = [](const char *text) {
+        return wrapped(text, font_of_20_px(), 20.0F, 1e4F).box.size.x;
+    };
+    const TextLines apart = wrapped("one two", font_of_20_px(), 20.0F, width_of("one two") - 1.0F);
+    ASSERT_EQ(apart.lines.size(), 2U);
+    EXPECT_EQ(apart.lines[0].text, "one");
+    EXPECT_EQ(apart.lines[1].text, "two");
+    EXPECT_FALSE(apart.breaks_words);
+    EXPECT_EQ(wrapped("one two", font_of_20_px(), 20.0F, width_of("one two") + 1.0F).lines.size(),
+              1U);
+    EXPECT_TRUE(wrapped("Rindfleischetikett", font_of_20_px(), 20.0F, width_of("Rindfleisch"))
+                    .breaks_words);
+    EXPECT_EQ(wrapped("half-hour", font_of_20_px(), 20.0F, width_of("half-ho")).lines[0].text,
+              "half-");
 }
 
 TEST(ParticipantInput, NamesKeysAsProtocolsSpellThem) {
     for (const char *name : {"1", "n", "Y", "left", "Right", "enter", "f5", "ü", "page_up"}) {
         EXPECT_TRUE(is_key_name(name)) << name;
     }
-    for (const char *name : {"", " ", "space", "f12", "leftish", "ab"}) {
+    for (const char *name : {"", " ", "space", "f12", "leftish", "ab", "ün", "\u00A0"}) {
         EXPECT_FALSE(is_key_name(name)) << name;
     }
     EXPECT_TRUE(is_mouse_button_name("middle"));

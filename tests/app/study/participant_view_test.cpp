@@ -1,5 +1,4 @@
-// Covers app/study/participant/participant_view.cpp, participant_scene.cpp,
-// app/view/text_painter.cpp.
+// Covers app/study/participant/participant_view.cpp, participant_scene.cpp.
 //
 // With SPRINGDRIVE_PICTURES set to a folder, all pictures are written there, to be looked at.
 #include "app/study/participant/participant_view.h"

@@ -117,8 +117,9 @@ TEST_F(ParticipantsWindow, ReportsClicksOnChoicesOrMouseButtonsAsThePictureSays)
     EXPECT_EQ(pressed(), std::vector<std::string>{"right"});
     picture_.choices_take_clicks = true;
     show(1);
-    const PixelBox plate = view_->layout().choices.at(1).plate;
-    keys_->click(plate.x + plate.width / 2, plate.y + plate.height / 2);
+    const Rectangle plate = view_->layout().choices.at(1).plate;
+    keys_->click(static_cast<int>(plate.corner.x + 0.5F * plate.size.x),
+                 static_cast<int>(plate.corner.y + 0.5F * plate.size.y));
     show(2);
     const std::vector<ParticipantInput> inputs = window_->take_inputs();
     ASSERT_EQ(inputs.size(), 1U);

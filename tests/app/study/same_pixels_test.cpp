@@ -23,7 +23,8 @@ namespace {
 
 struct Frame {
     std::vector<std::uint8_t> pixels;
-    int draw_calls = 0; ///< the work that a frame's duration could tell of
+    int draw_calls = 0;       ///< the work that a frame's duration could tell of
+    std::size_t vertices = 0; ///< the same, of all but the scene
     bool operator==(const Frame &) const = default;
 };
 
@@ -47,9 +48,10 @@ std::vector<Frame> frames_of(const study::Protocol &protocol, const study::Proto
             const bool is_still =
                 state.step == SittingStep::between_intervals || state.step == SittingStep::response;
             if ((is_first && !is_way_back) || ((is_first || is_still) && picture != last)) {
-                const int before = draw_calls();
+                const int calls = draw_calls();
+                const std::size_t vertices = view.vertices();
                 view.draw(picture, is_all() ? 640 : 320, is_all() ? 360 : 180);
-                frames.push_back({view.pixels(), draw_calls() - before});
+                frames.push_back({view.pixels(), draw_calls() - calls, view.vertices() - vertices});
             }
             last = picture;
         };

@@ -6,14 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <map>
 #include <vector>
 
 namespace springdrive::app::study_screen {
-
-inline const Typeface &dejavu() {
-    static const Typeface kTypeface;
-    return kTypeface;
-}
 
 struct ScreenSize {
     int width;
@@ -22,24 +18,36 @@ struct ScreenSize {
 inline constexpr std::array kScreenSizes{ScreenSize{1280, 720}, ScreenSize{1920, 1080},
                                          ScreenSize{2560, 1440}, ScreenSize{800, 600}};
 
-inline bool is_within(const PixelBox &inner, const PixelBox &outer) {
-    return inner.is_empty() || (inner.x >= outer.x && inner.y >= outer.y &&
-                                inner.x + inner.width <= outer.x + outer.width &&
-                                inner.y + inner.height <= outer.y + outer.height);
+/// Those of a screen, made once.
+inline Letters &letters_of(const ScreenSize &size) {
+    static std::map<int, Letters> all; // by height
+    return all[size.height];
 }
 
-inline bool overlap(const PixelBox &a, const PixelBox &b) {
-    return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height &&
-           b.y < a.y + a.height;
+inline ParticipantLayout laid_out(const ParticipantPicture &picture, const ScreenSize &size) {
+    return lay_out(picture, size.width, size.height, letters_of(size));
+}
+
+inline bool is_within(const Rectangle &inner, const Rectangle &outer) {
+    return is_empty(inner) ||
+           (inner.corner.x >= outer.corner.x && inner.corner.y >= outer.corner.y &&
+            inner.corner.x + inner.size.x <= outer.corner.x + outer.size.x &&
+            inner.corner.y + inner.size.y <= outer.corner.y + outer.size.y);
+}
+
+inline bool overlap(const Rectangle &a, const Rectangle &b) {
+    return !is_empty(a) && !is_empty(b) && a.corner.x < b.corner.x + b.size.x &&
+           b.corner.x < a.corner.x + a.size.x && a.corner.y < b.corner.y + b.size.y &&
+           b.corner.y < a.corner.y + a.size.y;
 }
 
 /// Boxes of which none may overlap another.
-inline std::vector<PixelBox> separate_boxes(const ParticipantLayout &layout) {
-    std::vector<PixelBox> boxes;
-    for (const PixelBox &box :
+inline std::vector<Rectangle> separate_boxes(const ParticipantLayout &layout) {
+    std::vector<Rectangle> boxes;
+    for (const Rectangle &box :
          {layout.heading.box, layout.text.box, layout.scene, layout.left_bar, layout.left_text.box,
           layout.field, layout.footer.box, layout.progress}) {
-        if (!box.is_empty()) {
+        if (!is_empty(box)) {
             boxes.push_back(box);
         }
     }
@@ -50,9 +58,9 @@ inline std::vector<PixelBox> separate_boxes(const ParticipantLayout &layout) {
 }
 
 inline void expect_sound(const ParticipantPicture &picture, const ScreenSize &size) {
-    const ParticipantLayout layout = lay_out(picture, size.width, size.height, dejavu());
-    const PixelBox all{0, 0, size.width, size.height};
-    const std::vector<PixelBox> boxes = separate_boxes(layout);
+    const ParticipantLayout layout = laid_out(picture, size);
+    const Rectangle all{{}, {static_cast<float>(size.width), static_cast<float>(size.height)}};
+    const std::vector<Rectangle> boxes = separate_boxes(layout);
     for (std::size_t i = 0; i < boxes.size(); ++i) {
         ASSERT_TRUE(is_within(boxes[i], all));
         for (std::size_t k = 0; k < i; ++k) {
@@ -65,25 +73,30 @@ inline void expect_sound(const ParticipantPicture &picture, const ScreenSize &si
         ASSERT_TRUE(is_within(choice.text.box, choice.plate));
         ASSERT_TRUE(is_within(choice.key, choice.plate));
         ASSERT_FALSE(overlap(choice.text.box, choice.key));
-        ASSERT_EQ(layout.choice_at(choice.plate.x + 0.5 * choice.plate.width,
-                                   choice.plate.y + 0.5 * choice.plate.height),
+        ASSERT_EQ(layout.choice_at(choice.plate.corner.x + 0.5 * choice.plate.size.x,
+                                   choice.plate.corner.y + 0.5 * choice.plate.size.y),
                   i);
     }
     if (picture.has_text_field) {
         ASSERT_TRUE(is_within(layout.typed.box, layout.field));
         ASSERT_TRUE(is_within(layout.cursor, layout.field));
     }
-    if (!layout.calm_plate.is_empty()) {
+    if (!is_empty(layout.calm_plate)) {
         ASSERT_TRUE(is_within(layout.calm_plate, all));
         ASSERT_TRUE(is_within(layout.heading.box, layout.calm_plate));
         ASSERT_TRUE(is_within(layout.text.box, layout.calm_plate));
     }
-    if (layout.is_readable) {
-        for (const PlacedText *text : {&layout.text, &layout.footer, &layout.left_text}) {
-            ASSERT_TRUE(text->lines.lines.empty() || text->lines.size_px >= size.height / 36.0);
+    for (const TextLines *text : {&layout.heading, &layout.text, &layout.typed, &layout.footer}) {
+        for (const TextLine &line : text->lines) {
+            ASSERT_LE(line.width, text->box.size.x);
+            ASSERT_LE(line.top + text->size_px, text->box.size.y);
         }
-        ASSERT_TRUE(layout.heading.lines.lines.empty() ||
-                    layout.heading.lines.size_px >= size.height / 24.0);
+    }
+    if (layout.is_readable) {
+        for (const TextLines *text : {&layout.text, &layout.footer, &layout.left_text}) {
+            ASSERT_TRUE(text->lines.empty() || text->size_px >= size.height / 36.0);
+        }
+        ASSERT_TRUE(layout.heading.lines.empty() || layout.heading.size_px >= size.height / 24.0);
     }
 }
 

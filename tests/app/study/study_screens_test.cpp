@@ -168,7 +168,7 @@ TEST_F(StudyScreens, OfTheIncludedProtocolsAreSoundAndReadable) {
                      << screen.picture.text);
         for (const ScreenSize &size : kScreenSizes) {
             expect_sound(screen.picture, size);
-            EXPECT_TRUE(is_readable(screen.picture, dejavu(), size.width, size.height));
+            EXPECT_TRUE(laid_out(screen.picture, size).is_readable);
         }
     }
 }
