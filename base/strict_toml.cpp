@@ -127,7 +127,7 @@ bool StrictTomlTable::has(std::string_view key) const {
 
 bool StrictTomlTable::has_optional(std::string_view key) { return contents_->find(key) != nullptr; }
 
-std::string StrictTomlTable::text(std::string_view key) {
+std::string StrictTomlTable::text(std::string_view key, NumberRange bytes) {
     const toml::node *node = contents_->find(key);
     if (node == nullptr) {
         refuse(key, "is missing; it must be a text");
@@ -135,7 +135,13 @@ std::string StrictTomlTable::text(std::string_view key) {
     if (!node->is_string()) {
         refuse(key, "is " + as_written(*node) + "; it must be a text");
     }
-    return node->value<std::string>().value_or("");
+    std::string text = node->value<std::string>().value_or("");
+    const bool is_blank = std::ranges::all_of(text, [](char c) { return c >= 0 && c <= ' '; });
+    if ((is_blank && bytes.minimum >= 1.0) || !lies_in(static_cast<double>(text.size()), bytes)) {
+        refuse(key, fmt::format("has {} bytes; it must be a text that can be read, of {:g} to {:g}",
+                                text.size(), bytes.minimum, bytes.maximum));
+    }
+    return text;
 }
 
 double StrictTomlTable::number(std::string_view key, NumberRange range) {

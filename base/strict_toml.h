@@ -3,12 +3,12 @@
 // is allowed.
 #pragma once
 
+#include "base/field.h"
 #include "base/vector.h"
 
 #include <cstddef>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -16,12 +16,6 @@
 #include <vector>
 
 namespace springdrive {
-
-/// The allowed range of a number. Bounds are inclusive.
-struct NumberRange {
-    double minimum = -std::numeric_limits<double>::max();
-    double maximum = std::numeric_limits<double>::max();
-};
 
 /// One table of a TOML file. Every reader throws InputError as described above.
 class StrictTomlTable {
@@ -38,7 +32,8 @@ public:
     /// The same; the key is known from now on, see `refuse_unknown_keys`.
     [[nodiscard]] bool has_optional(std::string_view key);
 
-    [[nodiscard]] std::string text(std::string_view key);
+    /// @param bytes  of its length; from 1 on, some of it must be visible
+    [[nodiscard]] std::string text(std::string_view key, NumberRange bytes = {});
     [[nodiscard]] double number(std::string_view key, NumberRange range = {});
     [[nodiscard]] int integer(std::string_view key, int minimum, int maximum);
     [[nodiscard]] bool flag(std::string_view key);

@@ -13,7 +13,7 @@ std::string what_is_wrong_with(const Adjustment &method) {
                                     method.maximum_level),
                      unless_from_to("maximum_start", method.maximum_start, method.minimum_start,
                                     method.maximum_level),
-                     unless_from_to("settings", method.settings, 1, 1000)});
+                     out_of_range(kAdjustmentFields, method)});
 }
 
 std::optional<MethodTrial> AdjustmentRun::next() const {

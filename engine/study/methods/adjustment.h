@@ -22,6 +22,15 @@ struct Adjustment {
     friend bool operator==(const Adjustment &, const Adjustment &) = default;
 };
 
+inline constexpr auto kAdjustmentFields = std::to_array<Field<Adjustment>>({
+    {"scale", choice_of<&Adjustment::scale>(kScaleNames), "on which starts are drawn"},
+    {"minimum_level", &Adjustment::minimum_level, "a step beyond ends here", kTypedLevel},
+    {"maximum_level", &Adjustment::maximum_level, "and here", kTypedLevel},
+    {"minimum_start", &Adjustment::minimum_start, "starts are drawn from here", kTypedLevel},
+    {"maximum_start", &Adjustment::maximum_start, "to here", kTypedLevel},
+    {"settings", &Adjustment::settings, "how many are made", 1.0, 1000.0},
+});
+
 /// Empty if the method can be used; else the first bad key, with value and range.
 [[nodiscard]] std::string what_is_wrong_with(const Adjustment &method);
 

@@ -42,6 +42,21 @@ struct CatchTrials {
     friend bool operator==(const CatchTrials &, const CatchTrials &) = default;
 };
 
+inline constexpr auto kPracticeFields = std::to_array<Field<Practice>>({
+    {"levels", &Practice::levels, "drawn from by chance", kTypedLevel},
+    {"fewest_trials", &Practice::fewest_trials,
+     "practice ends after so many once the last `correct_in_a_row` were right", 0.0, 1000.0},
+    {"correct_in_a_row", &Practice::correct_in_a_row, "0: does not matter", 0.0, 1000.0},
+    {"most_trials", &Practice::most_trials,
+     "practice ends after so many at the latest; 0: no practice", 0.0, 1000.0},
+});
+
+inline constexpr auto kCatchTrialFields = std::to_array<Field<CatchTrials>>({
+    {"levels", &CatchTrials::levels, "drawn from by chance", kTypedLevel},
+    {"one_in", &CatchTrials::one_in, "of so many trials one is a catch trial; 0: none", 0.0,
+     1000.0},
+});
+
 struct Block {
     Task task;
     std::vector<Method> series; ///< one per condition of the block

@@ -8,9 +8,8 @@
 namespace springdrive::study {
 
 std::string what_is_wrong_with(const ConstantStimuli &method) {
-    return first_of({unless_rising("levels", method.levels, 1),
-                     unless_from_to("repetitions", method.repetitions, 1, 1000),
-                     unless_from_to("blocks", method.blocks, 1, 1000)});
+    return first_of(
+        {unless_rising("levels", method.levels, 1), out_of_range(kConstantStimuliFields, method)});
 }
 
 int most_trials(const ConstantStimuli &method) {

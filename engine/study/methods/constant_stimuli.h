@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/study/methods/random_key.h"
+#include "engine/study/methods/scale.h"
 #include "engine/study/methods/trial.h"
 
 #include <cstdint>
@@ -20,6 +21,13 @@ struct ConstantStimuli {
 
     friend bool operator==(const ConstantStimuli &, const ConstantStimuli &) = default;
 };
+
+inline constexpr auto kConstantStimuliFields = std::to_array<Field<ConstantStimuli>>({
+    {"levels", &ConstantStimuli::levels, "that are presented, rising", kTypedLevel, "", kRequired},
+    {"repetitions", &ConstantStimuli::repetitions, "of each level in one round", 1.0, 1000.0},
+    {"blocks", &ConstantStimuli::blocks, "rounds through all levels, each in an order by chance",
+     1.0, 1000.0},
+});
 
 /// Empty if the method can be used; else the first bad key, with value and range.
 [[nodiscard]] std::string what_is_wrong_with(const ConstantStimuli &method);

@@ -30,6 +30,17 @@ struct Prior {
     friend bool operator==(const Prior &, const Prior &) = default;
 };
 
+inline constexpr auto kPriorFields = std::to_array<Field<Prior>>({
+    {"scale", choice_of<&Prior::scale>(kScaleNames),
+     "on which the density is one; without it the method's, of the slope logarithmic"},
+    {"density", choice_of<&Prior::density>(kDensityNames), "of what is thought likely"},
+    {"minimum", &Prior::minimum, "of what is thought possible", kTypedLevel},
+    {"maximum", &Prior::maximum, "the same as `minimum` if it is known", kTypedLevel},
+    {"mean", &Prior::mean, "of a normal density before it is cut to the range", kTypedLevel},
+    {"deviation", &Prior::deviation,
+     "of a normal density; on a logarithmic scale that of the logarithm", 0.0, kLargestTyped},
+});
+
 /// The prior of a value that is known.
 [[nodiscard]] Prior known(double value);
 

@@ -40,9 +40,8 @@ std::string what_is_wrong_with(const QuestPlus &method) {
          unless_from_to("guess.points", method.guess.points, 1, kMostPoints),
          unless_from_to("lapse.points", method.lapse.points, 1, kMostPoints),
          unless_from_to("levels times all points", cells, 1.0, kLargestQuestTable),
-         unless_from_to("most_trials", method.most_trials, 1, 10000),
-         unless_from_to("fewest_trials", method.fewest_trials, 1, method.most_trials),
-         unless_from_to("threshold_deviation", method.threshold_deviation, 0.0, 1e6)});
+         out_of_range(kQuestPlusFields, method),
+         unless_from_to("fewest_trials", method.fewest_trials, 1, method.most_trials)});
 }
 
 QuestPlusRun::QuestPlusRun(const QuestPlus &method) : method_(method) {

@@ -39,6 +39,24 @@ struct QuestPlus {
     friend bool operator==(const QuestPlus &, const QuestPlus &) = default;
 };
 
+inline constexpr auto kPriorAxisFields = std::to_array<Field<PriorAxis>>({
+    {"points", &PriorAxis::points, "of the grid over the range", 1.0, 1000.0},
+});
+
+inline constexpr auto kQuestPlusFields = std::to_array<Field<QuestPlus>>({
+    {"shape", choice_of<&QuestPlus::family, &FunctionFamily::shape>(kShapeNames),
+     "of the psychometric function"},
+    {"scale", choice_of<&QuestPlus::family, &FunctionFamily::scale>(kScaleNames),
+     "on which it is fitted"},
+    {"levels", &QuestPlus::levels, "that may be presented, rising", kTypedLevel, "", kRequired},
+    {"fewest_trials", &QuestPlus::fewest_trials, "before it may end", 1.0, 10'000.0},
+    {"most_trials", &QuestPlus::most_trials, "when it ends at the latest", 1.0, 10'000.0},
+    {"threshold_deviation", &QuestPlus::threshold_deviation,
+     "ends when the threshold is known to within this standard deviation, on the scale of its "
+     "prior; 0: by `most_trials` alone",
+     0.0, kLargestTyped},
+});
+
 [[nodiscard]] FunctionPriors priors_of(const QuestPlus &method);
 
 /// Levels times nodes of all four grids: above it, the next level would take too long.

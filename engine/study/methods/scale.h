@@ -1,8 +1,12 @@
 // The scale on which levels of a stimulus are spaced, stepped and fitted.
 #pragma once
 
+#include "base/field.h"
+
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <string_view>
 
 namespace springdrive::study {
 
@@ -10,6 +14,15 @@ enum class Scale : std::uint8_t {
     linear,      ///< differences count: u = x
     logarithmic, ///< ratios count: u = ln x, so levels are above 0
 };
+
+/// By the number of the scale, as in protocol files.
+inline constexpr std::array<std::string_view, 2> kScaleNames{"linear", "logarithmic"};
+
+/// Levels and slopes that people type: what lies beyond is a slip of the keyboard in every unit
+/// that a protocol has.
+inline constexpr double kLargestTyped = 1e6;
+inline constexpr double kSmallestRatioTyped = 1e-6; ///< of what must be above 0
+inline constexpr NumberRange kTypedLevel{-kLargestTyped, kLargestTyped};
 
 /// u(x). @pre level > 0 on a logarithmic scale
 [[nodiscard]] inline double on_scale(Scale scale, double level) {

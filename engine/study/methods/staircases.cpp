@@ -37,15 +37,12 @@ std::string what_is_wrong_with_steps(const Staircases &method) {
 } // namespace
 
 std::string what_is_wrong_with(const Staircases &method) {
-    if (std::string complaint = first_of(
-            {unless_level("minimum_level", method.minimum_level, method.scale),
-             unless_above("maximum_level", method.maximum_level, method.minimum_level),
-             unless_from_to("correct_for_down", method.correct_for_down, 1, 10),
-             unless_from_to("up_to_down", method.up_to_down, 0.01, 100.0),
-             unless_from_to("reversals", method.reversals, 0, 1000),
-             unless_from_to("trials", method.trials, 1, 10000), what_is_wrong_with_steps(method),
-             unless_from_to("start_levels (how many)",
-                            static_cast<double>(method.start_levels.size()), 1, 16)});
+    if (std::string complaint =
+            first_of({unless_level("minimum_level", method.minimum_level, method.scale),
+                      unless_above("maximum_level", method.maximum_level, method.minimum_level),
+                      out_of_range(kStaircaseFields, method), what_is_wrong_with_steps(method),
+                      unless_from_to("start_levels (how many)",
+                                     static_cast<double>(method.start_levels.size()), 1, 16)});
         !complaint.empty()) {
         return complaint;
     }

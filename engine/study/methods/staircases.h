@@ -48,6 +48,28 @@ struct Staircases {
     friend bool operator==(const Staircases &, const Staircases &) = default;
 };
 
+inline constexpr auto kStepFields = std::to_array<Field<StepSize>>({
+    {"from_reversal", &StepSize::from_reversal, "this step is in force from so many reversals on",
+     0.0, 1000.0},
+    {"size", &StepSize::size,
+     "of the step down: a difference of levels, or on a logarithmic scale their ratio", 0.0,
+     kLargestTyped},
+});
+
+inline constexpr auto kStaircaseFields = std::to_array<Field<Staircases>>({
+    {"scale", choice_of<&Staircases::scale>(kScaleNames), "on which levels are stepped"},
+    {"start_levels", &Staircases::start_levels, "one for each track; tracks are interleaved",
+     kTypedLevel, "", kRequired},
+    {"minimum_level", &Staircases::minimum_level, "a step beyond ends here", kTypedLevel},
+    {"maximum_level", &Staircases::maximum_level, "and here", kTypedLevel},
+    {"correct_for_down", &Staircases::correct_for_down,
+     "so many right answers in a row lower the level", 1.0, 10.0},
+    {"up_to_down", &Staircases::up_to_down, "step up over step down", 0.01, 100.0},
+    {"reversals", &Staircases::reversals, "a track ends after so many; 0: by `trials` alone", 0.0,
+     1000.0},
+    {"trials", &Staircases::trials, "a track ends after so many at the latest", 1.0, 10'000.0},
+});
+
 /// Empty if the method can be used; else the first bad key, with value and range.
 [[nodiscard]] std::string what_is_wrong_with(const Staircases &method);
 

@@ -5,11 +5,10 @@
 namespace springdrive::study {
 
 std::string what_is_wrong_with(const Task &task) {
-    constexpr int kMostAlternatives = 8;
-    return first_of(
-        {unless_from_to("alternatives", task.alternatives, 2.0,
-                        is_forced_choice(task.kind) ? kMostAlternatives : 2.0),
-         unless_from_to("largest_false_alarm_rate", task.largest_false_alarm_rate, 0.0, 0.5)});
+    return first_of({out_of_range(kTaskFields, task),
+                     is_forced_choice(task.kind)
+                         ? std::string()
+                         : unless_from_to("alternatives", task.alternatives, 2.0, 2.0)});
 }
 
 GuessRange guess_range(const Task &task) {

@@ -1,6 +1,8 @@
 // What a participant is asked to do in each trial.
 #pragma once
 
+#include "base/field.h"
+
 #include <array>
 #include <cstdint>
 #include <string>
@@ -28,6 +30,15 @@ struct Task {
 
     friend bool operator==(const Task &, const Task &) = default;
 };
+
+inline constexpr auto kTaskFields = std::to_array<Field<Task>>({
+    {"kind", choice_of<&Task::kind>(kTaskKindNames), "what is asked in a trial", kRequired},
+    {"alternatives", &Task::alternatives,
+     "intervals, or directions, of a forced choice; 2 otherwise", 2.0, 8.0},
+    {"largest_false_alarm_rate", &Task::largest_false_alarm_rate,
+     "yes/no: the share of \"yes\" without a stimulus is taken to lie between 0 and this", 0.0,
+     0.5},
+});
 
 /// Empty if the task can be used; else the first bad key, with value and range.
 [[nodiscard]] std::string what_is_wrong_with(const Task &task);

@@ -6,14 +6,6 @@
 
 namespace springdrive::study {
 
-// Written so that a NaN lies in no range.
-std::string unless_from_to(std::string_view key, double value, double minimum, double maximum) {
-    return value >= minimum && value <= maximum
-               ? std::string()
-               : fmt::format("{} is {:g}; it must be from {:g} to {:g}", key, value, minimum,
-                             maximum);
-}
-
 std::string unless_level(std::string_view key, double value, Scale scale) {
     return unless_from_to(key, value,
                           scale == Scale::logarithmic ? kSmallestRatioTyped : -kLargestTyped,

@@ -11,15 +11,6 @@
 
 namespace springdrive::study {
 
-/// "KEY is VALUE; it must be from MINIMUM to MAXIMUM" if it is not, also for a NaN; else empty.
-[[nodiscard]] std::string unless_from_to(std::string_view key, double value, double minimum,
-                                         double maximum);
-
-/// Levels and slopes that people type: what lies beyond is a slip of the keyboard in every unit
-/// that a protocol has.
-inline constexpr double kLargestTyped = 1e6;
-inline constexpr double kSmallestRatioTyped = 1e-6; ///< of what must be above 0
-
 /// "KEY is VALUE; it must be from …" unless it can be a typed level: within `kLargestTyped`, and on
 /// a logarithmic scale not below `kSmallestRatioTyped`.
 [[nodiscard]] std::string unless_level(std::string_view key, double value, Scale scale);

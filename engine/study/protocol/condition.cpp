@@ -7,28 +7,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace springdrive::study {
 
 namespace {
 
-static_assert(kConditionParameters[0].minimum == servo::kMinRate_hz &&
-              kConditionParameters[0].maximum == servo::kMaxRate_hz);
+static_assert(kConditionParameters[0].range.minimum == servo::kMinRate_hz &&
+              kConditionParameters[0].range.maximum == servo::kMaxRate_hz);
 
-using AllParameters =
-    std::array<ParameterFacts, control::kParameters.size() + kConditionParameters.size()>;
-
-AllParameters all_parameters() {
-    AllParameters all;
-    auto next = all.begin();
+std::vector<ParameterFacts> all_parameters() {
+    std::vector<ParameterFacts> all;
     for (const control::Parameter &gain : control::kParameters) {
-        *next++ = {gain.name,    gain.symbol,  gain.unit,
-                   gain.minimum, gain.maximum, gain.default_value(),
-                   gain.help,    gain.value,   nullptr};
+        all.push_back({gain.name, gain.unit, gain.minimum, gain.maximum, gain.default_value(),
+                       gain.help, gain.value, nullptr});
     }
-    for (const ConditionParameter &one : kConditionParameters) {
-        *next++ = {one.name, one.symbol, one.unit, one.minimum, one.maximum, Condition{}.*one.value,
-                   one.help, nullptr,    one.value};
+    for (const Field<Condition> &one : kConditionParameters) {
+        all.push_back({one.name, one.unit, one.range.minimum, one.range.maximum,
+                       one.number(Condition{}), one.help, nullptr,
+                       std::get<double Condition::*>(one.member)});
     }
     return all;
 }
@@ -41,13 +38,13 @@ bool operator==(const Condition &a, const Condition &b) {
         (!a.spot || (a.spot->point_m == b.spot->point_m && a.spot->normal == b.spot->normal));
     return same_spot && a.name == b.name && a.scene == b.scene && a.hold == b.hold &&
            a.tuning == b.tuning &&
-           std::ranges::all_of(kConditionParameters, [&](const ConditionParameter &one) {
-               return a.*one.value == b.*one.value;
+           std::ranges::all_of(kConditionParameters, [&](const Field<Condition> &one) {
+               return one.number(a) == one.number(b);
            });
 }
 
 std::span<const ParameterFacts> condition_parameters() {
-    static const AllParameters all = all_parameters();
+    static const std::vector<ParameterFacts> all = all_parameters();
     return all;
 }
 

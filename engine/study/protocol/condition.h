@@ -2,6 +2,7 @@
 // gains are those of engine/control/tuning.h.
 #pragma once
 
+#include "base/field.h"
 #include "base/vector.h"
 #include "engine/control/tuning.h"
 #include "engine/scene/lesson.h"
@@ -39,43 +40,52 @@ struct Condition {
     friend bool operator==(const Condition &, const Condition &);
 };
 
-/// A parameter of a condition that is no gain; like `control::Parameter`.
-struct ConditionParameter {
-    std::string_view name;   ///< in files, with its unit
-    std::string_view symbol; ///< UTF-8
-    std::string_view unit;   ///< UTF-8; "–" where it has none
-    double Condition::*value = nullptr;
-    double minimum = 0.0; ///< inclusive
-    double maximum = 0.0; ///< inclusive
-    std::string_view help;
-};
+inline constexpr auto kConditionName = std::to_array<Field<Condition>>({
+    {"name", &Condition::name, "in results", kRequired},
+});
 
-inline constexpr std::array<ConditionParameter, 8> kConditionParameters{{
-    {"servo_hz", "1/T", "Hz", &Condition::servo_hz, 250.0, 10'000.0, "rate of the servo"},
-    {"delay_periods", "d", "–", &Condition::delay_periods, 0.0, 8.0,
-     "from reading θ to applying e_W, in servo periods: what the device has at this rate"},
-    {"turn_deg", "φ", "°", &Condition::turn_deg, -90.0, 90.0,
-     "by which the force is turned out of the surface's normal"},
-    {"turn_axis_deg", "ψ", "°", &Condition::turn_axis_deg, -180.0, 180.0,
+inline constexpr auto kConditionFields = std::to_array<Field<Condition>>({
+    {"scene", &Condition::scene,
+     "an included scene, by its name; a .gltf or .glb file beside the protocol; or \"none\", for "
+     "free space",
+     kReadable},
+    {"hold", choice_of<&Condition::hold>(kHoldNames),
+     "surface: the scene, without friction; cup: x₀ stays where the tip touches"},
+    {"map", choice_of<&Condition::tuning, &control::Tuning::map>(control::kMotionMapNames),
+     "motion map: (18) or (23)"},
+    {"alpha_mode",
+     choice_of<&Condition::tuning, &control::Tuning::alpha_mode>(control::kAlphaModeNames),
+     "source of α in (23)"},
+});
+
+/// The parameters that are no gains.
+inline constexpr auto kConditionParameters = std::to_array<Field<Condition>>({
+    {"servo_hz", &Condition::servo_hz, "rate of the servo", 250.0, 10'000.0, "Hz"},
+    {"delay_periods", &Condition::delay_periods,
+     "from reading θ to applying e_W, in servo periods: what the device has at this rate", 0.0, 8.0,
+     "–"},
+    {"turn_deg", &Condition::turn_deg, "by which the force is turned out of the surface's normal",
+     -90.0, 90.0, "°"},
+    {"turn_axis_deg", &Condition::turn_axis_deg,
      "direction, in the contact plane, of the axis of that turn: 0 is the device's x axis, laid "
      "into the plane; on a level surface the force then leans towards the user, at 90 to the "
-     "right"},
-    {"press_N", "F", "N", &Condition::press_N, 0.1, 8.0, "force with which the hand presses"},
-    {"speed_m_per_s", "v", "m/s", &Condition::speed_m_per_s, 0.01, 1.0,
-     "of the hand: of a blow where it touches, of a stroke at most"},
-    {"pulse_N", "F_p", "N", &Condition::pulse_N, 0.05, 5.0,
-     "height of a pulse, as felt by a hand that does not move"},
-    {"pulse_hz", "f_p", "Hz", &Condition::pulse_hz, 1.0, 250.0,
-     "frequency of a pulse: one period of 1 − cos, so it lasts 1/pulse_hz"},
-}};
+     "right",
+     -180.0, 180.0, "°"},
+    {"press_N", &Condition::press_N, "force with which the hand presses", 0.1, 8.0, "N"},
+    {"speed_m_per_s", &Condition::speed_m_per_s,
+     "of the hand: of a blow where it touches, of a stroke at most", 0.01, 1.0, "m/s"},
+    {"pulse_N", &Condition::pulse_N, "height of a pulse, as felt by a hand that does not move",
+     0.05, 5.0, "N"},
+    {"pulse_hz", &Condition::pulse_hz,
+     "frequency of a pulse: one period of 1 − cos, so it lasts 1/pulse_hz", 1.0, 250.0, "Hz"},
+});
 
 /// Any parameter of a condition: a gain or one of the above.
 struct ParameterFacts {
     std::string_view name;
-    std::string_view symbol;
-    std::string_view unit;
-    double minimum = 0.0; ///< inclusive
-    double maximum = 0.0; ///< inclusive
+    std::string_view unit; ///< UTF-8; "–" where it has none
+    double minimum = 0.0;  ///< inclusive
+    double maximum = 0.0;  ///< inclusive
     double default_value = 0.0;
     std::string_view help;
     double control::Tuning::*gain = nullptr; ///< one of these two is set

@@ -2,9 +2,15 @@
 
 #include "engine/control/coupling.h"
 #include "engine/study/methods/wrong_value.h"
+#include "engine/study/protocol/analysis_plan.h"
+
+#include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
+#include <string_view>
 #include <type_traits>
 #include <variant>
 
@@ -37,6 +43,124 @@ std::vector<double> levels_of(const Method &method, int steps) {
         method);
 }
 
+/// Parameters that belong to one form of stimulus.
+bool acts_in(StimulusForm form, std::string_view parameter) {
+    switch (form) {
+    case StimulusForm::press:
+        return parameter != "speed_m_per_s" && parameter != "pulse_N" && parameter != "pulse_hz";
+    case StimulusForm::blow:
+        return parameter != "press_N" && parameter != "pulse_N" && parameter != "pulse_hz";
+    case StimulusForm::pulse:
+        return parameter != "speed_m_per_s";
+    case StimulusForm::stroke:
+        break;
+    }
+    return parameter == "dR_Ohm" || parameter == "lambda_rad_per_s" || parameter == "servo_hz" ||
+           parameter == "delay_periods" || parameter == "speed_m_per_s";
+}
+
+std::string wrong_variable(const Protocol &protocol) {
+    const Variable &variable = protocol.variable;
+    const ParameterFacts *const parameter = condition_parameter_named(variable.parameter);
+    if (parameter == nullptr) {
+        return fmt::format("variable.parameter is \"{}\"; it must be one of {}", variable.parameter,
+                           names_of(condition_parameters()));
+    }
+    if (std::string wrong = unless_from_to("variable.standard", variable.standard,
+                                           parameter->minimum, parameter->maximum);
+        !wrong.empty()) {
+        return wrong;
+    }
+    if (!acts_in(protocol.stimulus, parameter->name)) {
+        return fmt::format("variable.parameter is {}; it must be one that is felt in a {}",
+                           parameter->name,
+                           kStimulusFormNames[static_cast<std::size_t>(protocol.stimulus)]);
+    }
+    if (!variable.standard_condition.empty() && !standard_condition_of(protocol)) {
+        return fmt::format(
+            "variable.standard_condition is \"{}\"; it must be one of the conditions: {}",
+            variable.standard_condition, names_of(protocol.conditions));
+    }
+    if (protocol.task.kind == TaskKind::forced_choice_by_place &&
+        parameter->of_condition != &Condition::turn_deg) {
+        return fmt::format("variable.parameter is {}; it must be turn_deg, as the places of this "
+                           "task are directions",
+                           parameter->name);
+    }
+    for (const double level : presentable_levels(protocol)) {
+        const double value = value_at(protocol, level);
+        if (!(value >= parameter->minimum && value <= parameter->maximum)) {
+            return fmt::format("method presents level {:g}, where {} is {:g}; it must be from {:g} "
+                               "to {:g}",
+                               level, parameter->name, value, parameter->minimum,
+                               parameter->maximum);
+        }
+    }
+    return {};
+}
+
+std::string wrong_free_space(const Protocol &protocol) {
+    if (protocol.free_space_is_stimulus && protocol.free_space) {
+        return "free_space is given though free_space_is_stimulus is true; it must be left out, as "
+               "each condition has its own";
+    }
+    if (protocol.stimulus == StimulusForm::stroke && !protocol.free_space_is_stimulus) {
+        return "free_space_is_stimulus is false; it must be true for a stroke, which is felt in "
+               "free space";
+    }
+    return {};
+}
+
+std::string wrong_blocks(const Protocol &protocol) {
+    for (std::size_t i = 0; i < protocol.blocks.size(); ++i) {
+        const ProtocolBlock &block = protocol.blocks[i];
+        const std::set<std::size_t> different(block.conditions.begin(), block.conditions.end());
+        if (different.size() != block.conditions.size()) {
+            return fmt::format("block \"{}\" has a condition twice; it must have each of its "
+                               "conditions once",
+                               block.name);
+        }
+        if (std::string wrong = what_is_wrong_with(block_of(protocol, i, true)); !wrong.empty()) {
+            return wrong;
+        }
+    }
+    const std::string order =
+        what_is_wrong_with(protocol.counterbalancing, static_cast<int>(protocol.blocks.size()));
+    return order.empty() ? order : "counterbalancing: " + order;
+}
+
+std::string wrong_responses(const Protocol &protocol) {
+    constexpr std::array<std::string_view, 4> kStops{"space", "escape", "f12", " "};
+    const std::vector<std::string> &keys = protocol.responses.keys;
+    const std::size_t needed = is_forced_choice(protocol.task.kind)
+                                   ? static_cast<std::size_t>(protocol.task.alternatives)
+                               : protocol.task.kind == TaskKind::yes_no ? 2
+                                                                        : 3;
+    if (keys.size() != needed) {
+        return fmt::format("responses.keys has {}; it must have {} for this task", keys.size(),
+                           needed);
+    }
+    std::vector<std::string> names = keys;
+    for (std::string &name : names) {
+        std::ranges::transform(name, name.begin(), [](char c) {
+            return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+        });
+    }
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        const std::string &name = names[i];
+        if (std::ranges::count(kStops, name) > 0) {
+            return fmt::format("responses.keys has \"{}\"; it must be no key that stops the device "
+                               "or leaves the screen",
+                               keys[i]);
+        }
+        if (name.empty() || std::ranges::count(names, name) > 1) {
+            return fmt::format("responses.keys has \"{}\"; each must have a name of its own",
+                               keys[i]);
+        }
+    }
+    return {};
+}
+
 } // namespace
 
 const ParameterFacts &variable_of(const Protocol &protocol) {
@@ -65,13 +189,15 @@ Condition comparison(const Protocol &protocol, std::size_t condition, double lev
     return one;
 }
 
+std::optional<std::size_t> condition_named(const Protocol &protocol, std::string_view name) {
+    const auto found = std::ranges::find(protocol.conditions, name, &Condition::name);
+    return found == protocol.conditions.end()
+               ? std::nullopt
+               : std::optional(static_cast<std::size_t>(found - protocol.conditions.begin()));
+}
+
 std::optional<std::size_t> standard_condition_of(const Protocol &protocol) {
-    const auto found = std::ranges::find(protocol.conditions, protocol.variable.standard_condition,
-                                         &Condition::name);
-    if (protocol.variable.standard_condition.empty() || found == protocol.conditions.end()) {
-        return std::nullopt;
-    }
-    return static_cast<std::size_t>(found - protocol.conditions.begin());
+    return condition_named(protocol, protocol.variable.standard_condition); // none has no name
 }
 
 Condition standard(const Protocol &protocol, std::size_t condition) {
@@ -136,6 +262,27 @@ int presentations_per_trial(const Protocol &protocol) {
         break;
     }
     return 1;
+}
+
+std::string what_is_wrong_with(const Protocol &protocol) {
+    const auto under = [](std::string_view table, const std::string &wrong) {
+        return wrong.empty() ? wrong : fmt::format("{}.{}", table, wrong);
+    };
+    if (std::string wrong =
+            first_of({under("texts", what_is_wrong_with(protocol.texts)),
+                      wrong_free_space(protocol), under("task", what_is_wrong_with(protocol.task)),
+                      under("method", what_is_wrong_with(protocol.method, protocol.task))});
+        !wrong.empty()) {
+        return wrong; // the others rely on these
+    }
+    return first_of(
+        {wrong_variable(protocol), wrong_blocks(protocol), wrong_responses(protocol),
+         protocol.expected ? under("expected", what_is_wrong_with(expected_observer(protocol)))
+                           : std::string(),
+         protocol.windings.to_C > protocol.windings.from_C
+             ? std::string()
+             : fmt::format("windings.to_C is {:g}; it must be above windings.from_C, {:g}",
+                           protocol.windings.to_C, protocol.windings.from_C)});
 }
 
 } // namespace springdrive::study

@@ -172,9 +172,22 @@ struct Protocol {
     friend bool operator==(const Protocol &, const Protocol &) = default;
 };
 
-/// The first that makes the values no protocol: "KEY is VALUE; it must be …". Empty if there is
-/// none. Whether it is a good one is for protocol_check.h.
+/// The first that makes the values, each as its field allows it, no protocol: "KEY is VALUE; it
+/// must be …". Empty if there is none. Whether it is a good one is for protocol_check.h.
 [[nodiscard]] std::string what_is_wrong_with(const Protocol &protocol);
+
+/// The index of the condition of that name.
+[[nodiscard]] std::optional<std::size_t> condition_named(const Protocol &protocol,
+                                                         std::string_view name);
+
+/// "a, b"; of anything with names.
+template <typename Named> [[nodiscard]] std::string names_of(const Named &all) {
+    std::string names;
+    for (const auto &one : all) {
+        names += (names.empty() ? "" : ", ") + std::string(one.name);
+    }
+    return names;
+}
 
 // @pre of all below: what_is_wrong_with(protocol) is empty
 

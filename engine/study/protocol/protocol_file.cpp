@@ -1,49 +1,86 @@
 #include "engine/study/protocol/protocol_file.h"
 
-#include "base/input_error.h"
-#include "base/input_file.h"
-#include "base/strict_toml.h"
-#include "engine/study/protocol/toml_tables.h"
+#include "base/field_toml.h"
+#include "engine/study/protocol/protocol_fields.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace springdrive::study {
 
 namespace {
 
-constexpr std::size_t kMostConditions = 100;
-constexpr std::size_t kMostBlocks = 100;
+constexpr std::size_t kMostRows = 100;
 
 /// In metres, from the device's zero pose: more than any device reaches.
 constexpr double kFarthest_m = 2.0;
 
+/// A table that may be left out.
+template <typename Fields, typename Struct>
+void read_table(StrictTomlTable &file, std::string_view name, const Fields &fields, Struct &into) {
+    if (file.has_optional(name)) {
+        StrictTomlTable table = file.table(name);
+        read(table, fields, into);
+        table.refuse_unknown_keys();
+    }
+}
+
+template <typename Fields, typename Struct>
+void read_table(StrictTomlTable &file, std::string_view name, const Fields &fields,
+                std::optional<Struct> &into) {
+    if (file.has_optional(name)) {
+        read_table(file, name, fields, into.emplace());
+    }
+}
+
+/// Passes on a complaint of the values, "KEY is VALUE; it must be …", with the key's file and line;
+/// KEY may lead into inner tables, "threshold.minimum". Does nothing with an empty one.
+void refuse_as(StrictTomlTable &table, const std::string &complaint) {
+    if (complaint.empty()) {
+        return;
+    }
+    const std::size_t end = std::min(complaint.find(' '), complaint.size());
+    const std::string key = complaint.substr(0, end);
+    const std::size_t dot = key.find('.');
+    if (dot != std::string::npos && table.has(key.substr(0, dot))) {
+        StrictTomlTable inner = table.table(key.substr(0, dot));
+        refuse_as(inner, complaint.substr(dot + 1));
+    }
+    table.refuse(key, complaint.substr(std::min(end + 1, complaint.size())));
+}
+
+/// Refuses a row whose name is empty or another's.
+template <typename Rows>
+void check_name(const StrictTomlTable &row, const std::string &name, const Rows &others) {
+    if (name.empty()) {
+        row.refuse("name", "is empty; each must have one");
+    }
+    if (std::ranges::any_of(others, [&name](const auto &other) { return other.name == name; })) {
+        row.refuse("name", "is \"" + name + "\" like that of another; each must have its own");
+    }
+}
+
 /// The parameters of a condition that are there; the others keep what `into` has.
 void read_parameters(StrictTomlTable &table, Condition &into) {
-    read_text(table, "scene", into.scene);
-    read_choice(table, "hold", kHoldNames, into.hold);
-    read_choice(table, "map", control::kMotionMapNames, into.tuning.map);
-    read_choice(table, "alpha_mode", control::kAlphaModeNames, into.tuning.alpha_mode);
+    read(table, kConditionFields, into);
     for (const ParameterFacts &parameter : condition_parameters()) {
         if (table.has_optional(parameter.name)) {
             parameter.set(into,
                           table.number(parameter.name, {parameter.minimum, parameter.maximum}));
         }
     }
-    if (!table.has_optional("point_m") && !table.has_optional("normal")) {
-        return;
+    if (table.has_optional("point_m") || table.has_optional("normal")) {
+        scene::TouchSpot &spot = into.spot.emplace();
+        spot.point_m = table.vector("point_m", {-kFarthest_m, kFarthest_m});
+        spot.normal = table.vector("normal", {-1e3, 1e3});
+        if (!(spot.normal.norm() > 1e-6)) {
+            table.refuse("normal", "has no length; it must point out of the surface");
+        }
+        spot.normal.normalize();
     }
-    scene::TouchSpot spot;
-    spot.point_m = table.vector("point_m", {-kFarthest_m, kFarthest_m});
-    spot.normal = table.vector("normal", {-1e3, 1e3});
-    if (!(spot.normal.norm() > 1e-6)) {
-        table.refuse("normal", "has no length; it must point out of the surface");
-    }
-    spot.normal.normalize();
-    into.spot = spot;
 }
 
 void read_conditions(StrictTomlTable &file, Protocol &protocol) {
@@ -53,60 +90,14 @@ void read_conditions(StrictTomlTable &file, Protocol &protocol) {
         read_parameters(table, common);
         table.refuse_unknown_keys();
     }
-    file.rows("condition", kMostConditions, [&](StrictTomlTable &table) {
+    file.rows("condition", kMostRows, [&](StrictTomlTable &table) {
         Condition condition = common;
-        condition.name = table.text("name");
+        read(table, kConditionName, condition);
         read_parameters(table, condition);
         table.refuse_unknown_keys();
-        if (condition.name.empty()) {
-            table.refuse("name", "is empty; each condition must have one");
-        }
-        if (std::ranges::count(protocol.conditions, condition.name, &Condition::name) > 0) {
-            table.refuse("name", "is \"" + condition.name +
-                                     "\" like that of another; each must have its own");
-        }
+        check_name(table, condition.name, protocol.conditions);
         protocol.conditions.push_back(std::move(condition));
     });
-}
-
-std::string names_of_conditions(const Protocol &protocol) {
-    std::string names;
-    for (const Condition &condition : protocol.conditions) {
-        names += (names.empty() ? "" : ", ") + condition.name;
-    }
-    return names;
-}
-
-std::size_t condition_named(const Protocol &protocol, StrictTomlTable &table, std::string_view key,
-                            const std::string &name) {
-    const auto found = std::ranges::find(protocol.conditions, name, &Condition::name);
-    if (found == protocol.conditions.end()) {
-        table.refuse(key, "has \"" + name + "\"; it must be one of the conditions: " +
-                              names_of_conditions(protocol));
-    }
-    return static_cast<std::size_t>(found - protocol.conditions.begin());
-}
-
-void read_variable(StrictTomlTable &file, Protocol &protocol) {
-    StrictTomlTable table = file.table("variable");
-    Variable &variable = protocol.variable;
-    std::vector<std::string_view> names;
-    for (const ParameterFacts &one : condition_parameters()) {
-        names.push_back(one.name);
-    }
-    const ParameterFacts &parameter = condition_parameters()[table.choice("parameter", names)];
-    variable.parameter = parameter.name;
-    read_choice(table, "level", kLevelMeaningNames, variable.level);
-    variable.standard = table.number("standard", {parameter.minimum, parameter.maximum});
-    if (table.has_optional("standard_condition")) {
-        variable.standard_condition = table.text("standard_condition");
-        static_cast<void>(
-            condition_named(protocol, table, "standard_condition", variable.standard_condition));
-    }
-    if (table.has_optional("shows_standard")) {
-        variable.shows_standard = table.flag("shows_standard");
-    }
-    table.refuse_unknown_keys();
 }
 
 void read_blocks(StrictTomlTable &file, Protocol &protocol) {
@@ -116,94 +107,124 @@ void read_blocks(StrictTomlTable &file, Protocol &protocol) {
         protocol.blocks.push_back(std::move(all));
         return;
     }
-    file.rows("block", kMostBlocks, [&protocol](StrictTomlTable &table) {
+    file.rows("block", kMostRows, [&protocol](StrictTomlTable &table) {
         ProtocolBlock block;
-        block.name = table.text("name");
-        for (const std::string &name : table.texts("conditions", kMostConditions)) {
-            block.conditions.push_back(condition_named(protocol, table, "conditions", name));
+        read(table, kBlockFields, block);
+        for (const std::string &name : table.texts("conditions", kMostRows)) {
+            const std::optional<std::size_t> condition = condition_named(protocol, name);
+            if (!condition) {
+                table.refuse("conditions", "has \"" + name +
+                                               "\"; it must be one of the conditions: " +
+                                               names_of(protocol.conditions));
+            }
+            block.conditions.push_back(*condition);
         }
         table.refuse_unknown_keys();
+        check_name(table, block.name, protocol.blocks);
         protocol.blocks.push_back(std::move(block));
     });
 }
 
-void read_responses(StrictTomlTable &file, Protocol &protocol) {
-    if (file.has_optional("responses")) {
-        StrictTomlTable table = file.table("responses");
-        read_choice(table, "device", kResponseDeviceNames, protocol.responses.device);
-        if (table.has_optional("keys")) {
-            protocol.responses.keys = table.texts("keys", 10);
+void read_axis(StrictTomlTable table, PriorAxis &axis) {
+    read(table, kPriorFields, axis.prior);
+    read(table, kPriorAxisFields, axis);
+    table.refuse_unknown_keys();
+}
+
+void read_method(StrictTomlTable &table, const Task &, ConstantStimuli &method) {
+    read(table, kConstantStimuliFields, method);
+}
+
+void read_method(StrictTomlTable &table, const Task &, Staircases &method) {
+    read(table, kStaircaseFields, method);
+    table.rows("steps", kMostRows, [&method](StrictTomlTable &row) {
+        read(row, kStepFields, method.steps.emplace_back());
+        row.refuse_unknown_keys();
+    });
+}
+
+void read_method(StrictTomlTable &table, const Task &task, QuestPlus &method) {
+    read(table, kQuestPlusFields, method);
+    const GuessRange guess = guess_range(task);
+    method.threshold.prior.scale = method.family.scale;
+    method.slope.prior.scale = Scale::logarithmic;
+    method.guess.prior.minimum = guess.minimum;
+    method.guess.prior.maximum = guess.maximum;
+    method.guess.points = guess.minimum == guess.maximum ? 1 : 5;
+    method.lapse.prior = known(0.02);
+    read_axis(table.table("threshold"), method.threshold);
+    read_axis(table.table("slope"), method.slope);
+    if (table.has_optional("guess")) {
+        read_axis(table.table("guess"), method.guess);
+    }
+    if (table.has_optional("lapse")) {
+        read_axis(table.table("lapse"), method.lapse);
+    }
+}
+
+void read_method(StrictTomlTable &table, const Task &, Adjustment &method) {
+    read(table, kAdjustmentFields, method);
+}
+
+void read_procedure(StrictTomlTable &file, Protocol &protocol) {
+    StrictTomlTable task = file.table("task");
+    read(task, kTaskFields, protocol.task);
+    task.refuse_unknown_keys();
+    StrictTomlTable table = file.table("method");
+    read(table, kMethodFields, protocol);
+    std::visit([&](auto &method) { read_method(table, protocol.task, method); }, protocol.method);
+    table.refuse_unknown_keys();
+}
+
+/// The values of a kind of question. Another kind has none of them.
+template <typename Fields>
+void read_if(QuestionnaireKind kind, StrictTomlTable &table, const Fields &fields,
+             QuestionnaireItem &item) {
+    const auto name = [](QuestionnaireKind one) {
+        return '"' + std::string(kQuestionnaireKindNames[static_cast<std::size_t>(one)]) + '"';
+    };
+    if (item.kind == kind) {
+        read(table, fields, item);
+        return;
+    }
+    for (const Field<QuestionnaireItem> &field : fields) {
+        if (table.has_optional(field.name)) {
+            table.refuse(field.name, "is there though kind is " + name(item.kind) +
+                                         "; it must be left out, as it is of kind " + name(kind) +
+                                         " alone");
         }
-        table.refuse_unknown_keys();
     }
 }
 
-/// A table of nothing but numbers, if it is there.
-template <typename Table, std::size_t count>
-void read_table(StrictTomlTable &file, std::string_view name,
-                const std::array<NumberKey<Table>, count> &keys, Table &into) {
-    if (file.has_optional(name)) {
-        StrictTomlTable table = file.table(name);
-        read_numbers(table, keys, into);
-        table.refuse_unknown_keys();
+void read_questions(StrictTomlTable &file, std::vector<QuestionnaireItem> &items) {
+    if (!file.has_optional("questions")) {
+        return;
     }
-}
-
-void read_marking(StrictTomlTable &file, Marking &marking) {
-    if (file.has_optional("marking")) {
-        StrictTomlTable table = file.table("marking");
-        read_numbers(table, kMarkingKeys, marking);
-        if (table.has_optional("repeats")) {
-            marking.repeats = table.flag("repeats");
-        }
+    file.rows("questions", kMostRows, [&items](StrictTomlTable &table) {
+        QuestionnaireItem item;
+        read(table, kQuestionFields, item);
+        read_if(QuestionnaireKind::scale, table, kScaleFields, item);
+        read_if(QuestionnaireKind::choice, table, kChoiceFields, item);
         table.refuse_unknown_keys();
-    }
-}
-
-void read_expectation(StrictTomlTable &file, Protocol &protocol) {
-    if (file.has_optional("expected")) {
-        StrictTomlTable table = file.table("expected");
-        Expectation expected;
-        static_cast<void>(table.number("threshold", {-kLargestLevel, kLargestLevel}));
-        read_numbers(table, kExpectationKeys, expected);
-        read_choice(table, "shape", kShapeNames, expected.family.shape);
-        read_choice(table, "scale", kScaleNames, expected.family.scale);
-        expected.source = table.text("source");
-        table.refuse_unknown_keys();
-        protocol.expected = std::move(expected);
-    }
+        refuse_as(table, what_is_wrong_with(item));
+        check_name(table, item.name, items);
+        items.push_back(std::move(item));
+    });
 }
 
 Protocol protocol_in(StrictTomlTable file) {
     Protocol protocol;
-    protocol.title = file.text("title");
-    read_text(file, "title", protocol.title);
-    read_text(file, "language", protocol.language);
-    read_text(file, "device", protocol.device_file);
-    read_numbers(file, kProtocolKeys, protocol);
-    protocol.stimulus = static_cast<StimulusForm>(file.choice("stimulus", kStimulusFormNames));
-    read_choice(file, "counterbalancing", kCounterbalancingNames, protocol.counterbalancing);
-    if (file.has_optional("free_space_is_stimulus")) {
-        protocol.free_space_is_stimulus = file.flag("free_space_is_stimulus");
-    }
-    if (file.has_optional("free_space")) {
-        StrictTomlTable table = file.table("free_space");
-        protocol.free_space.emplace();
-        read_numbers(table, kFreeSpaceKeys, *protocol.free_space);
-        table.refuse_unknown_keys();
-    }
-    read_for_participant(file, protocol);
+    read(file, kProtocolFields, protocol);
+    visit_tables(protocol, [&file](std::string_view name, const auto &fields, auto &values) {
+        read_table(file, name, fields, values);
+    });
     read_conditions(file, protocol);
-    read_variable(file, protocol);
+    StrictTomlTable variable = file.table("variable");
+    read(variable, kVariableFields, protocol.variable);
+    variable.refuse_unknown_keys();
     read_procedure(file, protocol);
     read_blocks(file, protocol);
-    read_responses(file, protocol);
-    read_table(file, "timing", kTimingKeys, protocol.timing);
-    read_table(file, "breaks", kBreakKeys, protocol.breaks);
-    read_marking(file, protocol.marking);
-    read_table(file, "windings", kWindingKeys, protocol.windings);
-    read_table(file, "stopping", kStoppingKeys, protocol.stopping);
-    read_expectation(file, protocol);
+    read_questions(file, protocol.questionnaire);
     file.refuse_unknown_keys();
     refuse_as(file, what_is_wrong_with(protocol));
     return protocol;

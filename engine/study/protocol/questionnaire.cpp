@@ -1,8 +1,6 @@
 #include "engine/study/protocol/questionnaire.h"
 
 #include "base/one_line.h"
-#include "engine/study/methods/wrong_value.h"
-#include "engine/study/protocol/protocol_keys.h"
 
 #include <fmt/core.h>
 
@@ -34,17 +32,7 @@ bool is_label(std::string_view text) {
            std::ranges::none_of(text, is_control);
 }
 
-bool is_blank(std::string_view text) {
-    return std::ranges::all_of(text, [](char c) { return c == ' ' || is_control(c); });
-}
-
 std::string wrong_scale(const QuestionnaireItem &item) {
-    for (const NumberKey<QuestionnaireItem> &key : kQuestionKeys) {
-        if (std::string wrong = unless_from_to(key.key, key.of(item), key.minimum, key.maximum);
-            !wrong.empty()) {
-            return wrong;
-        }
-    }
     if (item.highest <= item.lowest || item.highest - item.lowest > kMostScaleSteps) {
         return fmt::format("highest is {}; it must be 1 to {} above lowest, {}", item.highest,
                            kMostScaleSteps, item.lowest);
@@ -89,9 +77,6 @@ std::string what_is_wrong_with(const QuestionnaireItem &item) {
                            "column",
                            item.name);
     }
-    if (is_blank(item.text)) {
-        return "text is blank; it must be what is asked";
-    }
     switch (item.kind) {
     case QuestionnaireKind::scale:
         return wrong_scale(item);
@@ -99,23 +84,6 @@ std::string what_is_wrong_with(const QuestionnaireItem &item) {
         return wrong_choices(item);
     case QuestionnaireKind::text:
         break;
-    }
-    return {};
-}
-
-std::string what_is_wrong_with(const std::vector<QuestionnaireItem> &items) {
-    if (items.size() > kMostQuestions) {
-        return fmt::format("questions has {}; it must have 0 to {}", items.size(), kMostQuestions);
-    }
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        if (std::string wrong = what_is_wrong_with(items[i]); !wrong.empty()) {
-            return fmt::format("questions[{}].{}", i + 1, wrong);
-        }
-        if (std::ranges::count(items, items[i].name, &QuestionnaireItem::name) > 1) {
-            return fmt::format("questions[{}].name is \"{}\" like that of another; each must have "
-                               "its own",
-                               i + 1, items[i].name);
-        }
     }
     return {};
 }

@@ -2,6 +2,8 @@
 // trials: of tables [[questions]] in protocol files.
 #pragma once
 
+#include "base/field.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -40,8 +42,6 @@ struct QuestionnaireItem {
     friend bool operator==(const QuestionnaireItem &, const QuestionnaireItem &) = default;
 };
 
-/// Of a questionnaire.
-inline constexpr std::size_t kMostQuestions = 100;
 /// Of `QuestionnaireItem::choices`; at least two.
 inline constexpr std::size_t kMostChoices = 20;
 /// A scale has at most so many steps: 0 to 100 is possible.
@@ -49,11 +49,32 @@ inline constexpr int kMostScaleSteps = 100;
 /// Of a free text [bytes].
 inline constexpr std::size_t kLongestAnswer = 10'000;
 
-/// The first that makes the item none: "KEY is VALUE; it must be …". Empty if there is none.
-[[nodiscard]] std::string what_is_wrong_with(const QuestionnaireItem &item);
+inline constexpr auto kQuestionFields = std::to_array<Field<QuestionnaireItem>>({
+    {"name", &QuestionnaireItem::name, "of its column in tables of answers: a-z, 0-9, _",
+     kRequired},
+    {"when", choice_of<&QuestionnaireItem::when>(kQuestionnaireTimeNames),
+     "the session's first trial, or its last", kRequired},
+    {"text", &QuestionnaireItem::text, "what is asked", kReadable, "", kRequired},
+    {"kind", choice_of<&QuestionnaireItem::kind>(kQuestionnaireKindNames),
+     "how it is answered: a free text, a whole number, or one of several texts", kRequired},
+});
+inline constexpr auto kScaleFields = std::to_array<Field<QuestionnaireItem>>({
+    {"lowest", &QuestionnaireItem::lowest, "scale: its lowest number", -1000.0, 1000.0, "",
+     kRequired},
+    {"highest", &QuestionnaireItem::highest, "scale: its highest number, at most 100 above",
+     -1000.0, 1000.0, "", kRequired},
+    {"lowest_label", &QuestionnaireItem::lowest_label, "scale: what its lowest number means",
+     kRequired},
+    {"highest_label", &QuestionnaireItem::highest_label, "scale: and its highest", kRequired},
+});
+inline constexpr auto kChoiceFields = std::to_array<Field<QuestionnaireItem>>({
+    {"choices", &QuestionnaireItem::choices, "choice: the possible answers", 2.0, kMostChoices, "",
+     kRequired},
+});
 
-/// The same of the items together, "questions[2].KEY …", counted from 1.
-[[nodiscard]] std::string what_is_wrong_with(const std::vector<QuestionnaireItem> &items);
+/// The first that makes an item as its fields allow it none: "KEY is VALUE; it must be …". Empty if
+/// there is none.
+[[nodiscard]] std::string what_is_wrong_with(const QuestionnaireItem &item);
 
 /// "answer is VALUE; it must be …" if it is no possible answer; else empty. A free text may be
 /// empty and may have lines.

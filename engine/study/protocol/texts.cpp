@@ -2,7 +2,7 @@
 
 #include "base/one_line.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -25,24 +25,22 @@ std::vector<std::string_view> placeholders_in(std::string_view text) {
     return found;
 }
 
-std::string wrong_placeholders(const ParticipantText &one, std::string_view text) {
+std::string wrong_placeholders(std::string_view key, std::string_view text,
+                               std::string_view by_default) {
+    const std::vector<std::string_view> needed = placeholders_in(by_default);
     const std::vector<std::string_view> found = placeholders_in(text);
-    for (const std::string_view placeholder : one.placeholders) {
-        const auto count = std::ranges::count(found, placeholder);
-        if (!placeholder.empty() && count != 1) {
-            return fmt::format("{} has {} {} times; it must have it once", one.key, placeholder,
-                               count);
+    for (const std::string_view placeholder : needed) {
+        if (const auto count = std::ranges::count(found, placeholder); count != 1) {
+            return fmt::format("{} has {} {} times; it must have it once", key, placeholder, count);
         }
     }
     for (const std::string_view placeholder : found) {
-        if (std::ranges::count(one.placeholders, placeholder) == 0) {
-            return fmt::format(
-                "{} has {}, for which nothing is filled in; it must have {}", one.key,
-                in_quotes(placeholder),
-                one.placeholders[0].empty()
-                    ? "no text in braces"
-                    : fmt::format("no other text in braces than {}{}{}", one.placeholders[0],
-                                  one.placeholders[1].empty() ? "" : " and ", one.placeholders[1]));
+        if (std::ranges::count(needed, placeholder) == 0) {
+            return fmt::format("{} has {}, for which nothing is filled in; it must have {}{}", key,
+                               in_quotes(placeholder),
+                               needed.empty() ? "no text in braces"
+                                              : "no other text in braces than ",
+                               fmt::join(needed, " and "));
         }
     }
     return {};
@@ -51,8 +49,11 @@ std::string wrong_placeholders(const ParticipantText &one, std::string_view text
 } // namespace
 
 std::string what_is_wrong_with(const Texts &texts) {
-    for (const ParticipantText &one : kParticipantTexts) {
-        if (std::string wrong = wrong_placeholders(one, texts.*one.text); !wrong.empty()) {
+    const Texts by_default;
+    for (const Field<Texts> &field : kTextFields) {
+        const auto text = std::get<std::string Texts::*>(field.member);
+        if (std::string wrong = wrong_placeholders(field.name, texts.*text, by_default.*text);
+            !wrong.empty()) {
             return wrong;
         }
     }

@@ -1,6 +1,8 @@
 // What a participant reads, in the protocol's language; and the list of these texts.
 #pragma once
 
+#include "base/field.h"
+
 #include <array>
 #include <string>
 #include <string_view>
@@ -62,59 +64,53 @@ struct Texts {
     friend bool operator==(const Texts &, const Texts &) = default;
 };
 
-struct ParticipantText {
-    std::string_view key; ///< in files
-    std::string Texts::*text = nullptr;
-    std::string_view help; ///< when it is shown
-    /// What is filled in, each exactly once: `filled` does it. No other "{…}" is in a text.
-    std::array<std::string_view, 2> placeholders{};
-};
+/// With when each is shown. What a default has in braces is filled in, see `filled`.
+inline constexpr auto kTextFields = std::to_array<Field<Texts>>({
+    {"instructions", &Texts::instructions, "before the first trial", kReadable},
+    {"question", &Texts::question, "above every trial", kReadable},
+    {"stop_key", &Texts::stop_key, "with the instructions: how to stop the device", kReadable},
+    {"gesture_help", &Texts::gesture_help, "with the instructions, if gestures answer", kReadable},
+    {"noise_check", &Texts::noise_check, "before the first trial, if there is a noise", kReadable},
+    {"warming_up", &Texts::warming_up, "while the windings are warmed", kReadable},
+    {"practice_begins", &Texts::practice_begins, "before the practice", kReadable},
+    {"practice_ends", &Texts::practice_ends, "after it", kReadable},
+    {"understood", &Texts::understood, "after it, with two answer keys: whether to practise again",
+     kReadable},
+    {"ready", &Texts::ready, "below all that is read before the first trial that counts",
+     kReadable},
+    {"block_begins", &Texts::block_begins, "before each block after the first", kReadable},
+    {"first_interval", &Texts::first_interval, "during the first interval", kReadable},
+    {"second_interval", &Texts::second_interval, "during the second interval", kReadable},
+    {"show_standard", &Texts::show_standard, "during a standard that is presented first",
+     kReadable},
+    {"rest_at_spot", &Texts::rest_at_spot, "until the hand rests at the spot", kReadable},
+    {"respond", &Texts::respond, "when an answer is waited for", kReadable},
+    {"answer_no", &Texts::answer_no, "on the answer no of a yes/no task", kReadable},
+    {"answer_yes", &Texts::answer_yes, "on the answer yes of a yes/no task", kReadable},
+    {"correct", &Texts::correct, "after a right answer in practice", kReadable},
+    {"wrong", &Texts::wrong, "after a wrong answer in practice", kReadable},
+    {"too_slow", &Texts::too_slow, "after `response_s` without an answer", kReadable},
+    {"repeated", &Texts::repeated, "after a trial that was marked", kReadable},
+    {"progress", &Texts::progress, "between trials: how much is done", kReadable},
+    {"pause", &Texts::pause, "in a break, with the time left", kReadable},
+    {"break_left", &Texts::break_left, "in a break: the seconds left of it", kReadable},
+    {"break_over", &Texts::break_over, "after the shortest time of a break", kReadable},
+    {"paused", &Texts::paused, "while the experimenter has paused", kReadable},
+    {"cooling_down", &Texts::cooling_down, "while the windings cool", kReadable},
+    {"device_stopped", &Texts::device_stopped, "after a trip of the safety monitor", kReadable},
+    {"please_lift", &Texts::please_lift, "after a presentation or a stop, until the tip is free",
+     kReadable},
+    {"device_lost", &Texts::device_lost, "while the device is not connected", kReadable},
+    {"questionnaire_before", &Texts::questionnaire_before, "above the questions before", kReadable},
+    {"questionnaire_after", &Texts::questionnaire_after, "above the questions after", kReadable},
+    {"next_question", &Texts::next_question, "on the button to the next question", kReadable},
+    {"no_answer", &Texts::no_answer, "on the button that leaves a question out", kReadable},
+    {"end", &Texts::end, "after the last trial", kReadable},
+    {"done_early", &Texts::done_early, "when leaving before the end", kReadable},
+});
 
-inline constexpr std::array<ParticipantText, 37> kParticipantTexts{{
-    {"instructions", &Texts::instructions, "before the first trial"},
-    {"question", &Texts::question, "above every trial"},
-    {"stop_key", &Texts::stop_key, "with the instructions: how to stop the device"},
-    {"gesture_help", &Texts::gesture_help, "with the instructions, if gestures answer"},
-    {"noise_check", &Texts::noise_check, "before the first trial, if there is a noise"},
-    {"warming_up", &Texts::warming_up, "while the windings are warmed"},
-    {"practice_begins", &Texts::practice_begins, "before the practice"},
-    {"practice_ends", &Texts::practice_ends, "after it"},
-    {"understood",
-     &Texts::understood,
-     "after it, with two answer keys: whether to practise again",
-     {"{again}", "{begin}"}},
-    {"ready", &Texts::ready, "below all that is read before the first trial that counts"},
-    {"block_begins", &Texts::block_begins, "before each block after the first"},
-    {"first_interval", &Texts::first_interval, "during the first interval"},
-    {"second_interval", &Texts::second_interval, "during the second interval"},
-    {"show_standard", &Texts::show_standard, "during a standard that is presented first"},
-    {"rest_at_spot", &Texts::rest_at_spot, "until the hand rests at the spot"},
-    {"respond", &Texts::respond, "when an answer is waited for"},
-    {"answer_no", &Texts::answer_no, "on the answer no of a yes/no task"},
-    {"answer_yes", &Texts::answer_yes, "on the answer yes of a yes/no task"},
-    {"correct", &Texts::correct, "after a right answer in practice"},
-    {"wrong", &Texts::wrong, "after a wrong answer in practice"},
-    {"too_slow", &Texts::too_slow, "after `response_s` without an answer"},
-    {"repeated", &Texts::repeated, "after a trial that was marked"},
-    {"progress", &Texts::progress, "between trials: how much is done", {"{}"}},
-    {"pause", &Texts::pause, "in a break, with the time left"},
-    {"break_left", &Texts::break_left, "in a break: the seconds left of it", {"{}"}},
-    {"break_over", &Texts::break_over, "after the shortest time of a break"},
-    {"paused", &Texts::paused, "while the experimenter has paused"},
-    {"cooling_down", &Texts::cooling_down, "while the windings cool"},
-    {"device_stopped", &Texts::device_stopped, "after a trip of the safety monitor"},
-    {"please_lift", &Texts::please_lift, "after a presentation or a stop, until the tip is free"},
-    {"device_lost", &Texts::device_lost, "while the device is not connected"},
-    {"questionnaire_before", &Texts::questionnaire_before, "above the questions before"},
-    {"questionnaire_after", &Texts::questionnaire_after, "above the questions after"},
-    {"next_question", &Texts::next_question, "on the button to the next question"},
-    {"no_answer", &Texts::no_answer, "on the button that leaves a question out"},
-    {"end", &Texts::end, "after the last trial"},
-    {"done_early", &Texts::done_early, "when leaving before the end"},
-}};
-
-/// The first placeholder that is missing or there twice, or "{…}" that is none: "KEY has …". Empty
-/// if there is none.
+/// The first placeholder of a default that a text lacks or has twice, or "{…}" that is none:
+/// "KEY has …". Empty if there is none.
 [[nodiscard]] std::string what_is_wrong_with(const Texts &texts);
 
 /// The text with its `placeholder` replaced; the text itself where it has none.

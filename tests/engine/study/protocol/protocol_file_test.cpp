@@ -1,6 +1,5 @@
-// Covers engine/study/protocol/protocol_file.cpp, toml_participant.cpp,
-// toml_procedure.cpp, toml_tables.cpp and protocol_complaint.cpp: what is read, and what is
-// refused, with key, value and range.
+// Covers engine/study/protocol/protocol_file.cpp, protocol_fields.h and protocol.cpp:
+// what is read, and what is refused, with key, value and range.
 #include "engine/study/protocol/protocol_file.h"
 
 #include "base/input_error.h"
@@ -170,7 +169,7 @@ const std::vector<Malformed> &malformed() {
         {"title = \"plain\"\n", "", {"title is missing", "must be a text"}},
         {"stimulus = \"press\"\n", "", {"stimulus is missing", "press, blow, pulse or stroke"}},
         {"[variable]\nparameter = \"eta\"", "[variable]", {"variable.parameter is missing"}},
-        {"standard = 0.4\n", "", {"variable.standard is missing", "0 to 1"}},
+        {"standard = 0.4\n", "", {"variable.standard is missing", "a number"}},
         {"kind = \"forced_choice_by_interval\"", "", {"task.kind is missing"}},
         {"kind = \"constant_stimuli\"", "", {"method.kind is missing", "quest_plus"}},
         {"levels = [0.1, 0.2, 0.3]", "", {"method.levels is missing"}},
@@ -278,10 +277,10 @@ const std::vector<Malformed> &malformed() {
         {"map = \"transpose\"", "map = \"turned\"", {"common.map is \"turned\"", "inverse or"}},
         {"parameter = \"eta\"", "parameter = \"etta\"", {"variable.parameter is \"etta\"", "eta"}},
         {"conditions = [\"b\"]", "conditions = [\"c\"]", {"block[2].conditions has \"c\"", "a, b"}},
-        {"standard = 0.4", "standard = 0.4\nstandard_condition = \"z\"", {"has \"z\"", "a, b"}},
+        {"standard = 0.4", "standard = 0.4\nstandard_condition = \"z\"", {"is \"z\"", "a, b"}},
         // What contradicts itself.
         {"name = \"b\"", "name = \"a\"", {"condition[2].name is \"a\"", "its own"}},
-        {"name = \"two\"", "name = \"one\"", {"block \"one\" is there twice"}},
+        {"name = \"two\"", "name = \"one\"", {"block[2].name is \"one\"", "its own"}},
         {"conditions = [\"b\"]", "conditions = [\"b\", \"b\"]", {"block \"two\"", "once"}},
         {"levels = [0.1, 0.2, 0.3]", "levels = [0.2, 0.1]", {"method.levels has 0.1 after 0.2"}},
         {"levels = [0.1, 0.2, 0.3]", "levels = [0.1, 0.7]", {"level 0.7", "eta is 1.1", "0 to 1"}},

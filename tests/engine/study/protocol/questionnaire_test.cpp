@@ -84,35 +84,5 @@ TEST(Questionnaire, EveryPossibleAnswerOfAnItemIsOne) {
     EXPECT_EQ(possible_answers(choice()), choice().choices);
 }
 
-// Values that come from no file are checked all the same.
-TEST(Questionnaire, ItemsAreCheckedTogether) {
-    std::vector<QuestionnaireItem> items{choice(), scale(1, 7)};
-    EXPECT_EQ(what_is_wrong_with(items), "");
-    items[1].name = "hand";
-    EXPECT_EQ(what_is_wrong_with(items),
-              "questions[1].name is \"hand\" like that of another; each must have its own");
-    items[1] = scale(7, 7);
-    EXPECT_EQ(what_is_wrong_with(items),
-              "questions[2].highest is 7; it must be 1 to 100 above lowest, 7");
-    items.assign(kMostQuestions + 1, choice());
-    EXPECT_EQ(what_is_wrong_with(items), "questions has 101; it must have 0 to 100");
-    items[0].choices.assign(kMostChoices + 1, "x");
-    EXPECT_EQ(what_is_wrong_with(items[0]), "choices has 21; it must have 2 to 20");
-    items[0].text = "\n\t ";
-    EXPECT_EQ(what_is_wrong_with(items[0]), "text is blank; it must be what is asked");
-}
-
-TEST(Questionnaire, AProtocolHasTheFaultsOfItsItems) {
-    Protocol protocol = testing::protocol_of(testing::kPlainProtocol);
-    protocol.questionnaire[1].highest = 0;
-    EXPECT_EQ(what_is_wrong_with(protocol),
-              "questions[2].highest is 0; it must be 1 to 100 above lowest, 1");
-    protocol.questionnaire.clear();
-    protocol.noise->level_dBFS = 0.0;
-    EXPECT_EQ(what_is_wrong_with(protocol), "noise.level_dBFS is 0; it must be from -80 to -6");
-    protocol.noise.reset();
-    EXPECT_EQ(what_is_wrong_with(protocol), "");
-}
-
 } // namespace
 } // namespace springdrive::study

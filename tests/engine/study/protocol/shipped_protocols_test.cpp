@@ -1,6 +1,6 @@
 // Covers assets/protocols and docs/study_protocol.md.
 #include "engine/study/protocol/protocol_check.h"
-#include "engine/study/protocol/protocol_keys.h"
+#include "engine/study/protocol/protocol_fields.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 #include "tests/support/complaint.h"
 #include "tests/support/files.h"
@@ -89,16 +89,27 @@ std::set<std::string> known_keys(const std::string &text) {
 /// And the list in the code is what the reader reads: in every table the same keys.
 TEST(ProtocolManual, ItsListIsWhatTheReaderKnows) {
     std::map<std::string, std::set<std::string>> listed;
-    for (const KeyFacts &key : protocol_keys()) {
-        listed[key.table].insert(key.key);
+    std::stringstream manual;
+    write_protocol_keys(manual);
+    std::string heading;
+    for (std::string line; std::getline(manual, line);) {
+        const std::size_t from = line.find('`');
+        const std::string name = from == std::string::npos
+                                     ? ""
+                                     : line.substr(from + 1, line.find('`', from + 1) - from - 1);
+        if (line.ends_with(':')) {
+            heading = name.substr(0, name.find_last_not_of(']') + 1);
+            heading.erase(0, heading.find_first_not_of('['));
+        } else if (line.starts_with("| `")) {
+            listed[heading].insert(name);
+        }
     }
     for (const char *table : {"texts", "free_space", "common", "variable", "task", "practice",
                               "catch_trials", "responses", "timing", "breaks", "marking",
                               "windings", "stopping", "noise", "expected"}) {
-        const std::string heading = std::string("[") + table + "]\n";
-        EXPECT_EQ(
-            known_keys(testing::with(testing::kPlainProtocol, heading, heading + "zzz = 1\n")),
-            listed[table])
+        const std::string line = std::string("[") + table + "]\n";
+        EXPECT_EQ(known_keys(testing::with(testing::kPlainProtocol, line, line + "zzz = 1\n")),
+                  listed[table])
             << table;
     }
     EXPECT_EQ(known_keys(testing::with(testing::kPlainProtocol, "name = \"one\"",

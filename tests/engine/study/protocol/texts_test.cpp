@@ -6,25 +6,30 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 #include <string>
 
 namespace springdrive::study {
 namespace {
 
+std::string Texts::*member_of(const Field<Texts> &field) {
+    return std::get<std::string Texts::*>(field.member);
+}
+
 TEST(Texts, AllAreInTheList) {
     std::set<std::string_view> keys;
     std::set<const std::string *> texts;
     const Texts by_default;
-    for (const ParticipantText &one : kParticipantTexts) {
-        keys.insert(one.key);
-        texts.insert(&(by_default.*one.text));
-        EXPECT_FALSE((by_default.*one.text).empty()) << one.key;
-        EXPECT_FALSE(one.help.empty()) << one.key;
+    for (const Field<Texts> &one : kTextFields) {
+        keys.insert(one.name);
+        texts.insert(&(by_default.*member_of(one)));
+        EXPECT_FALSE((by_default.*member_of(one)).empty()) << one.name;
+        EXPECT_FALSE(one.help.empty()) << one.name;
     }
-    EXPECT_EQ(keys.size(), kParticipantTexts.size());
-    EXPECT_EQ(texts.size(), kParticipantTexts.size());
-    EXPECT_EQ(sizeof(Texts), kParticipantTexts.size() * sizeof(std::string)) << "and no other";
+    EXPECT_EQ(keys.size(), kTextFields.size());
+    EXPECT_EQ(texts.size(), kTextFields.size());
+    EXPECT_EQ(sizeof(Texts), kTextFields.size() * sizeof(std::string)) << "and no other";
     EXPECT_EQ(what_is_wrong_with(by_default), "");
 }
 
@@ -36,21 +41,22 @@ TEST(Texts, PlaceholdersAreFilledIn) {
 }
 
 TEST(Texts, EachPlaceholderIsThereOnce) {
-    for (const ParticipantText &one : kParticipantTexts) {
+    const std::map<std::string_view, std::string> placeholders{
+        {"understood", "{again}{begin}"}, {"progress", "{}"}, {"break_left", "{}"}};
+    for (const Field<Texts> &one : kTextFields) {
         Texts texts;
-        std::string all;
-        for (const std::string_view placeholder : one.placeholders) {
-            all += placeholder;
-        }
-        texts.*one.text = "a " + all;
-        EXPECT_EQ(what_is_wrong_with(texts), "") << one.key;
-        texts.*one.text = "a " + all + all;
-        EXPECT_EQ(what_is_wrong_with(texts).empty(), all.empty()) << one.key;
-        texts.*one.text = "a";
-        EXPECT_EQ(what_is_wrong_with(texts).empty(), all.empty()) << one.key;
-        texts.*one.text = "a {other} " + all;
-        EXPECT_EQ(what_is_wrong_with(texts).rfind(std::string(one.key) + " has '{other}'", 0), 0U)
-            << one.key;
+        std::string &text = texts.*member_of(one);
+        const auto has = placeholders.find(one.name);
+        const std::string all = has == placeholders.end() ? "" : has->second;
+        text = "a " + all;
+        EXPECT_EQ(what_is_wrong_with(texts), "") << one.name;
+        text = "a " + all + all;
+        EXPECT_EQ(what_is_wrong_with(texts).empty(), all.empty()) << one.name;
+        text = "a";
+        EXPECT_EQ(what_is_wrong_with(texts).empty(), all.empty()) << one.name;
+        text = "a {other} " + all;
+        EXPECT_EQ(what_is_wrong_with(texts).rfind(std::string(one.name) + " has '{other}'", 0), 0U)
+            << one.name;
     }
     Texts smiling;
     smiling.end = "Thank you :-}";
@@ -77,8 +83,8 @@ TEST(Texts, TheManualHasThemInGerman) {
     direction.replace(from, direction.find("# What all conditions", from) - from, german);
     const Protocol protocol = testing::protocol_of(direction);
     EXPECT_EQ(protocol.language, "de");
-    for (const ParticipantText &one : kParticipantTexts) {
-        EXPECT_NE(german.find("\n" + std::string(one.key) + " = "), std::string::npos) << one.key;
+    for (const Field<Texts> &one : kTextFields) {
+        EXPECT_NE(german.find("\n" + std::string(one.name) + " = "), std::string::npos) << one.name;
     }
     EXPECT_NE(protocol.texts, Texts{});
 }
