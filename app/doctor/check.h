@@ -24,13 +24,16 @@ inline constexpr std::array<std::string_view, 4> kVerdictNames{"ok", "warning", 
     return kVerdictNames.at(static_cast<std::size_t>(verdict));
 }
 
-struct Check {
+struct Finding {
+    Verdict verdict = Verdict::ok;
+    std::string found;  ///< with numbers and units
+    std::string mend{}; ///< the one line, for a shell or a person; empty if nothing is to be done
+};
+
+struct Check : Finding {
     std::string id; ///< for scripts; several boards have checks of the same ids
     std::string title;
-    Verdict verdict = Verdict::ok;
-    std::string found;   ///< with numbers and units
     std::string matters; ///< why, in a few words
-    std::string mend;    ///< the one line, for a shell or a person; empty if nothing is to be done
 };
 
 /// What springdrive is to be used for, by which the same finding is judged.

@@ -14,6 +14,7 @@ namespace {
 /// A disk that is just fast enough has nothing left for other programs.
 constexpr double kAmple = 4.0;
 constexpr double kLeastRecord_s = 600.0;
+constexpr const char *kAnotherDisk = "cd ~  # start springdrive in a folder on another disk";
 
 std::string text_of_bytes(double bytes) {
     return bytes >= 1e9 ? fmt::format("{:.1f} GB", 1e-9 * bytes)
@@ -52,50 +53,41 @@ std::string mend_refusal(const Evidence &evidence, const std::string &folder) {
     default:
         break;
     }
-    return "cd ~  # start springdrive in a folder on another disk";
+    return kAnotherDisk;
 }
 
 } // namespace
 
-Check disk_check(const Evidence &evidence) {
+Finding disk_check(const Evidence &evidence) {
     const DiskTrial &trial = evidence.trials.disk;
     const std::string folder = shell_word(evidence.purpose.folder.string());
     const double needed_bytes_per_s = record_bytes_per_s(evidence.purpose.servo_hz);
     const std::string needed = fmt::format("a record needs {:.2f} MB/s at {:.6g} Hz",
                                            1e-6 * needed_bytes_per_s, evidence.purpose.servo_hz);
-    Check check{"disk",
-                "disk for records in " + folder,
-                Verdict::ok,
-                "",
-                "a record ends where the disk is full or too slow",
-                ""};
     if (!trial.has_answered) {
-        check.verdict = Verdict::failure;
-        check.found = fmt::format("did not write one second of a record in {:.1f} s; {}",
-                                  1e-3 * static_cast<double>(kTrialTime.count()), needed);
-        check.mend = "cd ~  # start springdrive in a folder on another disk";
-        return check;
+        return {Verdict::failure,
+                fmt::format("did not write one second of a record in {:.1f} s; {}",
+                            1e-3 * static_cast<double>(kTrialTime.count()), needed),
+                kAnotherDisk};
     }
     if (trial.refused != 0) {
-        check.verdict = Verdict::failure;
-        check.found = std::generic_category().message(trial.refused);
-        check.mend = mend_refusal(evidence, folder);
-        return check;
+        return {Verdict::failure, std::generic_category().message(trial.refused),
+                mend_refusal(evidence, folder)};
     }
     const double lasts_s = trial.free_bytes / needed_bytes_per_s;
-    check.found =
+    const std::string found =
         fmt::format("writes {:.1f} MB/s, synchronised in {:.1f} ms; {}; {} free, which last {}",
                     1e-6 * trial.written_bytes_per_s, 1e3 * trial.longest_sync_s, needed,
                     text_of_bytes(trial.free_bytes), text_of_time(lasts_s));
     if (trial.written_bytes_per_s < kAmple * needed_bytes_per_s) {
-        check.verdict =
-            trial.written_bytes_per_s < needed_bytes_per_s ? Verdict::failure : Verdict::warning;
-        check.mend = "cd ~  # start springdrive in a folder on a faster disk";
-    } else if (lasts_s < kLeastRecord_s) {
-        check.verdict = Verdict::warning;
-        check.mend = make_room(folder);
+        return {trial.written_bytes_per_s < needed_bytes_per_s ? Verdict::failure
+                                                               : Verdict::warning,
+                found, "cd ~  # start springdrive in a folder on a faster disk"};
     }
-    return check;
+    if (lasts_s < kLeastRecord_s) {
+        return {Verdict::warning, found, make_room(folder)};
+    }
+    return {Verdict::ok, found};
 }
 
 } // namespace springdrive::app::doctor

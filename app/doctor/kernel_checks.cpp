@@ -61,101 +61,74 @@ std::string megahertz(const Machine &machine, const std::string &file) {
 
 } // namespace
 
-Check real_time_share_check(const Evidence &evidence) {
+Finding real_time_share_check(const Evidence &evidence) {
     const Machine &machine = evidence.machine;
-    Check check{"rt_share",
-                "share for real-time threads",
-                Verdict::ok,
-                "",
-                "beyond it the kernel suspends the servo",
-                ""};
     const auto runtime_us = machine.number("/proc/sys/kernel/sched_rt_runtime_us");
     const auto period_us = machine.number("/proc/sys/kernel/sched_rt_period_us");
     if (!runtime_us || !period_us || *period_us <= 0) {
-        check.verdict = Verdict::not_applicable;
-        check.found = "this kernel shows no such limit";
-        return check;
+        return {Verdict::not_applicable, "this kernel shows no such limit"};
+    }
+    if (*runtime_us < 0) {
+        return {Verdict::ok, "unlimited"};
     }
     const double share = static_cast<double>(*runtime_us) / static_cast<double>(*period_us);
-    check.found = *runtime_us < 0 ? "unlimited"
-                                  : fmt::format("{:.3g} % of each {:.3g} s", 100.0 * share,
-                                                1e-6 * static_cast<double>(*period_us));
-    if (*runtime_us >= 0 && share < kLeastShare) {
-        check.verdict = evidence.purpose.worse_with_usb();
-        check.mend = fmt::format("{}sysctl -w kernel.sched_rt_runtime_us={}",
-                                 evidence.process.sudo(), *period_us - *period_us / 20);
+    Finding finding{Verdict::ok, fmt::format("{:.3g} % of each {:.3g} s", 100.0 * share,
+                                             1e-6 * static_cast<double>(*period_us))};
+    if (share < kLeastShare) {
+        finding.verdict = evidence.purpose.worse_with_usb();
+        finding.mend = fmt::format("{}sysctl -w kernel.sched_rt_runtime_us={}",
+                                   evidence.process.sudo(), *period_us - *period_us / 20);
     }
-    return check;
+    return finding;
 }
 
-Check preemption_check(const Evidence &evidence) {
+Finding preemption_check(const Evidence &evidence) {
     const Machine &machine = evidence.machine;
-    Check check{"preemption",
-                "kernel",
-                Verdict::ok,
-                "",
-                "without PREEMPT_RT, drivers may hold up a tick",
-                ""};
     const std::string release =
         machine.text("/proc/sys/kernel/osrelease").value_or("of unknown version");
     const std::string build = machine.text("/proc/sys/kernel/version").value_or("");
     const bool is_real_time = machine.number("/sys/kernel/realtime").value_or(0) == 1 ||
                               build.find("PREEMPT_RT") != std::string::npos;
-    check.found = fmt::format("Linux {}, {}PREEMPT_RT", release, is_real_time ? "" : "not ");
+    const std::string found =
+        fmt::format("Linux {}, {}PREEMPT_RT", release, is_real_time ? "" : "not ");
     if (is_real_time || !evidence.purpose.uses_usb) {
-        return check;
+        return {Verdict::ok, found};
     }
-    check.verdict = Verdict::warning;
     const Process &process = evidence.process;
-    check.mend = machine.is_container() ? "install a kernel with PREEMPT_RT on the host"
-                 : machine.is_ubuntu()
-                     ? process.sudo() + "pro enable realtime-kernel"
-                     : install_line(machine, process, "linux-image-rt-" + process.architecture) +
-                           "  # then restart";
-    return check;
+    return {Verdict::warning, found,
+            machine.is_container() ? "install a kernel with PREEMPT_RT on the host"
+            : machine.is_ubuntu()
+                ? process.sudo() + "pro enable realtime-kernel"
+                : install_line(machine, process, "linux-image-rt-" + process.architecture) +
+                      "  # then restart"};
 }
 
-Check idle_check(const Evidence &evidence) {
+Finding idle_check(const Evidence &evidence) {
     const bool is_short = evidence.trials.rights.idle_is_short;
     const double longest_s = kLongestWaking / evidence.purpose.servo_hz;
-    Check check{"idle",
-                "idle states of the processors",
-                Verdict::ok,
-                "",
-                "a tick starts late by the time that waking up takes",
-                ""};
     const std::optional<IdleState> deepest = deepest_idle(evidence.machine);
     if (!deepest) {
-        check.verdict = is_short ? Verdict::ok : Verdict::not_applicable;
-        check.found = "none are shown, as in a virtual machine or container";
-        return check;
+        return {is_short ? Verdict::ok : Verdict::not_applicable,
+                "none are shown, as in a virtual machine or container"};
     }
     const std::string waking =
         fmt::format("{} takes {:.0f} us to leave", deepest->name, 1e6 * deepest->waking_s);
     if (is_short || deepest->waking_s <= longest_s) {
-        check.found = waking + (is_short ? "; the servo keeps the processors out of it" : "");
-        return check;
+        return {Verdict::ok,
+                waking + (is_short ? "; the servo keeps the processors out of it" : "")};
     }
-    check.verdict = Verdict::warning;
-    check.found = waking + fmt::format(", more than {:.0f} us, a tenth of a tick", 1e6 * longest_s);
     const std::string sudo = evidence.process.sudo();
-    check.mend =
-        !evidence.machine.exists(kIdleFile)
-            ? fmt::format("echo 1 | {}tee {}cpu*/cpuidle/state[1-9]/disable", sudo, kProcessors)
-            : fmt::format("echo 'KERNEL==\"cpu_dma_latency\", MODE=\"0666\"' | {0}tee "
-                          "/etc/udev/rules.d/99-springdrive.rules && {0}chmod 666 {1}",
-                          sudo, kIdleFile);
-    return check;
+    return {Verdict::warning,
+            waking + fmt::format(", more than {:.0f} us, a tenth of a tick", 1e6 * longest_s),
+            !evidence.machine.exists(kIdleFile)
+                ? fmt::format("echo 1 | {}tee {}cpu*/cpuidle/state[1-9]/disable", sudo, kProcessors)
+                : fmt::format("echo 'KERNEL==\"cpu_dma_latency\", MODE=\"0666\"' | {0}tee "
+                              "/etc/udev/rules.d/99-springdrive.rules && {0}chmod 666 {1}",
+                              sudo, kIdleFile)};
 }
 
-Check governor_check(const Evidence &evidence) {
+Finding governor_check(const Evidence &evidence) {
     const Machine &machine = evidence.machine;
-    Check check{"governor",
-                "frequency of the processors",
-                Verdict::ok,
-                "",
-                "a tick takes longer on a processor that was slowed down",
-                ""};
     std::size_t known = 0;
     std::size_t others = 0;
     std::string first_other;
@@ -173,25 +146,15 @@ Check governor_check(const Evidence &evidence) {
         }
     }
     if (known == 0) {
-        check.verdict = Verdict::not_applicable;
-        check.found = "not to be set here, as in a virtual machine or container";
-        return check;
+        return {Verdict::not_applicable,
+                "not to be set here, as in a virtual machine or container"};
     }
     if (others == 0) {
-        check.found = fmt::format("governor performance on all {}", known);
-        return check;
+        return {Verdict::ok, fmt::format("governor performance on all {}", known)};
     }
-    check.verdict = Verdict::warning;
-    check.found = fmt::format("governor {} on {} of {}", first_other, others, known);
-    check.mend = fmt::format("echo performance | {}tee {}cpu*/cpufreq/scaling_governor",
-                             evidence.process.sudo(), kProcessors);
-    return check;
-}
-
-std::vector<Check> servo_checks(const Evidence &evidence) {
-    return {
-        priority_check(evidence),   memory_lock_check(evidence), real_time_share_check(evidence),
-        preemption_check(evidence), idle_check(evidence),        governor_check(evidence)};
+    return {Verdict::warning, fmt::format("governor {} on {} of {}", first_other, others, known),
+            fmt::format("echo performance | {}tee {}cpu*/cpufreq/scaling_governor",
+                        evidence.process.sudo(), kProcessors)};
 }
 
 } // namespace springdrive::app::doctor

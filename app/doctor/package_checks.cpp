@@ -21,40 +21,23 @@ std::string find_program(const Evidence &evidence, const std::string &name) {
     return "";
 }
 
-Check gnuplot(const Evidence &evidence) {
-    Check check{"gnuplot",
-                "gnuplot",
-                Verdict::ok,
-                find_program(evidence, "gnuplot"),
-                "figures, chart and stability --out draw with it",
-                ""};
-    if (check.found.empty()) {
-        check.verdict = Verdict::warning;
-        check.found = "missing in PATH";
-        check.mend = install_line(evidence.machine, evidence.process, "gnuplot-nox");
-    }
-    return check;
-}
-
-Check font(const Evidence &evidence) {
-    Check check{"font",
-                "font with Greek letters",
-                Verdict::ok,
-                SPRINGDRIVE_FONT,
-                "without it the window shows ? for symbols",
-                ""};
-    if (!evidence.machine.exists(SPRINGDRIVE_FONT)) {
-        check.verdict = evidence.purpose.has_window ? Verdict::warning : Verdict::not_applicable;
-        check.found += " is missing";
-        check.mend = install_line(evidence.machine, evidence.process, "fonts-dejavu-core");
-    }
-    return check;
-}
-
 } // namespace
 
-std::vector<Check> package_checks(const Evidence &evidence) {
-    return {gnuplot(evidence), font(evidence)};
+Finding gnuplot_check(const Evidence &evidence) {
+    const std::string program = find_program(evidence, "gnuplot");
+    return !program.empty()
+               ? Finding{Verdict::ok, program}
+               : Finding{Verdict::warning, "missing in PATH",
+                         install_line(evidence.machine, evidence.process, "gnuplot-nox")};
+}
+
+Finding font_check(const Evidence &evidence) {
+    if (evidence.machine.exists(SPRINGDRIVE_FONT)) {
+        return {Verdict::ok, SPRINGDRIVE_FONT};
+    }
+    return {evidence.purpose.has_window ? Verdict::warning : Verdict::not_applicable,
+            std::string(SPRINGDRIVE_FONT) + " is missing",
+            install_line(evidence.machine, evidence.process, "fonts-dejavu-core")};
 }
 
 } // namespace springdrive::app::doctor

@@ -6,13 +6,11 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <utility>
 
 namespace springdrive::app::doctor {
 
 namespace {
-
-constexpr const char *kMattersWindow =
-    "only the window (demo) needs it; all other commands do without";
 
 /// "a virtual one", by the shortest line that this computer has.
 std::string virtual_display(const Evidence &evidence) {
@@ -36,41 +34,35 @@ std::string socket_of(const std::string &display) {
                : "";
 }
 
-Check display(const Evidence &evidence) {
+Finding display(const Evidence &evidence) {
     const PictureTrial &trial = evidence.trials.picture;
     const Process &process = evidence.process;
     const std::string name = process.variable("DISPLAY");
-    Check check{"display", "display", Verdict::ok, name, kMattersWindow, ""};
     if (trial.has_answered && trial.display_problem.empty()) {
-        return check;
+        return {Verdict::ok, name};
     }
-    check.verdict = Verdict::failure;
     if (!trial.has_answered) {
         // An OpenGL driver that ends its process has got beyond the display.
-        check.found =
-            fmt::format("{}: a window there did not open in {:.1f} s, or ended its program",
-                        name.empty() ? "DISPLAY is not set" : "DISPLAY=" + name,
-                        1e-3 * static_cast<double>(kTrialTime.count()));
-        check.mend = virtual_display(evidence);
-        return check;
+        return {Verdict::failure,
+                fmt::format("{}: a window there did not open in {:.1f} s, or ended its program",
+                            name.empty() ? "DISPLAY is not set" : "DISPLAY=" + name,
+                            1e-3 * static_cast<double>(kTrialTime.count())),
+                virtual_display(evidence)};
+    }
+    if (name.empty() && !process.variable("WAYLAND_DISPLAY").empty()) {
+        return {Verdict::failure, "only Wayland: DISPLAY is not set, and this window is one of X11",
+                install_line(evidence.machine, process, "xwayland") + "  # then log in again"};
     }
     if (name.empty()) {
-        check.found = process.variable("WAYLAND_DISPLAY").empty()
-                          ? "none: DISPLAY is not set"
-                          : "only Wayland: DISPLAY is not set, and this window is one of X11";
-        check.mend =
-            !process.variable("WAYLAND_DISPLAY").empty()
-                ? install_line(evidence.machine, process, "xwayland") + "  # then log in again"
-            : !process.variable("SSH_CONNECTION").empty() ? "connect again by: ssh -X"
-                                                          : virtual_display(evidence);
-        return check;
+        return {Verdict::failure, "none: DISPLAY is not set",
+                !process.variable("SSH_CONNECTION").empty() ? "connect again by: ssh -X"
+                                                            : virtual_display(evidence)};
     }
     const std::string socket = socket_of(name);
     const bool is_there = !socket.empty() && evidence.machine.exists(socket);
-    check.found = fmt::format("DISPLAY={}: {}", name, trial.display_problem);
-    check.mend = is_there ? "xhost +si:localuser:$(id -un)  # by the person at that display"
-                          : virtual_display(evidence);
-    return check;
+    return {Verdict::failure, fmt::format("DISPLAY={}: {}", name, trial.display_problem),
+            is_there ? "xhost +si:localuser:$(id -un)  # by the person at that display"
+                     : virtual_display(evidence)};
 }
 
 /// Settings by which Mesa is told to do with less than it could.
@@ -85,43 +77,42 @@ std::string settings_of_mesa(const Process &process) {
     return names;
 }
 
-Check opengl(const Evidence &evidence) {
+Finding opengl(const Evidence &evidence) {
     const PictureTrial &trial = evidence.trials.picture;
-    Check check{"opengl", "OpenGL", Verdict::ok, "", "the window draws with OpenGL 3.3", ""};
     if (trial.has_answered && !trial.display_problem.empty()) {
-        check.verdict = Verdict::not_applicable;
-        check.found = "no display to try it on";
-        return check;
+        return {Verdict::not_applicable, "no display to try it on"};
     }
-    check.found = trial.version.empty() ? "none" : trial.version + " on " + trial.renderer;
+    const std::string version =
+        trial.version.empty() ? "none" : trial.version + " on " + trial.renderer;
     if (!trial.has_answered || !trial.window_problem.empty()) {
-        check.verdict = Verdict::failure;
-        check.found = !trial.has_answered
-                          ? "a window did not open in time, or its driver ended the program"
-                          : fmt::format("{}: {}", check.found, trial.window_problem);
         const std::string settings = settings_of_mesa(evidence.process);
-        check.mend = !settings.empty() ? "unset" + settings
-                                       : install_line(evidence.machine, evidence.process,
-                                                      "libgl1 libgl1-mesa-dri");
-        return check;
+        return {Verdict::failure,
+                !trial.has_answered
+                    ? "a window did not open in time, or its driver ended the program"
+                    : fmt::format("{}: {}", version, trial.window_problem),
+                !settings.empty()
+                    ? "unset" + settings
+                    : install_line(evidence.machine, evidence.process, "libgl1 libgl1-mesa-dri")};
     }
-    if (is_software_renderer(trial.renderer)) {
-        check.found += "; drawn by the processor: half a core or more, and fewer frames";
+    const bool is_software = is_software_renderer(trial.renderer);
+    return {Verdict::ok,
+            version + (is_software
+                           ? "; drawn by the processor: half a core or more, and fewer frames"
+                           : "")};
+}
+
+/// Without a window, nothing has to be done.
+Finding if_window(const Evidence &evidence, Finding finding) {
+    if (!evidence.purpose.has_window && finding.verdict != Verdict::ok) {
+        return {Verdict::not_applicable, std::move(finding.found)};
     }
-    return check;
+    return finding;
 }
 
 } // namespace
 
-std::vector<Check> picture_checks(const Evidence &evidence) {
-    std::vector<Check> checks{display(evidence), opengl(evidence)};
-    if (!evidence.purpose.has_window) {
-        for (Check &check : checks) {
-            check.verdict = check.verdict == Verdict::ok ? Verdict::ok : Verdict::not_applicable;
-            check.mend.clear();
-        }
-    }
-    return checks;
-}
+Finding display_check(const Evidence &evidence) { return if_window(evidence, display(evidence)); }
+
+Finding opengl_check(const Evidence &evidence) { return if_window(evidence, opengl(evidence)); }
 
 } // namespace springdrive::app::doctor

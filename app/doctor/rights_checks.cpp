@@ -18,8 +18,6 @@ namespace {
 constexpr const char *kGroup = "springdrive"; ///< of setup/limits.conf
 constexpr const char *kLimitsFile = "/etc/security/limits.d/springdrive.conf";
 
-constexpr const char *kOnTime = "without it ticks come late while the computer is busy";
-
 std::vector<std::string> parts_of(const std::string &line, char separator) {
     std::vector<std::string> parts;
     std::istringstream stream(line);
@@ -190,53 +188,39 @@ std::string why_no_priority(const Evidence &evidence) {
 
 } // namespace
 
-Check priority_check(const Evidence &evidence) {
+Finding priority_check(const Evidence &evidence) {
     const RightsTrial &trial = evidence.trials.rights;
-    Check check{"rt_priority", "real-time priority", Verdict::ok, "", kOnTime, ""};
+    const Verdict wrong = evidence.purpose.worse_with_usb();
     if (!trial.has_answered) {
-        check.verdict = evidence.purpose.worse_with_usb();
-        check.found = "the trial of it did not end: this computer is too busy";
-        check.mend = "end what is busy (see top), and repeat springdrive doctor";
-        return check;
+        return {wrong, "the trial of it did not end: this computer is too busy",
+                "end what is busy (see top), and repeat springdrive doctor"};
     }
     if (trial.priority_refused == 0) {
-        check.found = fmt::format("SCHED_FIFO {} granted", trial.priority);
-        return check;
+        return {Verdict::ok, fmt::format("SCHED_FIFO {} granted", trial.priority)};
     }
-    check.verdict = evidence.purpose.worse_with_usb();
-    check.found =
-        fmt::format("SCHED_FIFO {} refused: {}; the limit is {} (ulimit -r)", trial.priority,
+    const bool has_share = file_of_missing_share(evidence.machine).empty();
+    return {
+        wrong,
+        fmt::format("SCHED_FIFO {} refused: {}; the limit is {} (ulimit -r){}", trial.priority,
                     std::generic_category().message(trial.priority_refused),
-                    limit_text(evidence.process.priority_limit));
-    if (!file_of_missing_share(evidence.machine).empty()) {
-        check.found += "; its control group has no share of real-time scheduling";
-    }
-    check.mend = why_no_priority(evidence);
-    return check;
+                    limit_text(evidence.process.priority_limit),
+                    has_share ? "" : "; its control group has no share of real-time scheduling"),
+        why_no_priority(evidence)};
 }
 
-Check memory_lock_check(const Evidence &evidence) {
+Finding memory_lock_check(const Evidence &evidence) {
     const Process &process = evidence.process;
-    Check check{"memory_lock",
-                "memory lock",
-                Verdict::ok,
-                "",
-                "without it a tick may wait for memory that was paged out",
-                ""};
     if (evidence.trials.rights.memory_locked) {
-        check.found = "all memory may be kept in RAM";
-        return check;
+        return {Verdict::ok, "all memory may be kept in RAM"};
     }
-    check.verdict = evidence.purpose.worse_with_usb();
     const std::uint64_t limit = process.memory_lock_limit_bytes;
-    check.found = limit == Process::kUnlimited
-                      ? "refused"
-                      : fmt::format("refused: the limit is {} kB (ulimit -l)", limit / 1024);
-    check.mend =
-        process.memory_lock_limit_hard_bytes == Process::kUnlimited && limit != Process::kUnlimited
-            ? "ulimit -S -l unlimited"
-            : allow(evidence, "memlock");
-    return check;
+    const bool may_raise =
+        process.memory_lock_limit_hard_bytes == Process::kUnlimited && limit != Process::kUnlimited;
+    return {evidence.purpose.worse_with_usb(),
+            limit == Process::kUnlimited
+                ? "refused"
+                : fmt::format("refused: the limit is {} kB (ulimit -l)", limit / 1024),
+            may_raise ? "ulimit -S -l unlimited" : allow(evidence, "memlock")};
 }
 
 } // namespace springdrive::app::doctor

@@ -27,8 +27,11 @@ std::vector<Check> checks_in(std::string_view json) {
     try {
         const nlohmann::json report = nlohmann::json::parse(json);
         for (const auto &check : report.at("checks")) {
-            checks.push_back({check.at("id"), check.at("title"), verdict_named(check.at("verdict")),
-                              check.at("found"), check.at("matters"), check.at("mend")});
+            checks.push_back(
+                {{verdict_named(check.at("verdict")), check.at("found"), check.at("mend")},
+                 check.at("id"),
+                 check.at("title"),
+                 check.at("matters")});
         }
     } catch (const nlohmann::json::exception &) {
         throw InputError("springdrive doctor gave no report; run it in a terminal");

@@ -64,25 +64,24 @@ private:
     return found == checks.end() ? kNone : *found;
 }
 
-inline void expect_ok(const Check &check, const std::string &found) {
-    EXPECT_EQ(name_of(check.verdict), "ok") << check.id << ": " << check.found;
+inline void expect_ok(const Finding &check, const std::string &found) {
+    EXPECT_EQ(name_of(check.verdict), "ok") << check.found;
     EXPECT_NE(check.found.find(found), std::string::npos) << check.found;
     EXPECT_EQ(check.mend, "");
 }
 
 /// @param found  part of it
 /// @param mend   all of it
-inline void expect_wrong(const Check &check, Verdict verdict, const std::string &found,
+inline void expect_wrong(const Finding &check, Verdict verdict, const std::string &found,
                          const std::string &mend) {
-    EXPECT_EQ(name_of(check.verdict), name_of(verdict)) << check.id << ": " << check.found;
+    EXPECT_EQ(name_of(check.verdict), name_of(verdict)) << check.found;
     EXPECT_NE(check.found.find(found), std::string::npos) << check.found;
     EXPECT_EQ(check.mend, mend);
     EXPECT_EQ(check.mend.find('\n'), std::string::npos);
-    EXPECT_NE(check.matters, "");
 }
 
-inline void expect_no_verdict(const Check &check, const std::string &found) {
-    EXPECT_EQ(name_of(check.verdict), "not applicable") << check.id << ": " << check.found;
+inline void expect_no_verdict(const Finding &check, const std::string &found) {
+    EXPECT_EQ(name_of(check.verdict), "not applicable") << check.found;
     EXPECT_NE(check.found.find(found), std::string::npos) << check.found;
     EXPECT_EQ(check.mend, "");
 }

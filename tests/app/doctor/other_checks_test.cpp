@@ -17,10 +17,6 @@ namespace {
 
 constexpr const char *kXvfb = "xvfb-run -a -s '-screen 0 1280x800x24' springdrive";
 
-Check picture_check(const Evidence &evidence, const std::string &id) {
-    return check_named(picture_checks(evidence), id);
-}
-
 Evidence without_display(const LaidOutComputer &computer) {
     Evidence evidence = computer.evidence();
     evidence.trials.picture = {true, "X11: The DISPLAY environment variable is missing", "", "",
@@ -31,31 +27,30 @@ Evidence without_display(const LaidOutComputer &computer) {
 TEST(DoctorPicture, ADisplayWithOpenGlIsDescribed) {
     Evidence evidence = LaidOutComputer().evidence();
     evidence.process.environment["DISPLAY"] = ":7";
-    expect_ok(picture_check(evidence, "display"), ":7");
-    expect_ok(picture_check(evidence, "opengl"), "4.6 (Core Profile) Mesa 23.2 on Mesa Intel UHD");
-    EXPECT_EQ(picture_check(evidence, "opengl").found.find("processor"), std::string::npos);
+    expect_ok(display_check(evidence), ":7");
+    expect_ok(opengl_check(evidence), "4.6 (Core Profile) Mesa 23.2 on Mesa Intel UHD");
+    EXPECT_EQ(opengl_check(evidence).found.find("processor"), std::string::npos);
     evidence.trials.picture.renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";
-    expect_ok(picture_check(evidence, "opengl"), "drawn by the processor");
+    expect_ok(opengl_check(evidence), "drawn by the processor");
 }
 
 TEST(DoctorPicture, WithoutDisplayTheLineDependsOnWhereOneIs) {
     LaidOutComputer computer;
     computer.has("/etc/os-release", "ID=debian\n");
     Evidence evidence = without_display(computer);
-    expect_wrong(picture_check(evidence, "display"), Verdict::failure, "DISPLAY is not set",
+    expect_wrong(display_check(evidence), Verdict::failure, "DISPLAY is not set",
                  std::string("sudo apt-get install xvfb && ") + kXvfb);
-    expect_no_verdict(picture_check(evidence, "opengl"), "no display");
+    expect_no_verdict(opengl_check(evidence), "no display");
     computer.has_program("/usr/bin/xvfb-run");
-    EXPECT_EQ(picture_check(evidence, "display").mend, kXvfb);
+    EXPECT_EQ(display_check(evidence).mend, kXvfb);
     computer.has("/source/app/run");
-    EXPECT_EQ(picture_check(evidence, "display").mend,
+    EXPECT_EQ(display_check(evidence).mend,
               (computer.root() / "source/app/run").string() +
                   "  # starts a virtual display, and installs it if necessary");
     evidence.process.environment["SSH_CONNECTION"] = "10.0.0.1 1 10.0.0.2 22";
-    EXPECT_EQ(picture_check(evidence, "display").mend, "connect again by: ssh -X");
+    EXPECT_EQ(display_check(evidence).mend, "connect again by: ssh -X");
     evidence.process.environment["WAYLAND_DISPLAY"] = "wayland-0";
-    EXPECT_EQ(picture_check(evidence, "display").mend,
-              "sudo apt-get install xwayland  # then log in again");
+    EXPECT_EQ(display_check(evidence).mend, "sudo apt-get install xwayland  # then log in again");
 }
 
 TEST(DoctorPicture, ADisplayThatRefusesIsToldFromOneThatIsNotThere) {
@@ -64,18 +59,18 @@ TEST(DoctorPicture, ADisplayThatRefusesIsToldFromOneThatIsNotThere) {
     Evidence evidence = without_display(computer);
     evidence.trials.picture.display_problem = "X11: Failed to open display :1.0";
     evidence.process.environment["DISPLAY"] = ":1.0";
-    EXPECT_EQ(picture_check(evidence, "display").mend, kXvfb);
+    EXPECT_EQ(display_check(evidence).mend, kXvfb);
     computer.has("/tmp/.X11-unix/X1");
-    expect_wrong(picture_check(evidence, "display"), Verdict::failure,
+    expect_wrong(display_check(evidence), Verdict::failure,
                  "DISPLAY=:1.0: X11: Failed to open display",
                  "xhost +si:localuser:$(id -un)  # by the person at that display");
     for (const char *const odd : {":", "", ":x", "host:1", "::1", "/tmp/a b:0"}) {
         evidence.process.environment["DISPLAY"] = odd;
-        EXPECT_EQ(picture_check(evidence, "display").mend, kXvfb) << odd;
+        EXPECT_EQ(display_check(evidence).mend, kXvfb) << odd;
     }
     evidence.trials.picture = {}; // crashed or hangs
-    EXPECT_EQ(picture_check(evidence, "display").verdict, Verdict::failure);
-    EXPECT_EQ(picture_check(evidence, "opengl").verdict, Verdict::failure);
+    EXPECT_EQ(display_check(evidence).verdict, Verdict::failure);
+    EXPECT_EQ(opengl_check(evidence).verdict, Verdict::failure);
 }
 
 TEST(DoctorPicture, OpenGlThatIsTooOldFails) {
@@ -84,19 +79,18 @@ TEST(DoctorPicture, OpenGlThatIsTooOldFails) {
     Evidence evidence = computer.evidence();
     evidence.trials.picture = {true, "", "GLX: Failed to create context: GLXBadFBConfig",
                                "2.1 Mesa 22.3.6", "Mesa Intel GMA"};
-    expect_wrong(picture_check(evidence, "opengl"), Verdict::failure,
-                 "2.1 Mesa 22.3.6 on Mesa Intel GMA",
+    expect_wrong(opengl_check(evidence), Verdict::failure, "2.1 Mesa 22.3.6 on Mesa Intel GMA",
                  "sudo apt-get install libgl1 libgl1-mesa-dri");
     evidence.process.environment["MESA_GL_VERSION_OVERRIDE"] = "2.1";
-    EXPECT_EQ(picture_check(evidence, "opengl").mend, "unset MESA_GL_VERSION_OVERRIDE");
+    EXPECT_EQ(opengl_check(evidence).mend, "unset MESA_GL_VERSION_OVERRIDE");
     evidence.trials.picture.version.clear();
-    EXPECT_EQ(picture_check(evidence, "opengl").found.substr(0, 5), "none:");
+    EXPECT_EQ(opengl_check(evidence).found.substr(0, 5), "none:");
 }
 
 TEST(DoctorPicture, IsNotNeededWithoutAWindow) {
     Evidence evidence = without_display(LaidOutComputer());
     evidence.purpose.has_window = false;
-    for (const Check &check : picture_checks(evidence)) {
+    for (const Finding &check : {display_check(evidence), opengl_check(evidence)}) {
         EXPECT_EQ(name_of(check.verdict), "not applicable");
         EXPECT_EQ(check.mend, "");
     }
@@ -163,14 +157,13 @@ TEST(DoctorPackages, GnuplotIsLookedForAsTheSystemDoes) {
     computer.has("/etc/os-release", "ID=debian\n");
     Evidence evidence = computer.evidence();
     evidence.process.environment["PATH"] = "relative::/usr/bin:/opt/bin";
-    expect_wrong(check_named(package_checks(evidence), "gnuplot"), Verdict::warning, "missing",
+    expect_wrong(gnuplot_check(evidence), Verdict::warning, "missing",
                  "sudo apt-get install gnuplot-nox");
     computer.has("/usr/bin/gnuplot"); // no program
-    EXPECT_EQ(check_named(package_checks(evidence), "gnuplot").verdict, Verdict::warning);
+    EXPECT_EQ(gnuplot_check(evidence).verdict, Verdict::warning);
     computer.has_program("/opt/bin/gnuplot");
-    expect_ok(check_named(package_checks(evidence), "gnuplot"), "/opt/bin/gnuplot");
-    EXPECT_EQ(check_named(package_checks(evidence), "font").mend,
-              "sudo apt-get install fonts-dejavu-core");
+    expect_ok(gnuplot_check(evidence), "/opt/bin/gnuplot");
+    EXPECT_EQ(font_check(evidence).mend, "sudo apt-get install fonts-dejavu-core");
 }
 
 TEST(DoctorReport, JsonHasEveryFieldWhateverItsBytes) {
@@ -178,9 +171,9 @@ TEST(DoctorReport, JsonHasEveryFieldWhateverItsBytes) {
     report.version = "0.1.0";
     report.purpose.uses_usb = true;
     report.purpose.serial = "A7";
-    report.checks = {{"a", "A", Verdict::failure, "\xff\"\n", "because", "sudo x"},
-                     {"b", "B", Verdict::warning, "", "", ""},
-                     {"c", "C", Verdict::not_applicable, "", "", ""}};
+    report.checks = {{{Verdict::failure, "\xff\"\n", "sudo x"}, "a", "A", "because"},
+                     {{Verdict::warning, ""}, "b", "B", ""},
+                     {{Verdict::not_applicable, ""}, "c", "C", ""}};
     std::ostringstream out;
     write_json(out, report);
     const auto json = nlohmann::json::parse(out.str());
@@ -213,8 +206,9 @@ TEST(DoctorReport, WhatIsNoReportIsRefused) {
 
 TEST(DoctorReport, TextGivesALineToDoOnlyWhereSomethingIsWrong) {
     DoctorReport report;
-    report.checks = {{"a", "the thing", Verdict::failure, "broken", "it breaks others", "mend it"},
-                     {"b", "another", Verdict::ok, "fine", "it matters", ""}};
+    report.checks = {
+        {{Verdict::failure, "broken", "mend it"}, "a", "the thing", "it breaks others"},
+        {{Verdict::ok, "fine"}, "b", "another", "it matters"}};
     std::ostringstream out;
     write_text(out, report);
     EXPECT_NE(out.str().find("FAILURE  the thing: broken\n         why: it breaks others\n"

@@ -59,6 +59,9 @@ Check usb_check(const Evidence &evidence, const std::string &id) {
 TEST(DoctorUsb, AGoodBoardIsDescribed) {
     const Evidence evidence = for_usb(with_board());
     ASSERT_EQ(usb_checks(evidence).size(), 6U);
+    for (const Check &check : usb_checks(evidence)) {
+        EXPECT_NE(check.matters, "") << check.id;
+    }
     expect_ok(usb_check(evidence, "usb_board"), "board A7");
     expect_ok(usb_check(evidence, "usb_permission"), "/dev/bus/usb/001/005 may be used");
     expect_ok(usb_check(evidence, "usb_firmware"), "springdrive board 1.2.3");
