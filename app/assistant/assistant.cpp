@@ -1,25 +1,13 @@
 #include "app/assistant/assistant.h"
 
-#include "app/assistant/steps.h"
-#include "app/assistant/stop_words.h"
+#include "app/assistant/findings.h"
 #include "base/complaint.h"
 
-#include <algorithm>
-#include <array>
 #include <utility>
 
 namespace springdrive::app::assistant {
 
 namespace {
-
-Assistant::Steps all_steps() {
-    constexpr std::array kMake{make_link_step, make_identity_step,  make_motion_step,
-                               make_zero_step, make_self_test_step, make_calibration_step,
-                               make_touch_step};
-    Assistant::Steps steps;
-    std::ranges::transform(kMake, steps.begin(), [](auto make) { return make(); });
-    return steps;
-}
 
 bool is_stopped(const session::Session &session) {
     return session.latest().safety.state == servo::SafetyState::tripped;
@@ -34,7 +22,10 @@ StepName step_at(std::size_t index) { return static_cast<StepName>(index); }
 
 } // namespace
 
-Assistant::Assistant(std::filesystem::path folder) : Assistant(std::move(folder), all_steps()) {}
+Assistant::Assistant(std::filesystem::path folder)
+    : Assistant(std::move(folder),
+                {make_link_step, make_identity_step, make_motion_step, make_zero_step,
+                 make_self_test_step, calibration_steps(), make_touch_step}) {}
 
 Assistant::Assistant(std::filesystem::path folder, Steps steps)
     : folder_(std::move(folder)), steps_(std::move(steps)) {}
@@ -57,7 +48,7 @@ void Assistant::watch_device(session::Session &session) {
     progress_ = {};
     complaint_ = complaint_of([this] { progress_ = read_progress(file()); });
     is_device_new_ = !device.empty();
-    if (is_open_) {
+    if (is_open()) {
         enter(session, StepName::link);
     } else {
         hold_back_or_not(session);
@@ -75,20 +66,20 @@ void Assistant::watch_zero(const session::Session &session) {
 
 void Assistant::update(session::Session &session) {
     watch_device(session);
-    if (std::exchange(is_device_new_, false) && opens_itself && !is_open_ && !is_complete()) {
+    if (std::exchange(is_device_new_, false) && opens_itself && !is_open() && !is_complete()) {
         open(session);
     }
-    if (!is_open_) {
+    if (!is_open()) {
         return;
     }
     watch_zero(session);
-    step().update(session);
-    note_verdict(session);
+    step_->update();
+    note_verdict();
 }
 
 /// A step that failed stays so until it has succeeded.
-void Assistant::note_verdict(const session::Session &session) {
-    const StepReport report = step().report(session);
+void Assistant::note_verdict() {
+    const StepReport report = step_->report();
     const std::size_t at = index_of(present_);
     if (report.voids_later) {
         void_from(at + 1);
@@ -145,18 +136,19 @@ StepName Assistant::first_not_done() const {
 }
 
 void Assistant::enter(session::Session &session, StepName to) {
-    step().end(session);
+    if (step_) {
+        step_->end();
+    }
     present_ = to;
     session.keep_released(true);
-    step().begin(session);
-    step().update(session);
+    step_ = steps_[index_of(to)](session);
+    step_->update();
 }
 
 void Assistant::open(session::Session &session) {
     watch_device(session);
     is_device_new_ = false;
     watch_zero(session);
-    is_open_ = true;
     holds_back_.clear();
     session.servo().set_speed(1.0); // steps wait for the device
     enter(session, first_not_done());
@@ -166,7 +158,7 @@ bool Assistant::can_go_on(const session::Session &session) const {
     if (is_stopped(session) || is_lost(session) || session.is_lent() || session.is_exchanging()) {
         return false;
     }
-    switch (step().report(session).verdict) {
+    switch (step_->report().verdict) {
     case Verdict::good:
     case Verdict::skipped:
         return true;
@@ -180,7 +172,7 @@ bool Assistant::can_go_on(const session::Session &session) const {
 }
 
 void Assistant::next(session::Session &session) {
-    if (!is_open_ || !can_go_on(session)) {
+    if (!is_open() || !can_go_on(session)) {
         return;
     }
     const std::size_t at = index_of(present_);
@@ -193,8 +185,8 @@ void Assistant::next(session::Session &session) {
 }
 
 void Assistant::continue_all_the_same(session::Session &session) {
-    if (!is_open_ || is_stopped(session) || is_lost(session) ||
-        step().report(session).verdict != Verdict::doubtful) {
+    if (!is_open() || is_stopped(session) || is_lost(session) ||
+        step_->report().verdict != Verdict::doubtful) {
         return;
     }
     set_done(present_);
@@ -202,13 +194,13 @@ void Assistant::continue_all_the_same(session::Session &session) {
 }
 
 void Assistant::back(session::Session &session) {
-    if (is_open_ && index_of(present_) > 0) {
+    if (is_open() && index_of(present_) > 0) {
         enter(session, step_at(index_of(present_) - 1));
     }
 }
 
 void Assistant::again(session::Session &session) {
-    if (!is_open_) {
+    if (!is_open()) {
         return;
     }
     if (is_stopped(session) && !servo::is_final(session.latest().safety.cause)) {
@@ -222,29 +214,29 @@ bool Assistant::can_go_to(StepName to) const {
 }
 
 void Assistant::go_to(session::Session &session, StepName to) {
-    if (is_open_ && to != present_ && can_go_to(to)) {
+    if (is_open() && to != present_ && can_go_to(to)) {
         enter(session, to);
     }
 }
 
 void Assistant::leave(session::Session &session) {
-    if (!is_open_) {
+    if (!is_open()) {
         return;
     }
-    step().end(session);
-    is_open_ = false;
+    step_->end();
+    step_.reset();
     hold_back_or_not(session);
 }
 
 StepState Assistant::state(StepName of) const {
-    return is_open_ && of == present_            ? StepState::present
+    return is_open() && of == present_           ? StepState::present
            : progress_.failed.test(index_of(of)) ? StepState::failed
            : progress_.done.test(index_of(of))   ? StepState::done
                                                  : StepState::open;
 }
 
 StepReport Assistant::report(const session::Session &session) const {
-    StepReport report = step().report(session);
+    StepReport report = step_->report();
     if (is_lost(session)) {
         report.troubles.push_back(
             {"the device is lost: no answer from its board",
@@ -270,11 +262,11 @@ StepReport Assistant::report(const session::Session &session) const {
 }
 
 std::vector<Offer> Assistant::offers(session::Session &session) {
-    return is_lost(session) || is_stopped(session) ? std::vector<Offer>() : step().offers(session);
+    return is_lost(session) || is_stopped(session) ? std::vector<Offer>() : step_->offers();
 }
 
 std::optional<Vector3> Assistant::theta_rad() const {
-    return is_open_ ? step().theta_rad() : std::nullopt;
+    return is_open() ? step_->theta_rad() : std::nullopt;
 }
 
 } // namespace springdrive::app::assistant

@@ -25,7 +25,7 @@ enum class StepState : std::uint8_t { open, present, done, failed };
 
 class Assistant {
 public:
-    using Steps = std::array<std::unique_ptr<Step>, kSteps>;
+    using Steps = std::array<MakeStep, kSteps>;
 
     /// @param folder  of progress files; empty: nothing is kept
     explicit Assistant(std::filesystem::path folder);
@@ -40,7 +40,7 @@ public:
 
     /// At the first step that is not done, or at the first one.
     void open(session::Session &session);
-    [[nodiscard]] bool is_open() const { return is_open_; }
+    [[nodiscard]] bool is_open() const { return step_ != nullptr; }
 
     // What a person asks for, while it is open:
 
@@ -64,7 +64,7 @@ public:
     [[nodiscard]] bool can_go_on(const session::Session &session) const;
     [[nodiscard]] bool is_complete() const { return progress_.done.all(); }
 
-    /// Of the present step, with what stops the device.
+    /// Of the present step, with what stops the device. @pre it is open
     [[nodiscard]] StepReport report(const session::Session &session) const;
     [[nodiscard]] std::vector<Offer> offers(session::Session &session);
     [[nodiscard]] std::optional<Vector3> theta_rad() const;
@@ -75,12 +75,10 @@ public:
     [[nodiscard]] const std::string &holds_back() const { return holds_back_; }
 
 private:
-    [[nodiscard]] Step &step() { return *steps_[index_of(present_)]; }
-    [[nodiscard]] const Step &step() const { return *steps_[index_of(present_)]; }
     void watch_device(session::Session &session);
     void watch_zero(const session::Session &session);
     void enter(session::Session &session, StepName to);
-    void note_verdict(const session::Session &session);
+    void note_verdict();
     void set_done(StepName step);
     void void_from(std::size_t step);
     void keep(const Progress &before);
@@ -90,7 +88,7 @@ private:
 
     std::filesystem::path folder_;
     Steps steps_;
-    bool is_open_ = false;
+    std::unique_ptr<Step> step_; ///< the present one; null while it is closed
     StepName present_ = StepName::link;
     Progress progress_;
     std::string device_; ///< whose progress it is; empty: the plain simulation

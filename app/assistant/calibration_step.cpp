@@ -1,25 +1,20 @@
 // The calibration, by a person who moves the tip by hand.
-#include "app/assistant/calibration_loan.h"
-#include "app/assistant/calibration_words.h"
+#include "app/assistant/findings.h"
+#include "app/assistant/loan_step.h"
 #include "app/assistant/rehearsal.h"
-#include "app/assistant/steps.h"
 #include "app/host/own_folder.h"
-#include "base/complaint.h"
 #include "base/degrees.h"
 #include "base/file_names.h"
 #include "base/new_file.h"
+#include "device/core/board_reset.h"
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
+#include "device/core/forwarding_device.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cctype>
+#include <array>
 #include <fstream>
 #include <iterator>
-#include <memory>
 #include <ostream>
-#include <utility>
 
 namespace springdrive::app::assistant {
 
@@ -31,6 +26,16 @@ using commissioning::CalibrationStage;
 constexpr std::array<const char *, 3> kMotors{"motor 1 (base)", "motor 2 (upper arm)",
                                               "motor 3 (forearm)"};
 
+/// Between two views: twice a frame.
+constexpr int kTicksBetweenViews = 8;
+
+/// At the end, for the board to clear the silence that it has latched while it was asked to store.
+constexpr int kSettling_ticks = 100;
+
+/// A device whose time waits is not run on for longer without the window, as by a servo; a share of
+/// what would stop any other.
+constexpr double kWaitingShare = 0.5;
+
 /// Whether the device file has one of its own, which comes before a board's.
 bool has_own_calibration(const std::filesystem::path &device_file) {
     bool has_one = false;
@@ -40,74 +45,182 @@ bool has_own_calibration(const std::filesystem::path &device_file) {
     return has_one;
 }
 
-class CalibrationStep final : public Step {
+struct CalibrationView {
+    CalibrationStage stage = CalibrationStage::rest;
+    double share = 0.0; ///< of the stage
+    std::size_t least_known = 0;
+    double motion_left_s = 0.0;
+    std::array<commissioning::MotorProgress, 3> motor;
+    bool has_theta = false;
+    Vector3 theta_rad{Vector3::Zero()};
+};
+
+struct CalibrationOutcome {
+    commissioning::CalibrationReport report;
+    std::optional<device::Calibration> kept; ///< by the board, as it will be read from there
+    std::string storing_complaint;           ///< why the board does not keep it
+};
+
+using CalibrationTalk = LoanTalk<CalibrationView, CalibrationOutcome>;
+
+/// As it would be without a calibration: what was known before is no part of the result.
+class Uncalibrated final : public device::ForwardingDevice {
 public:
-    void begin(session::Session &session) override {
-        stop(session);
-        outcome_.reset();
-        complaint_.clear();
-        save_complaint_.clear();
-        saved_.clear();
-        was_stopped_ = false;
-        is_skipped_ = false;
-        file_comes_first_ = has_own_calibration(session.device_choice().file);
+    explicit Uncalibrated(device::HapticDevice &device)
+        : ForwardingDevice(device), description_(device.description()) {
+        description_.calibration.reset();
+    }
+    [[nodiscard]] const device::DeviceDescription &description() const override {
+        return description_;
     }
 
-    void update(session::Session &session) override {
-        if (talk_) {
-            talk_->note_frame();
-            view_ = talk_->view();
-            if (session.is_lent()) {
-                return;
-            }
-            conclude(session);
+private:
+    device::DeviceDescription description_;
+};
+
+/// Destroyed before its end, it brakes, and the board keeps what it had.
+class CalibrationLoan {
+public:
+    /// @param device  used by `step` alone
+    /// @throw InputError for a device of which nothing can be learned
+    CalibrationLoan(factory::OpenDevice &device, std::shared_ptr<CalibrationTalk> talk)
+        : talk_(std::move(talk)), device_(device.device()) {
+        run_.emplace(device_, commissioning::CalibrationOptions{},
+                     device.emulated() != nullptr ? device.hand() : nullptr);
+    }
+
+    /// One tick, CalibrationRun::kRate_hz times a second. @return whether there is more to do
+    bool step() {
+        if (!run_) {
+            return settle();
         }
-        use_if_possible(session);
-        if (std::exchange(hand_returns_, false) && session.device().emulated() != nullptr) {
-            static_cast<void>(complaint_of([&] { hold_zero_pose(session); })); // or it rests here
+        if (waits_for_window()) {
+            return true;
+        }
+        run_->note_window(frames_);
+        if (talk_->wants_end) {
+            run_->finish();
+        }
+        const bool goes_on = run_->step();
+        if (!goes_on || ticks_++ % kTicksBetweenViews == 0) {
+            talk_->view.publish({run_->stage(), run_->share(), run_->least_known(),
+                                 run_->motion_left_s(), run_->progress(),
+                                 run_->stage() != CalibrationStage::rest,
+                                 run_->sample().theta_rad});
+        }
+        if (!goes_on) {
+            end_run();
+        }
+        return true;
+    }
+
+private:
+    [[nodiscard]] bool waits_for_window() {
+        const std::uint32_t frames = talk_->frames.load(std::memory_order_relaxed);
+        ticks_without_frame_ = frames == frames_ ? ticks_without_frame_ + 1 : 0;
+        frames_ = frames;
+        return device_.clock() == device::DeviceClock::servo &&
+               ticks_without_frame_ > kWaitingShare * CalibrationRun::kRate_hz *
+                                          device_.description().limits.window_silence_s;
+    }
+
+    /// The board keeps it, if it is one that can be kept.
+    void end_run() {
+        outcome_.report = run_->report();
+        run_.reset(); // brakes
+        if (outcome_.report.is_complete) {
+            device::Bench &bench = *device_.bench();
+            outcome_.storing_complaint = complaint_of([&] {
+                bench.store(outcome_.report.calibration);
+                outcome_.kept = bench.stored_calibration();
+            });
         }
     }
 
-    void end(session::Session &session) override { stop(session); }
+    bool settle() {
+        const device::Measurement measured = device_.read();
+        device::DeviceCommand command = device::DeviceCommand::braking();
+        command.number = measured.number;
+        // Any other fault is left to the session's servo, which trips by it.
+        command.resets_faults =
+            reset_.may_follow(measured) && measured.faults.bits == device::BoardFaults::kNoCommand;
+        device_.write(command);
+        if (++settling_ticks_ < kSettling_ticks) {
+            return true;
+        }
+        talk_->outcome = std::move(outcome_);
+        return false;
+    }
 
-    [[nodiscard]] StepReport report(const session::Session &session) const override {
+    std::shared_ptr<CalibrationTalk> talk_;
+    Uncalibrated device_;
+    std::optional<CalibrationRun> run_;
+    CalibrationOutcome outcome_;
+    int ticks_ = 0;
+    int settling_ticks_ = 0;
+    device::BoardReset reset_{false}; ///< in these
+    std::uint32_t frames_ = 0;        ///< seen last
+    int ticks_without_frame_ = 0;
+};
+
+/// What is still to be done, or to be known, when the step is entered again.
+struct Memory {
+    std::optional<device::Calibration> to_use;
+    std::int64_t unkept_made_at_s = -1; ///< of the one that the next start does not use
+};
+
+class CalibrationStep final : public LoanStep<CalibrationView, CalibrationOutcome> {
+public:
+    CalibrationStep(session::Session &session, std::shared_ptr<Memory> memory)
+        : LoanStep(session), memory_(std::move(memory)),
+          file_comes_first_(has_own_calibration(session.device_choice().file)) {}
+
+    void update() override {
+        const bool was_running = is_running();
+        LoanStep::update();
+        const bool is_over = was_running && !is_running();
+        if (is_over) {
+            conclude();
+        }
+        use_if_possible();
+        if (is_over && session().device().emulated() != nullptr) {
+            static_cast<void>(complaint_of([&] { hold_zero_pose(session()); })); // or it rests here
+        }
+    }
+
+    [[nodiscard]] StepReport report() const override {
         StepReport report;
-        if (talk_) {
-            report_progress(session, report);
-        } else if (!complaint_.empty()) {
+        if (is_running()) {
+            report_progress(report);
+        } else if (const std::string problem = complaint() + later_complaint_; !problem.empty()) {
             report.to_do = "The device is not calibrated. It can be touched all the same.";
             report.verdict = Verdict::doubtful;
             report.unchecked = kUnchecked;
-            report.troubles.push_back({complaint_, "press Again"});
-        } else if (outcome_) {
-            report_outcome(session, report);
+            report.troubles.push_back({problem, "press Again"});
+        } else if (outcome()) {
+            report_outcome(report);
         } else {
-            report_before(session, report);
+            report_before(report);
         }
         return report;
     }
 
-    [[nodiscard]] std::vector<Offer> offers(session::Session &session) override {
-        if (talk_) {
-            std::vector<Offer> offers{{"stop", "ends it now; the device brakes, nothing is kept",
-                                       [this, &session] { stop(session); }}};
-            if (view_.stage == CalibrationStage::motion) {
-                offers.push_back({"that is enough",
-                                  "ends the motion with what was found out by then",
-                                  [this] { talk_->finish(); }});
-            }
-            return offers;
+    [[nodiscard]] std::vector<Offer> offers() override {
+        if (is_running()) {
+            return offers_to_end("ends it now; the device brakes, nothing is kept",
+                                 view().stage == CalibrationStage::motion, "that is enough",
+                                 "ends the motion with what was found out by then");
         }
-        const bool is_calibrated = session.description().calibration.has_value();
+        const bool is_calibrated = session().description().calibration.has_value();
         std::vector<Offer> offers;
-        offers.push_back({is_calibrated || outcome_ || was_stopped_ ? "calibrate again" : "start",
+        offers.push_back({is_calibrated || outcome() || was_stopped() ? "calibrate again" : "start",
                           "the motors start once the tip is held still, and resist gently",
-                          [this, &session] { start(session); },
-                          session.is_zeroed() && !session.hand().follows_path()});
-        if (outcome_ && outcome_->report.is_complete) {
+                          [this] { begin(); },
+                          session().is_zeroed() && !session().hand().follows_path()});
+        if (outcome() && outcome()->report.is_complete) {
             offers.push_back({"save as a file",
                               "a device file with the calibration, for --device-file",
-                              [this, &session] { save(session); }, saved_.empty()});
+                              [this] { save(); }, saved_.empty()});
         } else if (!is_calibrated && !is_skipped_) {
             offers.push_back(
                 {"skip", "the device file's values are used", [this] { is_skipped_ = true; }});
@@ -115,207 +228,178 @@ public:
         return offers;
     }
 
-    [[nodiscard]] std::optional<Vector3> theta_rad() const override {
-        return talk_ && view_.stage != CalibrationStage::rest ? std::optional(view_.theta_rad)
-                                                              : std::nullopt;
-    }
-
 private:
     static constexpr const char *kUnchecked =
         "R and k_T of each motor are known to the device file's tolerance only; dR is held up for "
         "it until a touch has told them";
 
-    void start(session::Session &session) {
-        begin(session);
-        if (session.device().device().bench() == nullptr) {
-            complaint_ = "this device has no board to calibrate";
-            return;
-        }
-        const double rate_hz = session.servo().rate_hz();
-        auto talk = std::make_shared<CalibrationTalk>();
-        complaint_ = complaint_of([&] {
-            auto loan = std::make_shared<CalibrationLoan>(session, talk);
+    void begin() {
+        later_complaint_.clear();
+        save_complaint_.clear();
+        saved_.clear();
+        is_skipped_ = false;
+        start([this](const std::shared_ptr<Talk> &talk) {
+            const auto loan = std::make_shared<CalibrationLoan>(session().device(), talk);
+            const double rate_hz = session().servo().rate_hz();
             if (rate_hz != CalibrationRun::kRate_hz) {
-                session.set_servo_rate(CalibrationRun::kRate_hz);
+                session().set_servo_rate(CalibrationRun::kRate_hz);
                 rate_before_hz_ = rate_hz;
             }
             // It alone owns the run, which so has braked before the servo goes on.
-            session.lend_device([loan = std::move(loan)] { return loan->step(); });
+            return [loan] { return loan->step(); };
         });
-        if (complaint_.empty()) {
-            talk_ = std::move(talk);
-            view_ = {};
-        } else {
-            return_to_rate(session);
+        if (!is_running()) {
+            return_to_rate();
         }
     }
 
-    void stop(session::Session &session) {
-        if (talk_) {
-            session.take_device_back();
-            update(session);
+    void conclude() {
+        return_to_rate();
+        if (outcome() && outcome()->report.is_complete) {
+            const device::Calibration &used =
+                outcome()->kept ? *outcome()->kept : outcome()->report.calibration;
+            memory_->to_use = used;
+            memory_->unkept_made_at_s = outcome()->kept && !file_comes_first_ ? -1 : used.made_at_s;
         }
     }
 
-    /// It is over.
-    void conclude(session::Session &session) {
-        complaint_ = session.loan_complaint();
-        outcome_ = talk_->outcome();
-        was_stopped_ = complaint_.empty() && !outcome_;
-        talk_.reset();
-        hand_returns_ = true;
-        return_to_rate(session);
-        if (outcome_ && outcome_->report.is_complete) {
-            to_use_ = outcome_->kept.value_or(outcome_->report.calibration);
-            unkept_made_at_s_ = outcome_->kept && !file_comes_first_ ? -1 : to_use_->made_at_s;
+    void use_if_possible() {
+        const servo::ServoSample &now = session().latest();
+        if (memory_->to_use && now.safety.state != servo::SafetyState::tripped &&
+            now.health != device::DeviceHealth::lost && !session().is_exchanging()) {
+            later_complaint_ = complaint_of([&] { session().use_calibration(*memory_->to_use); });
+            memory_->to_use.reset();
         }
     }
 
-    void use_if_possible(session::Session &session) {
-        const servo::ServoSample &now = session.latest();
-        if (to_use_ && now.safety.state != servo::SafetyState::tripped &&
-            now.health != device::DeviceHealth::lost && !session.is_exchanging()) {
-            complaint_ = complaint_of([&] { session.use_calibration(*to_use_); });
-            to_use_.reset();
-        }
-    }
-
-    void return_to_rate(session::Session &session) {
+    void return_to_rate() {
         if (const std::optional<double> before = std::exchange(rate_before_hz_, std::nullopt)) {
-            complaint_ += complaint_of([&] { session.set_servo_rate(*before); });
+            later_complaint_ += complaint_of([&] { session().set_servo_rate(*before); });
         }
     }
 
-    void save(session::Session &session) {
+    void save() {
         const std::filesystem::path file =
             std::filesystem::absolute(in_own_folder(dated_name("calibrated") + ".toml"))
                 .lexically_normal();
-        std::ifstream stream(session.device_choice().file, std::ios::binary);
+        std::ifstream stream(session().device_choice().file, std::ios::binary);
         const std::string text{std::istreambuf_iterator<char>(stream), {}};
         save_complaint_ = complaint_of([&] {
             const std::string calibrated =
-                device::with_calibration(text, outcome_->report.calibration);
+                device::with_calibration(text, outcome()->report.calibration);
             static_cast<void>(device::read_device_text(calibrated, file)); // as it will be read
             write_file(
                 file, [&](std::ostream &out) { out << calibrated; }, Existing::keep);
         });
         saved_ = save_complaint_.empty() ? file.string() : "";
-        unkept_made_at_s_ = saved_.empty() ? unkept_made_at_s_ : -1;
+        if (!saved_.empty()) {
+            memory_->unkept_made_at_s = -1;
+        }
     }
 
-    void report_progress(const session::Session &session, StepReport &report) const {
-        std::string to_do = CalibrationRun::instruction(view_.stage, view_.least_known);
-        report.to_do = to_do.empty() ? "Wait: the board keeps it." : to_do + ".";
-        report.to_do[0] = static_cast<char>(std::toupper(report.to_do[0]));
-        const bool moves = view_.stage == CalibrationStage::motion;
-        if (!moves) {
+    void report_progress(StepReport &report) const {
+        report.to_do = as_to_do(CalibrationRun::instruction(view().stage, view().least_known),
+                                "Wait: the board keeps it.");
+        if (view().stage != CalibrationStage::motion) {
             report.bars.push_back(
-                {view_.stage == CalibrationStage::release ? "motors released" : "motors started",
-                 view_.share, 0.0, 1.0, fmt::format("{:.0f} %", 100.0 * view_.share)});
-            report.seen.emplace_back("the motors resist gently, by about half a newton at the tip; "
-                                     "they never push");
+                {view().stage == CalibrationStage::release ? "motors released" : "motors started",
+                 view().share, 0.0, 1.0, fmt::format("{:.0f} %", 100.0 * view().share)});
+            report.see("the motors resist gently, by about half a newton at the tip; they never "
+                       "push");
             return;
         }
         for (std::size_t j = 0; j < 3; ++j) {
-            const commissioning::MotorProgress &motor = view_.motor[j];
+            const commissioning::MotorProgress &motor = view().motor[j];
             report.bars.push_back(
                 {kMotors[j], motor.share, 0.0, 1.0,
                  fmt::format("{:.0f} %, R {:.3f} ± {:.3f} Ω, {:.0f}°", 100.0 * motor.share,
                              motor.resistance_Ohm, 1.96 * motor.deviation_Ohm,
                              motor.moved_rad / kRadiansPerDegree)});
         }
-        report.bars.push_back({"time left", view_.motion_left_s, 0.0, longest_motion_s_,
-                               fmt::format("at most {:.0f} s", view_.motion_left_s)});
-        report.seen.emplace_back("full bars end it. The angle says how far the joint was moved");
-        if (session.device_choice().kind == factory::DeviceKind::emulated) {
-            report.seen.emplace_back("an emulated device: its hand moves the tip about");
+        report.bars.push_back({"time left", view().motion_left_s, 0.0,
+                               commissioning::CalibrationOptions{}.longest_motion_s,
+                               fmt::format("at most {:.0f} s", view().motion_left_s)});
+        report.see("full bars end it. The angle says how far the joint was moved");
+        if (session().device_choice().kind == factory::DeviceKind::emulated) {
+            report.see("an emulated device: its hand moves the tip about");
         }
     }
 
-    void report_before(const session::Session &session, StepReport &report) const {
-        if (const auto &calibration = session.description().calibration) {
+    void report_before(StepReport &report) const {
+        const device::DeviceDescription &device = session().description();
+        if (const auto &calibration = device.calibration) {
             report.verdict = Verdict::good;
             report.to_do = "The device is calibrated. Press Next; or calibrate it again, as after "
                            "a motor or the board was exchanged.";
-            const bool is_kept = calibration->made_at_s != unkept_made_at_s_;
-            report.seen.push_back("calibrated " + device::text_of_utc(calibration->made_at_s) +
-                                  (!is_kept            ? ", in use until the program ends"
-                                   : file_comes_first_ ? ", kept in the device file"
-                                                       : ", kept by the board"));
-            std::ranges::copy(words_of(*calibration, session.description()),
-                              std::back_inserter(report.seen));
-            report.seen.emplace_back(
-                "zeroing anew leaves it as it is: of the ripple's place, which "
-                "a zero by eye does not tell, it makes no use");
-        } else if (is_skipped_) {
-            report.verdict = Verdict::skipped;
-            report.to_do = "Skipped. Press Next: a first touch needs no calibration.";
+            const bool is_kept = calibration->made_at_s != memory_->unkept_made_at_s;
+            report.see("calibrated {}{}", device::text_of_utc(calibration->made_at_s),
+                       !is_kept            ? ", in use until the program ends"
+                       : file_comes_first_ ? ", kept in the device file"
+                                           : ", kept by the board");
+            describe(*calibration, device, report);
+            report.see("zeroing anew leaves it as it is: of the ripple's place, which a zero by "
+                       "eye does not tell, it makes no use");
         } else {
+            report.verdict = is_skipped_ ? Verdict::skipped : Verdict::open;
             report.to_do =
-                "It measures each motor's R and k_T while you move the tip about, some 20 s. Hold "
-                "the stylus loosely and still in the middle of its workspace, and press "
-                "\"start\". F12 ends it at any time.";
+                is_skipped_
+                    ? "Skipped. Press Next: a first touch needs no calibration."
+                    : "It measures each motor's R and k_T while you move the tip about, some 20 s. "
+                      "Hold the stylus loosely and still in the middle of its workspace, and press "
+                      "\"start\". F12 ends it at any time.";
+            report.see("{}R from the device file: {:.3g}, {:.3g}, {:.3g} Ω, to within {:.0f} %",
+                       is_skipped_ ? "skipped: not calibrated; " : "not calibrated; ",
+                       device.motor[0].resistance_Ohm, device.motor[1].resistance_Ohm,
+                       device.motor[2].resistance_Ohm,
+                       100.0 * device.motor[0].resistance_tolerance);
+            report.see("without one, the observer of R learns while you touch");
         }
-        if (!session.description().calibration) {
-            const auto &motor = session.description().motor;
-            report.seen.push_back(fmt::format(
-                "{}R from the device file: {:.3g}, {:.3g}, {:.3g} Ω, to within {:.0f} %",
-                is_skipped_ ? "skipped: not calibrated; " : "not calibrated; ",
-                motor[0].resistance_Ohm, motor[1].resistance_Ohm, motor[2].resistance_Ohm,
-                100.0 * motor[0].resistance_tolerance));
-            report.seen.emplace_back("without one, the observer of R learns while you touch");
-        }
-        if (was_stopped_) {
-            report.seen.emplace_back("it was stopped before its end; nothing was kept");
+        if (was_stopped()) {
+            report.see("it was stopped before its end; nothing was kept");
         }
     }
 
-    void report_outcome(const session::Session &session, StepReport &report) const {
-        const commissioning::CalibrationReport &result = outcome_->report;
+    void report_outcome(StepReport &report) const {
+        const commissioning::CalibrationReport &result = outcome()->report;
         if (!result.is_complete) {
-            report.verdict = verdict_on(result.kind);
+            judge(result, report);
             report.to_do =
                 report.verdict == Verdict::bad
                     ? "The device must not be driven like this. Mend what is named below."
-                    : "Not calibrated. It can be touched all the same; better, do it "
-                      "again.";
+                    : "Not calibrated. It can be touched all the same; better, do it again.";
             report.unchecked = kUnchecked;
-            report.troubles.push_back(trouble_of(result));
-            report.seen.push_back(fmt::format("{:.0f} s of motion", result.motion_s));
+            report.see("{:.0f} s of motion", result.motion_s);
             return;
         }
-        std::ranges::copy(words_of(result.calibration, session.description()),
-                          std::back_inserter(report.seen));
-        report.seen.push_back(words_on_dR(result));
-        report.verdict = Verdict::good;
-        report.to_do = "The device is calibrated, and in use like that. Press Next.";
-        if (to_use_) {
-            report.verdict = Verdict::open;
-            report.to_do = "The device is calibrated; that is used once it is no longer stopped.";
-        }
-        report_keeping(session, report);
+        describe(result.calibration, session().description(), report);
+        describe_dR(result, report);
+        report.verdict = memory_->to_use ? Verdict::open : Verdict::good;
+        report.to_do = memory_->to_use
+                           ? "The device is calibrated; that is used once it is no longer stopped."
+                           : "The device is calibrated, and in use like that. Press Next.";
+        report_keeping(report);
     }
 
     /// Where the calibration is after the end of the program.
-    void report_keeping(const session::Session &session, StepReport &report) const {
-        const std::string &refused = outcome_->storing_complaint;
+    void report_keeping(StepReport &report) const {
+        const std::string &refused = outcome()->storing_complaint;
         if (refused.empty()) {
-            report.seen.emplace_back("kept by the board, which every start asks for it");
+            report.see("kept by the board, which every start asks for it");
         }
         if (!save_complaint_.empty()) {
             report.troubles.push_back({save_complaint_, "make room, and save it again"});
         }
         if (!saved_.empty()) {
-            report.seen.push_back("saved: start with --device-file " + saved_);
+            report.see("saved: start with --device-file {}", saved_);
             return;
         }
-        if (!refused.empty()) {
+        if (!refused.empty() || file_comes_first_) {
             report.troubles.push_back(
-                {refused, "press \"save as a file\", and start with that file from now on"});
-        } else if (file_comes_first_) {
-            report.troubles.push_back(
-                {session.device_choice().file.filename().string() +
-                     " has a calibration of its own, which comes before the board's at each start",
+                {!refused.empty()
+                     ? refused
+                     : session().device_choice().file.filename().string() +
+                           " has a calibration of its own, which comes before the board's at each "
+                           "start",
                  "press \"save as a file\", and start with that file from now on"});
         }
         if (!report.troubles.empty()) {
@@ -325,24 +409,21 @@ private:
         }
     }
 
-    std::shared_ptr<CalibrationTalk> talk_; ///< while it runs
-    CalibrationView view_;
-    std::optional<CalibrationOutcome> outcome_;
-    std::optional<device::Calibration> to_use_;
+    std::shared_ptr<Memory> memory_;
     std::optional<double> rate_before_hz_; ///< of the servo
-    double longest_motion_s_ = commissioning::CalibrationOptions{}.longest_motion_s;
-    std::int64_t unkept_made_at_s_ = -1; ///< of the one that the next start does not use
-    std::string complaint_;
+    std::string later_complaint_;          ///< of what came after the loan
     std::string save_complaint_;
-    std::string saved_;         ///< as this file
-    bool hand_returns_ = false; ///< of an emulated device
-    bool was_stopped_ = false;
+    std::string saved_; ///< as this file
     bool is_skipped_ = false;
-    bool file_comes_first_ = false;
+    bool file_comes_first_;
 };
 
 } // namespace
 
-std::unique_ptr<Step> make_calibration_step() { return std::make_unique<CalibrationStep>(); }
+MakeStep calibration_steps() {
+    return [memory = std::make_shared<Memory>()](session::Session &session) {
+        return std::make_unique<CalibrationStep>(session, memory);
+    };
+}
 
 } // namespace springdrive::app::assistant

@@ -1,13 +1,9 @@
-#include "app/assistant/steps.h"
+#include "app/assistant/step.h"
 
 #include "app/panels/doctor_popup.h"
 #include "base/complaint.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <string>
-#include <vector>
 
 namespace springdrive::app::assistant {
 
@@ -29,28 +25,27 @@ std::uint64_t faulty_of(const device::LinkStatus &link) {
 
 class LinkStep final : public Step {
 public:
-    void begin(session::Session &session) override {
-        complaint_.clear();
-        present_ = factory::devices_present();
-        const auto link = session.device().device().link();
-        reports_before_ = link ? link->reports : 0;
-        faulty_before_ = link ? faulty_of(*link) : 0;
+    explicit LinkStep(session::Session &session) : Step(session) {
+        if (const auto link = session.device().device().link()) {
+            reports_before_ = link->reports;
+            faulty_before_ = faulty_of(*link);
+        }
     }
 
-    void update(session::Session &session) override {
-        const auto link = session.device().device().link();
+    void update() override {
+        const auto link = session().device().device().link();
         if (link && link->reports < reports_before_) { // connected again
             reports_before_ = 0;
             faulty_before_ = 0;
         }
     }
 
-    [[nodiscard]] StepReport report(const session::Session &session) const override {
+    [[nodiscard]] StepReport report() const override {
         StepReport report;
-        if (session.device_choice().kind == DeviceKind::simulated) {
+        if (session().device_choice().kind == DeviceKind::simulated) {
             report_choice(report);
         } else {
-            report_link(session, report);
+            report_link(report);
         }
         if (!complaint_.empty()) {
             report.troubles.push_back({complaint_, "ask the doctor, then try again"});
@@ -58,9 +53,9 @@ public:
         return report;
     }
 
-    [[nodiscard]] std::vector<Offer> offers(session::Session &session) override {
+    [[nodiscard]] std::vector<Offer> offers() override {
         std::vector<Offer> offers;
-        if (session.device_choice().kind != DeviceKind::simulated || session.is_exchanging()) {
+        if (session().device_choice().kind != DeviceKind::simulated || session().is_exchanging()) {
             return offers;
         }
         for (const factory::PresentDevice &device : present_) {
@@ -68,19 +63,18 @@ public:
                 offers.push_back(
                     {device.kind == DeviceKind::usb ? "use the board " + device.serial
                                                     : "use an emulated board, to rehearse",
-                     device.problem, [this, &session, device] { use(session, device); },
-                     device.problem.empty()});
+                     device.problem, [this, device] { use(device); }, device.problem.empty()});
             }
         }
         return offers;
     }
 
 private:
-    void use(session::Session &session, const factory::PresentDevice &device) {
-        session::DeviceChoice choice = session.device_choice();
+    void use(const factory::PresentDevice &device) {
+        session::DeviceChoice choice = session().device_choice();
         choice.kind = device.kind;
         choice.serial = device.serial;
-        complaint_ = complaint_of([&] { session.exchange_device(choice); });
+        complaint_ = complaint_of([&] { session().exchange_device(choice); });
     }
 
     void report_choice(StepReport &report) const {
@@ -93,36 +87,34 @@ private:
                 continue;
             }
             has_board = true;
-            report.seen.push_back("USB board " + device.serial);
+            report.see("USB board {}", device.serial);
             if (!device.problem.empty()) {
                 report.troubles.push_back({device.serial, device.problem});
             }
         }
         if (!has_board) {
-            report.seen.emplace_back("no USB board is connected");
+            report.see("no USB board is connected");
         }
         report.asks_doctor = "usb";
     }
 
-    void report_link(const session::Session &session, StepReport &report) const {
+    void report_link(StepReport &report) const {
         report.to_do = "Wait while the connection is watched for some seconds.";
-        report.asks_doctor = name_of(session.device_choice());
-        const auto link = session.device().device().link();
-        if (!link || session.latest().health == device::DeviceHealth::lost) {
+        report.asks_doctor = name_of(session().device_choice());
+        const auto link = session().device().device().link();
+        if (!link || session().latest().health == device::DeviceHealth::lost) {
             return; // said by the assistant
         }
         const std::uint64_t reports = link->reports - std::min(reports_before_, link->reports);
         const std::uint64_t faulty = faulty_of(*link) - std::min(faulty_before_, faulty_of(*link));
-        report.seen.push_back(fmt::format("{} device, serial number {}, {}",
-                                          session.device().identity().kind,
-                                          session.device().identity().serial, link->speed));
-        const double d = link->delay_s / session.servo().period_s();
-        report.seen.push_back(fmt::format(
-            "{:.0f} reports a second; d {}, round trip {:.0f} µs", session.servo().rate_hz(),
+        report.see("{} device, serial number {}, {}", session().device().identity().kind,
+                   session().device().identity().serial, link->speed);
+        const double d = link->delay_s / session().servo().period_s();
+        report.see(
+            "{:.0f} reports a second; d {}, round trip {:.0f} µs", session().servo().rate_hz(),
             d > 0.0 ? fmt::format("{:.2f} periods", d) : "not measured", // of a board in a fault
-            1e6 * link->round_trip_s));
-        report.seen.push_back(
-            fmt::format("{} of {} reports not whole or not in time", faulty, reports));
+            1e6 * link->round_trip_s);
+        report.see("{} of {} reports not whole or not in time", faulty, reports);
         const double watched = static_cast<double>(reports) / static_cast<double>(kJudgedReports);
         report.bars.push_back(
             {"watched", std::min(1.0, watched), 0.0, 1.0, fmt::format("{} reports", reports)});
@@ -145,7 +137,7 @@ private:
             "stay away for too long";
     }
 
-    std::vector<factory::PresentDevice> present_;
+    std::vector<factory::PresentDevice> present_ = factory::devices_present();
     std::string complaint_;
     std::uint64_t reports_before_ = 0;
     std::uint64_t faulty_before_ = 0;
@@ -153,6 +145,8 @@ private:
 
 } // namespace
 
-std::unique_ptr<Step> make_link_step() { return std::make_unique<LinkStep>(); }
+std::unique_ptr<Step> make_link_step(session::Session &session) {
+    return std::make_unique<LinkStep>(session);
+}
 
 } // namespace springdrive::app::assistant

@@ -1,15 +1,10 @@
 #include "app/assistant/rehearsal.h"
-#include "app/assistant/steps.h"
+#include "app/assistant/step.h"
 #include "base/complaint.h"
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
-#include <optional>
-#include <string>
-#include <vector>
 
 namespace springdrive::app::assistant {
 
@@ -68,14 +63,10 @@ Trouble trouble_of(std::size_t joint, Answer answer, std::optional<std::size_t> 
 
 class MotionStep final : public Step {
 public:
-    void begin(session::Session &session) override {
-        joint_ = 0;
-        answer_ = Answer::none;
-        start(session);
-    }
+    explicit MotionStep(session::Session &session) : Step(session) { start(); }
 
-    void update(session::Session &session) override {
-        q_rad_ = joints_rad(session);
+    void update() override {
+        q_rad_ = joints_rad();
         for (Eigen::Index i = 0; i < 3; ++i) {
             const double moved_rad = q_rad_[i] - from_rad_[i];
             if (std::abs(moved_rad) > std::abs(farthest_rad_[i])) {
@@ -84,7 +75,7 @@ public:
         }
     }
 
-    [[nodiscard]] StepReport report(const session::Session & /*session*/) const override {
+    [[nodiscard]] StepReport report() const override {
         StepReport report;
         for (std::size_t i = 0; i < kMotions.size(); ++i) {
             const double moved_deg = in_degrees(q_rad_ - from_rad_, i);
@@ -92,8 +83,7 @@ public:
                                    fmt::format("{:+.0f}°", std::round(moved_deg) + 0.0)}); // no −0
         }
         for (std::size_t i = 0; i < joint_; ++i) {
-            report.seen.push_back(
-                fmt::format("{}: the picture moves as the device", kMotions[i].name));
+            report.see("{}: the picture moves as the device", kMotions[i].name);
         }
         if (joint_ == kMotions.size()) {
             report.verdict = Verdict::good;
@@ -110,13 +100,12 @@ public:
         report.to_do = std::string("The device only brakes. ") + motion.to_do;
         if (has_moved()) {
             const double farthest_deg = in_degrees(farthest_rad_, joint_);
-            report.seen.push_back(fmt::format(
-                "{}: the picture moved {} by {:.0f}°. Did the device?", motion.name,
-                farthest_deg > 0.0 ? motion.positive : motion.negative, std::abs(farthest_deg)));
+            report.see("{}: the picture moved {} by {:.0f}°. Did the device?", motion.name,
+                       farthest_deg > 0.0 ? motion.positive : motion.negative,
+                       std::abs(farthest_deg));
         } else if (const std::optional<std::size_t> other = moved_instead()) {
-            report.seen.push_back(
-                fmt::format("the picture moved another joint, the {}, by {:.0f}°. Did the device?",
-                            kMotions[*other].name, std::abs(in_degrees(farthest_rad_, *other))));
+            report.see("the picture moved another joint, the {}, by {:.0f}°. Did the device?",
+                       kMotions[*other].name, std::abs(in_degrees(farthest_rad_, *other)));
         }
         if (!complaint_.empty()) {
             report.troubles.push_back({complaint_, "move it yourself"});
@@ -124,13 +113,13 @@ public:
         return report;
     }
 
-    [[nodiscard]] std::vector<Offer> offers(session::Session &session) override {
+    [[nodiscard]] std::vector<Offer> offers() override {
         if (joint_ == kMotions.size() || answer_ != Answer::none) {
             return {};
         }
         std::vector<Offer> offers{
-            {"yes, the same way", "the picture moved as the device did",
-             [this, &session] { confirm(session); }, has_moved()},
+            {"yes, the same way", "the picture moved as the device did", [this] { confirm(); },
+             has_moved()},
             {"no, the other way", "the picture moved in the opposite direction",
              [this] { answer_ = Answer::reversed; }, has_moved()},
             {"no, another joint", "the picture moved another joint than the device",
@@ -138,21 +127,22 @@ public:
             {"nothing moves", "the device moved, but not the picture",
              [this] { answer_ = Answer::dead; }},
         };
-        if (session.device().emulated() != nullptr) {
+        if (session().device().emulated() != nullptr) {
             offers.push_back({"let the simulated hand do it",
                               "an emulated device: its hand moves this joint, and back",
-                              [this, &session] {
+                              [this] {
                                   complaint_ = complaint_of(
-                                      [&] { move_joint(session, joint_, kRehearsed_rad); });
+                                      [&] { move_joint(session(), joint_, kRehearsed_rad); });
                               },
-                              !session.hand().follows_path()});
+                              !session().hand().follows_path()});
         }
         return offers;
     }
 
 private:
-    static Vector3 joints_rad(const session::Session &session) {
-        return device::joint_from_motor(session.description().geometry, session.latest().theta_rad);
+    [[nodiscard]] Vector3 joints_rad() const {
+        return device::joint_from_motor(session().description().geometry,
+                                        session().latest().theta_rad);
     }
     static double in_degrees(const Vector3 &q_rad, std::size_t joint) {
         return q_rad[static_cast<Eigen::Index>(joint)] / kRadiansPerDegree;
@@ -172,14 +162,14 @@ private:
         return std::nullopt;
     }
 
-    void start(session::Session &session) {
-        q_rad_ = from_rad_ = joints_rad(session);
+    void start() {
+        q_rad_ = from_rad_ = joints_rad();
         farthest_rad_ = Vector3::Zero();
         complaint_.clear();
     }
-    void confirm(session::Session &session) {
+    void confirm() {
         ++joint_;
-        start(session);
+        start();
     }
 
     std::size_t joint_ = 0; ///< that is asked for; 3: none any more
@@ -192,6 +182,8 @@ private:
 
 } // namespace
 
-std::unique_ptr<Step> make_motion_step() { return std::make_unique<MotionStep>(); }
+std::unique_ptr<Step> make_motion_step(session::Session &session) {
+    return std::make_unique<MotionStep>(session);
+}
 
 } // namespace springdrive::app::assistant

@@ -1,7 +1,7 @@
 // A step of the assistant: what it asks for, what it saw, and whether one may go on. Steps know
 // nothing of the window, which shows them all alike.
 //
-//   begin ──► update, once a frame ──► end
+//   made ──► update, once a frame ──► end
 //     ▲          │
 //     └─ again ──┘
 #pragma once
@@ -9,12 +9,16 @@
 #include "base/vector.h"
 #include "engine/session/session.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app::assistant {
@@ -82,6 +86,11 @@ struct StepReport {
     std::string asks_doctor;  ///< a device as --device names it, of which the doctor knows more
     bool voids_later = false; ///< what later steps found out holds no more
     bool shows_pose = false;  ///< the zero pose
+
+    /// Adds a line to `seen`.
+    template <typename... Values> void see(fmt::format_string<Values...> text, Values &&...values) {
+        seen.push_back(fmt::format(text, std::forward<Values>(values)...));
+    }
 };
 
 /// Something that a person can choose, as a button.
@@ -92,26 +101,49 @@ struct Offer {
     bool is_enabled = true;
 };
 
+/// Made when it is entered, and anew when it is done again; the device is then released.
 class Step {
 public:
-    Step() = default;
+    /// @param session  outlives the step and its offers
+    explicit Step(session::Session &session) : session_(&session) {}
     Step(const Step &) = delete;
     Step &operator=(const Step &) = delete;
     virtual ~Step() = default;
 
-    /// It is entered, or done again. The device is released.
-    virtual void begin(session::Session &session) = 0;
-    /// Once a frame while it is the present one.
-    virtual void update(session::Session &session) = 0;
+    /// Once a frame while it is the present one, the first time when it was made.
+    virtual void update() {}
     /// It is left: what it has changed for itself is as before.
-    virtual void end(session::Session & /*session*/) {}
+    virtual void end() {}
 
-    [[nodiscard]] virtual StepReport report(const session::Session &session) const = 0;
-    /// @param session  and the step must outlive what is returned
-    [[nodiscard]] virtual std::vector<Offer> offers(session::Session & /*session*/) { return {}; }
+    [[nodiscard]] virtual StepReport report() const = 0;
+    /// The step must outlive what is returned.
+    [[nodiscard]] virtual std::vector<Offer> offers() { return {}; }
 
     /// The rotors' angles for the picture, where the servo does not measure them.
     [[nodiscard]] virtual std::optional<Vector3> theta_rad() const { return std::nullopt; }
+
+protected:
+    [[nodiscard]] session::Session &session() const { return *session_; }
+
+private:
+    session::Session *session_;
 };
+
+using MakeStep = std::function<std::unique_ptr<Step>(session::Session &)>;
+
+/// Which device, its connection, and what it loses.
+[[nodiscard]] std::unique_ptr<Step> make_link_step(session::Session &session);
+/// What the board says of itself, and whether the device file fits.
+[[nodiscard]] std::unique_ptr<Step> make_identity_step(session::Session &session);
+/// Each joint by hand, with the picture following.
+[[nodiscard]] std::unique_ptr<Step> make_motion_step(session::Session &session);
+/// Zeroing in the zero pose.
+[[nodiscard]] std::unique_ptr<Step> make_zero_step(session::Session &session);
+/// commissioning::SelfTest.
+[[nodiscard]] std::unique_ptr<Step> make_self_test_step(session::Session &session);
+/// commissioning::CalibrationRun; each step that is made knows what the last one found out.
+[[nodiscard]] MakeStep calibration_steps();
+/// A soft touch within lowered limits.
+[[nodiscard]] std::unique_ptr<Step> make_touch_step(session::Session &session);
 
 } // namespace springdrive::app::assistant

@@ -1,13 +1,10 @@
 #include "app/assistant/rehearsal.h"
-#include "app/assistant/steps.h"
+#include "app/assistant/step.h"
 #include "app/host/asset_folder.h"
 #include "base/complaint.h"
 #include "engine/control/tuning_file.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <string>
 #include <system_error>
 
 namespace springdrive::app::assistant {
@@ -22,12 +19,8 @@ constexpr double kFelt_s = 0.5;
 
 class TouchStep final : public Step {
 public:
-    void begin(session::Session &session) override {
-        end(session);
-        presses_next_ = false;
-        felt_s_ = 0.0;
-        peak_N_ = 0.0;
-        last_s_ = session.latest().time_s;
+    explicit TouchStep(session::Session &session)
+        : Step(session), last_s_(session.latest().time_s) {
         complaint_ = complaint_of([&] {
             const control::Tuning soft =
                 control::read_tuning_file(asset_folder() / "tunings" / "soft.toml");
@@ -45,16 +38,16 @@ public:
         session.keep_released(!complaint_.empty());
     }
 
-    void update(session::Session &session) override {
-        const servo::ServoSample &now = session.latest();
+    void update() override {
+        const servo::ServoSample &now = session().latest();
         if (presses_next_ && now.safety.state == servo::SafetyState::running &&
-            !session.hand().follows_path()) {
+            !session().hand().follows_path()) {
             presses_next_ = false; // before, it would press on a device that only brakes
-            complaint_ = complaint_of([&] { press_and_lift(session); });
+            complaint_ = complaint_of([&] { press_and_lift(session()); });
         }
         const double passed_s = std::max(0.0, now.time_s - last_s_);
         last_s_ = now.time_s;
-        if (now.safety.state != servo::SafetyState::running || session.scenes().is_loading()) {
+        if (now.safety.state != servo::SafetyState::running || session().scenes().is_loading()) {
             return;
         }
         const double force_N = now.contact.touching ? now.tip_force_N.norm() : 0.0;
@@ -62,32 +55,30 @@ public:
         felt_s_ += force_N >= kFelt_N ? passed_s : 0.0;
     }
 
-    void end(session::Session &session) override {
-        session.keep_released(true);
+    void end() override {
+        session().keep_released(true);
         if (before_) {
-            session.tuning().replace(before_->tuning, session.plot_time_s(),
-                                     "after the first touch");
-            session.servo().lower_limits(before_->limits);
-            before_.reset();
+            session().tuning().replace(before_->tuning, session().plot_time_s(),
+                                       "after the first touch");
+            session().servo().lower_limits(before_->limits);
         }
     }
 
-    [[nodiscard]] StepReport report(const session::Session &session) const override {
-        const servo::ServoSample &now = session.latest();
+    [[nodiscard]] StepReport report() const override {
+        const servo::ServoSample &now = session().latest();
         StepReport report;
-        report.to_do = to_do(session);
+        report.to_do = to_do();
         const bool touches =
             now.contact.touching && now.safety.state == servo::SafetyState::running;
         const double force_N = touches ? now.tip_force_N.norm() : 0.0;
         report.bars.push_back(
             {"force", force_N, 0.0, kGentleForce_N, fmt::format("{:.2f} N", force_N)});
-        report.seen.push_back(
-            fmt::format("depth {:.1f} mm, felt for {:.1f} of {:.1f} s, at most {:.2f} N",
-                        touches ? 1e3 * (now.contact.x0_m - now.tip_m).norm() : 0.0,
-                        std::min(felt_s_, kFelt_s), kFelt_s, peak_N_));
-        report.seen.push_back(fmt::format("tuning soft, force limited to {:.0f} N; both return to "
-                                          "what they were afterwards",
-                                          kGentleForce_N));
+        report.see("depth {:.1f} mm, felt for {:.1f} of {:.1f} s, at most {:.2f} N",
+                   touches ? 1e3 * (now.contact.x0_m - now.tip_m).norm() : 0.0,
+                   std::min(felt_s_, kFelt_s), kFelt_s, peak_N_);
+        report.see("tuning soft, force limited to {:.0f} N; both return to what they were "
+                   "afterwards",
+                   kGentleForce_N);
         if (!complaint_.empty()) {
             report.troubles.push_back({complaint_, "reinstall springdrive, then press Again"});
             report.verdict = Verdict::bad;
@@ -97,17 +88,17 @@ public:
         return report;
     }
 
-    [[nodiscard]] std::vector<Offer> offers(session::Session &session) override {
-        if (session.device().emulated() == nullptr) {
+    [[nodiscard]] std::vector<Offer> offers() override {
+        if (session().device().emulated() == nullptr) {
             return {};
         }
-        return {
-            {"let the simulated hand do it", "an emulated device: its hand presses and lifts",
-             [this, &session] {
-                 presses_next_ = true;
-                 complaint_ = complaint_of([&] { hold_above(session); });
-             },
-             !presses_next_ && !session.hand().follows_path() && !session.scenes().is_loading()}};
+        return {{"let the simulated hand do it", "an emulated device: its hand presses and lifts",
+                 [this] {
+                     presses_next_ = true;
+                     complaint_ = complaint_of([&] { hold_above(session()); });
+                 },
+                 !presses_next_ && !session().hand().follows_path() &&
+                     !session().scenes().is_loading()}};
     }
 
 private:
@@ -116,16 +107,16 @@ private:
         servo::SafetyLimits limits;
     };
 
-    [[nodiscard]] std::string to_do(const session::Session &session) const {
+    [[nodiscard]] std::string to_do() const {
         if (felt_s_ >= kFelt_s) {
             return "That was it: the plate gave way softly and pushed back. Press Finish.";
         }
-        if (session.scenes().is_loading()) {
+        if (session().scenes().is_loading()) {
             return "The plate is being loaded.";
         }
-        switch (session.latest().safety.state) {
+        switch (session().latest().safety.state) {
         case servo::SafetyState::waiting:
-            return session.latest().contact.touching
+            return session().latest().contact.touching
                        ? "Lift the tip off the plate, and hold it still: the motors start then."
                        : "Hold the tip still above the plate: the motors start then.";
         case servo::SafetyState::starting:
@@ -146,6 +137,8 @@ private:
 
 } // namespace
 
-std::unique_ptr<Step> make_touch_step() { return std::make_unique<TouchStep>(); }
+std::unique_ptr<Step> make_touch_step(session::Session &session) {
+    return std::make_unique<TouchStep>(session);
+}
 
 } // namespace springdrive::app::assistant

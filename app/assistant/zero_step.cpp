@@ -1,12 +1,8 @@
 #include "app/assistant/rehearsal.h"
-#include "app/assistant/steps.h"
+#include "app/assistant/step.h"
 #include "base/complaint.h"
 
-#include <fmt/format.h>
-
 #include <cstdlib>
-#include <string>
-#include <vector>
 
 namespace springdrive::app::assistant {
 
@@ -18,26 +14,23 @@ constexpr int kStillStep_counts = 8;
 
 class ZeroStep final : public Step {
 public:
-    void begin(session::Session &session) override {
-        complaint_.clear();
-        was_zeroed_ = session.is_zeroed();
-        is_zeroed_here_ = false;
-        note_motion(session);
+    explicit ZeroStep(session::Session &session) : Step(session), was_zeroed_(session.is_zeroed()) {
+        note_motion();
     }
 
-    void update(session::Session &session) override {
+    void update() override {
         for (std::size_t i = 0; i < 3; ++i) {
-            if (std::abs(session.latest().counts[i] - counts_[i]) > kStillStep_counts) {
-                note_motion(session);
+            if (std::abs(session().latest().counts[i] - counts_[i]) > kStillStep_counts) {
+                note_motion();
                 break;
             }
         }
-        still_s_ = session.latest().time_s - since_s_;
-        was_zeroed_ = was_zeroed_ && session.is_zeroed();
-        is_zeroed_here_ = is_zeroed_here_ && session.is_zeroed();
+        still_s_ = session().latest().time_s - since_s_;
+        was_zeroed_ = was_zeroed_ && session().is_zeroed();
+        is_zeroed_here_ = is_zeroed_here_ && session().is_zeroed();
     }
 
-    [[nodiscard]] StepReport report(const session::Session &session) const override {
+    [[nodiscard]] StepReport report() const override {
         StepReport report;
         report.shows_pose = true;
         report.voids_later = is_zeroed_here_; // the self-test checks the zero
@@ -45,15 +38,14 @@ public:
                        "you, the forearm hanging, square to it. Hold it still, then press \"zero "
                        "here\". Three degrees are near enough for a touch.";
         if (!is_zeroed_here_) { // which made all counts jump
-            report.seen.emplace_back(is_still() ? "the device is held still"
-                                                : "the device moves: hold it still");
+            report.see("{}",
+                       is_still() ? "the device is held still" : "the device moves: hold it still");
         }
         if (is_zeroed_here_) {
-            report.seen.push_back(
-                fmt::format("zeroed; the tip is {:.1f} mm from the origin of the picture",
-                            1e3 * session.latest().tip_m.norm()));
+            report.see("zeroed; the tip is {:.1f} mm from the origin of the picture",
+                       1e3 * session().latest().tip_m.norm());
         } else if (was_zeroed_) {
-            report.seen.emplace_back("it is zeroed already; the self-test checks how well");
+            report.see("it is zeroed already; the self-test checks how well");
         }
         if (!complaint_.empty()) {
             report.troubles.push_back({complaint_, "hold it still, and try again"});
@@ -62,27 +54,27 @@ public:
         return report;
     }
 
-    [[nodiscard]] std::vector<Offer> offers(session::Session &session) override {
-        std::vector<Offer> offers{{"zero here", "all angles are zero from now on",
-                                   [this, &session] { zero(session); }, is_still()}};
-        if (session.device().emulated() != nullptr) {
+    [[nodiscard]] std::vector<Offer> offers() override {
+        std::vector<Offer> offers{
+            {"zero here", "all angles are zero from now on", [this] { zero(); }, is_still()}};
+        if (session().device().emulated() != nullptr) {
             offers.push_back(
                 {"let the simulated hand do it", "an emulated device: its hand holds the zero pose",
-                 [this, &session] { complaint_ = complaint_of([&] { hold_zero_pose(session); }); },
-                 !session.hand().follows_path()});
+                 [this] { complaint_ = complaint_of([&] { hold_zero_pose(session()); }); },
+                 !session().hand().follows_path()});
         }
         return offers;
     }
 
 private:
     [[nodiscard]] bool is_still() const { return still_s_ >= kStill_s; }
-    void note_motion(const session::Session &session) {
-        counts_ = session.latest().counts;
-        since_s_ = session.latest().time_s;
+    void note_motion() {
+        counts_ = session().latest().counts;
+        since_s_ = session().latest().time_s;
         still_s_ = 0.0;
     }
-    void zero(session::Session &session) {
-        complaint_ = complaint_of([&] { session.zero_device(Vector3::Zero()); });
+    void zero() {
+        complaint_ = complaint_of([&] { session().zero_device(Vector3::Zero()); });
         is_zeroed_here_ = complaint_.empty();
     }
 
@@ -96,6 +88,8 @@ private:
 
 } // namespace
 
-std::unique_ptr<Step> make_zero_step() { return std::make_unique<ZeroStep>(); }
+std::unique_ptr<Step> make_zero_step(session::Session &session) {
+    return std::make_unique<ZeroStep>(session);
+}
 
 } // namespace springdrive::app::assistant

@@ -11,7 +11,6 @@
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
 #include "device/core/motor/winding_guard.h"
-#include "device/simulated/calibration_tour.h"
 #include "engine/commissioning/calibration_run.h"
 
 #include <fmt/format.h>
@@ -52,20 +51,21 @@ std::string text_of_file(const std::filesystem::path &file) {
 }
 
 void show_numbers(const device::Calibration &calibration) {
-    print(std::cout, "motor  R [Ohm]             ripple [Ohm]                   k_T [mN.m/A]      "
-                     "offset [mA]\n");
-    for (std::size_t j = 0; j < 3; ++j) {
-        const device::MotorCalibration &motor = calibration.motor[j];
-        print(std::cout,
-              "{}      {:.4f} +- {:.4f}   {:.4f} at {:4.0f} deg, {:.4f} (2nd)   {:.3f} +- {:.3f}   "
-              "{:.2f} +- {:.2f}\n",
-              j + 1, motor.resistance_Ohm, motor.resistance_deviation_Ohm,
-              std::hypot(motor.ripple_cos_Ohm, motor.ripple_sin_Ohm),
-              std::atan2(motor.ripple_sin_Ohm, motor.ripple_cos_Ohm) / kRadiansPerDegree,
-              std::hypot(motor.ripple_cos_2_Ohm, motor.ripple_sin_2_Ohm),
-              1e3 * motor.torque_constant_Nm_per_A, 1e3 * motor.torque_constant_deviation_Nm_per_A,
-              1e3 * motor.offset_A, 1e3 * motor.offset_deviation_A);
+    Table table = Table::with_columns("motor,R [Ohm],ripple [Ohm],k_T [mN.m/A],offset [mA]");
+    for (const device::MotorCalibration &motor : calibration.motor) {
+        table.rows.push_back(
+            {table.rows.size() + 1,
+             with_deviation(4, motor.resistance_Ohm, motor.resistance_deviation_Ohm),
+             Cell::like_number(fmt::format(
+                 "{:.4f} at {:.0f} deg, {:.4f} (2nd)",
+                 std::hypot(motor.ripple_cos_Ohm, motor.ripple_sin_Ohm),
+                 std::atan2(motor.ripple_sin_Ohm, motor.ripple_cos_Ohm) / kRadiansPerDegree,
+                 std::hypot(motor.ripple_cos_2_Ohm, motor.ripple_sin_2_Ohm))),
+             with_deviation(3, 1e3 * motor.torque_constant_Nm_per_A,
+                            1e3 * motor.torque_constant_deviation_Nm_per_A),
+             with_deviation(2, 1e3 * motor.offset_A, 1e3 * motor.offset_deviation_A)});
     }
+    write_text(std::cout, table);
 }
 
 /// What the numbers do not say.
@@ -85,17 +85,17 @@ void show_limits(const device::DeviceDescription &device, const device::Calibrat
 void show_dR(const CalibrationReport &report, double dR_Ohm) {
     print(std::cout,
           "R-hat for a dR of {:.3g} Ohm, and the least dR that is permitted, with 3 "
-          "deviations [Ohm]\n"
-          "motor  by the file    at a start       after a touch\n",
+          "deviations [Ohm]\n",
           dR_Ohm);
-    for (std::size_t j = 0; j < 3; ++j) {
-        const commissioning::MotorCalibrationReport &motor = report.motor[j];
-        print(std::cout, "{}     ", j + 1);
+    Table table = Table::with_columns("motor,by the file,at a start,after a touch");
+    for (const commissioning::MotorCalibrationReport &motor : report.motor) {
+        table.rows.push_back({table.rows.size() + 1});
         for (const Cancellable &known : {motor.before, motor.at_start, motor.now}) {
-            print(std::cout, " {:.3f}, {:.3f}   ", known.R_hat_Ohm, known.least_dR_Ohm);
+            table.rows.back().push_back(Cell::like_number(
+                fmt::format("{:.3f}, {:.3f}", known.R_hat_Ohm, known.least_dR_Ohm)));
         }
-        print(std::cout, "\n");
     }
+    write_text(std::cout, table);
 }
 
 /// What the observers' picture of the last period depends on: d of the last commands, and what is
@@ -111,56 +111,27 @@ void show_link(const device::HapticDevice &device) {
     }
 }
 
-/// The simulated hand moves the tip about; a person presses Enter to end.
-class CalibratingHand {
-public:
-    CalibratingHand(factory::OpenBoard &board, CalibrationRun &run, double longest_s)
-        : board_(board), run_(run), longest_s_(longest_s) {}
-
-    void follow() {
-        if (run_.stage() != CalibrationStage::motion) {
-            return;
-        }
-        if (!std::exchange(has_begun_, true)) {
-            static_cast<void>(has_typed_line()); // what was typed before is no answer
-            if (board_.emulated) {
-                simulated::SimulatedPhantom &phantom = board_.emulated->phantom();
-                phantom.follow(simulated::calibration_tour(
-                    board_.device->description(), phantom.truth().tip_m, longest_s_ + 10.0));
-            }
-        } else if (!board_.emulated && has_typed_line()) {
-            run_.finish();
-        }
-    }
-
-private:
-    factory::OpenBoard &board_;
-    CalibrationRun &run_;
-    double longest_s_;
-    bool has_begun_ = false;
-};
-
-/// Runs it to its end, or to a signal.
-void carry_out(CalibrationRun &run, factory::OpenBoard &board, double longest_s) {
+/// Runs it to its end, or to a signal. A person ends the motion by Enter.
+void carry_out(CalibrationRun &run, bool is_by_person) {
     note_ending_signals();
-    CalibratingHand hand(board, run, longest_s);
     ProgressLine line;
     std::string said;
+    bool has_begun = false;
     constexpr int kTicksBetweenLooks = 200;
     for (int tick = 0; !asked_to_end() && run.step(); ++tick) {
-        hand.follow();
+        const bool is_motion = run.stage() == CalibrationStage::motion;
+        if (is_motion && is_by_person) {
+            const bool has_typed = has_typed_line();
+            if (std::exchange(has_begun, true) && has_typed) { // typed before it is no answer
+                run.finish();
+            }
+        }
         if (tick % kTicksBetweenLooks != 0) {
             continue;
         }
-        const std::string instruction = run.instruction();
-        if (instruction != said && !instruction.empty()) {
-            print(std::cerr, "{}{}\n", instruction,
-                  run.stage() == CalibrationStage::motion && !board.emulated
-                      ? " (Enter ends it before all is known)"
-                      : "");
-            said = instruction;
-        }
-        if (run.stage() == CalibrationStage::motion) {
+        instruct(run.instruction(),
+                 is_motion && is_by_person ? " (Enter ends it before all is known)" : "", said);
+        if (is_motion) {
             line.show("calibrating", run.share());
         }
     }
@@ -181,8 +152,9 @@ void calibrate(const TypedCalibration &typed) {
         throw InputError("hold the device in its zero pose, upper arm level, forearm hanging, tip "
                          "at the origin, and add --at-zero: its motors must know where it is");
     }
-    CalibrationRun run(*board.device, typed.options);
-    carry_out(run, board, typed.options.longest_motion_s);
+    CalibrationRun run(*board.device, typed.options,
+                       board.emulated ? &board.emulated->phantom() : nullptr);
+    carry_out(run, !board.emulated);
     const CalibrationReport report = run.report();
     if (!report.is_complete) {
         print(std::cout, "not calibrated: {}\n", report.problem);

@@ -8,8 +8,9 @@
 #include "base/one_line.h"
 #include "base/print.h"
 #include "device/factory/board_factory.h"
-#include "device/simulated/stop_tour.h"
 #include "engine/commissioning/self_test.h"
+
+#include <fmt/format.h>
 
 #include <poll.h>
 
@@ -20,7 +21,7 @@
 #include <string>
 #include <string_view>
 #include <unistd.h>
-#include <vector>
+#include <utility>
 
 namespace springdrive::app {
 
@@ -47,74 +48,48 @@ struct TypedSelfTest {
     commissioning::SelfTestOptions options;
 };
 
-/// The simulated hand does as the test asks; a person presses Enter when the device was moved.
-class Hand {
+/// In the motion: it ends by Enter, or by a second one if the device was not everywhere.
+class Person {
 public:
-    Hand(factory::OpenBoard &board, SelfTest &test) : board_(board), test_(test) {}
+    explicit Person(SelfTest &test) : test_(test) {}
 
     void follow() {
-        if (test_.stage() != SelfTestStage::motion) {
-            return;
-        }
-        if (!board_.emulated) {
-            follow_person();
-            return;
-        }
-        simulated::SimulatedPhantom &phantom = board_.emulated->phantom();
-        const double now_s = phantom.truth().time_s;
-        if (!has_begun_) {
-            has_begun_ = true;
-            const simulated::HandPath path =
-                simulated::stop_tour(board_.device->description(), phantom.truth().tip_m);
-            ends_s_ = now_s + path.end_s();
-            phantom.follow(path);
-        } else if (now_s > ends_s_) {
-            test_.finish_motion();
-        }
-    }
-
-private:
-    /// Ends by Enter, or by a second one if the device was not everywhere.
-    void follow_person() {
         const bool has_typed = has_typed_line();
-        if (!has_begun_) { // what was typed before is no answer
-            has_begun_ = true;
+        if (!std::exchange(has_begun_, true) || !has_typed) { // typed before it is no answer
             return;
         }
-        if (!has_typed) {
-            return;
-        }
-        if (test_.has_reached_all() || has_been_asked_) {
+        if (test_.has_reached_all() || std::exchange(has_been_asked_, true)) {
             test_.finish_motion();
             return;
         }
-        has_been_asked_ = true;
         print(std::cerr, "not everywhere yet: {}; Enter again ends it all the same\n",
               test_.instruction());
     }
 
-    factory::OpenBoard &board_;
+private:
     SelfTest &test_;
     bool has_begun_ = false;
     bool has_been_asked_ = false;
-    double ends_s_ = 0.0; ///< its path
 };
 
 void show_windings(const SelfTestReport &report) {
     if (report.pulses.empty()) {
         return;
     }
-    print(std::cout, "motor   R [Ohm]           L [mH]            counted/turned\n");
+    Table table = Table::with_columns("motor,R [Ohm],L [mH]");
+    if (report.has_motion) {
+        table.columns.push_back({"counted/turned", ".3f"});
+    }
     for (std::size_t i = 0; i < 3; ++i) {
         const commissioning::WindingFigures &motor = report.windings.motor[i];
-        print(std::cout, "{}       {:.4f} +- {:.4f}  {:.4f} +- {:.4f}", i + 1, motor.resistance_Ohm,
-              motor.resistance_deviation_Ohm, 1e3 * motor.inductance_H,
-              1e3 * motor.inductance_deviation_H);
+        table.rows.push_back(
+            {i + 1, with_deviation(4, motor.resistance_Ohm, motor.resistance_deviation_Ohm),
+             with_deviation(4, 1e3 * motor.inductance_H, 1e3 * motor.inductance_deviation_H)});
         if (report.has_motion) {
-            print(std::cout, "  {:.3f}", report.motion.motor[i].counts_per_turned);
+            table.rows.back().emplace_back(report.motion.motor[i].counts_per_turned);
         }
-        print(std::cout, "\n");
     }
+    write_text(std::cout, table);
 }
 
 void show_stops(const SelfTestReport &report) {
@@ -159,19 +134,16 @@ void self_test(const TypedSelfTest &typed) {
         board.device->zero(Vector3::Zero());
     }
     note_ending_signals();
-    SelfTest test(*board.device, typed.options);
-    Hand hand(board, test);
+    SelfTest test(*board.device, typed.options,
+                  board.emulated ? &board.emulated->phantom() : nullptr);
+    Person person(test);
     std::string said;
     while (!asked_to_end() && test.step()) {
-        hand.follow();
-        const std::string instruction = test.instruction();
-        if (instruction != said && !instruction.empty()) {
-            print(std::cerr, "{}{}\n", instruction,
-                  test.stage() == SelfTestStage::motion && !board.emulated
-                      ? " (Enter when it was everywhere)"
-                      : "");
-            said = instruction;
+        const bool asks = test.stage() == SelfTestStage::motion && !board.emulated;
+        if (asks) {
+            person.follow();
         }
+        instruct(test.instruction(), asks ? " (Enter when it was everywhere)" : "", said);
     }
     if (const int status = show(test.report(), board.device->is_zeroed()); status != 0) {
         end_with_status(status);
@@ -193,6 +165,17 @@ bool has_typed_line() {
                            std::string_view::npos;
     }
     return has_end;
+}
+
+void instruct(const std::string &instruction, const char *hint, std::string &said) {
+    if (instruction != said && !instruction.empty()) {
+        print(std::cerr, "{}{}\n", instruction, hint);
+        said = instruction;
+    }
+}
+
+Cell with_deviation(int digits, double value, double deviation) {
+    return Cell::like_number(fmt::format("{:.{}f} +- {:.{}f}", value, digits, deviation, digits));
 }
 
 void add_info(Command &device) {

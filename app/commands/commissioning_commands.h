@@ -2,6 +2,9 @@
 #pragma once
 
 #include "app/commands/command.h"
+#include "base/table.h"
+
+#include <string>
 
 namespace springdrive::app {
 
@@ -19,5 +22,13 @@ void add_calibrate(Command &device);
 
 /// Whether a line was typed since the last call; does not wait.
 [[nodiscard]] bool has_typed_line();
+
+/// Tells the person at the terminal what to do, once; nothing if it is empty.
+/// @param said  the last one
+/// @param hint  after it
+void instruct(const std::string &instruction, const char *hint, std::string &said);
+
+/// "2.1800 +- 0.0012"
+[[nodiscard]] Cell with_deviation(int digits, double value, double deviation);
 
 } // namespace springdrive::app

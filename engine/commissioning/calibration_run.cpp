@@ -4,6 +4,7 @@
 #include "base/input_error.h"
 #include "device/core/calibration_file.h"
 #include "device/core/motor/winding_guard.h"
+#include "device/simulated/calibration_tour.h"
 
 #include <fmt/format.h>
 
@@ -70,8 +71,9 @@ Cancellable cancellable(const device::MotorParameters &file, control::ObservedMo
 
 } // namespace
 
-CalibrationRun::CalibrationRun(device::HapticDevice &device, const CalibrationOptions &options)
-    : device_(device), options_(options), reset_(options.lets_go_on) {
+CalibrationRun::CalibrationRun(device::HapticDevice &device, const CalibrationOptions &options,
+                               simulated::HandControl *hand)
+    : device_(device), options_(options), hand_(hand), reset_(options.lets_go_on) {
     const device::DeviceDescription &file = device.description();
     SPRINGDRIVE_ASSERT(!file.calibration); // what was known before would be part of the result
     if (!file.current_sensing.is_shared) {
@@ -160,6 +162,10 @@ void CalibrationRun::tick() {
             stage_ = CalibrationStage::motion;
             ticks_ = 0;
             lowest_rad_ = highest_rad_ = sample_.theta_rad;
+            if (hand_ != nullptr) {
+                hand_->follow(simulated::calibration_tour(device_.description(), hand_->hand_m(),
+                                                          motion_left_s()));
+            }
         } else if (ticks_ >= kLongestStart_ticks) {
             stop_for(CalibrationProblem::never_at_rest,
                      "the tip was never at rest, so the motors could not start; hold it still");

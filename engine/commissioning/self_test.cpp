@@ -3,6 +3,7 @@
 #include "base/assertions.h"
 #include "base/input_error.h"
 #include "device/core/board_faults.h"
+#include "device/simulated/stop_tour.h"
 
 #include <fmt/format.h>
 
@@ -30,9 +31,10 @@ device::Bench &bench_of(device::HapticDevice &device) {
 
 } // namespace
 
-SelfTest::SelfTest(device::HapticDevice &device, const SelfTestOptions &options)
-    : device_(device), bench_(bench_of(device)), options_(options), reset_(options.lets_go_on),
-      motion_(device.description()) {
+SelfTest::SelfTest(device::HapticDevice &device, const SelfTestOptions &options,
+                   simulated::HandControl *hand)
+    : device_(device), bench_(bench_of(device)), options_(options), hand_(hand),
+      reset_(options.lets_go_on), motion_(device.description()) {
     SPRINGDRIVE_ASSERT(options.repeats >= 1);
     options_.pulse.duration_s = std::max(options.pulse.duration_s, bench_.shortest_pulse_s());
 }
@@ -47,6 +49,7 @@ bool SelfTest::step() {
     }
     require_news(measured);
     now_s_ = measured.time_s;
+    counts_ = measured.counts;
     if (stage_began_s_ < 0.0) {
         stage_began_s_ = now_s_;
     }
@@ -147,6 +150,12 @@ void SelfTest::pulse() {
     is_complete_ = !options_.has_motion;
     stage_ = options_.has_motion ? SelfTestStage::motion : SelfTestStage::done;
     stage_began_s_ = now_s_;
+    if (hand_ != nullptr && options_.has_motion) {
+        const simulated::HandPath tour =
+            simulated::stop_tour(device_.description(), hand_->hand_m());
+        options_.longest_motion_s = std::min(options_.longest_motion_s, tour.end_s());
+        hand_->follow(tour);
+    }
 }
 
 void SelfTest::move(const device::Measurement &measured) {
@@ -157,8 +166,14 @@ void SelfTest::move(const device::Measurement &measured) {
 }
 
 void SelfTest::finish_motion() {
-    is_complete_ = true;
-    stage_ = SelfTestStage::done;
+    if (stage_ == SelfTestStage::motion) {
+        is_complete_ = true;
+        stage_ = SelfTestStage::done;
+    }
+}
+
+Vector3 SelfTest::theta_rad() const {
+    return device_.description().rad_per_count() * Vector3(counts_[0], counts_[1], counts_[2]);
 }
 
 std::string SelfTest::instruction() const {

@@ -8,6 +8,7 @@
 
 #include "device/core/board_reset.h"
 #include "device/core/haptic_device.h"
+#include "device/simulated/hand_control.h"
 #include "engine/commissioning/motion_check.h"
 #include "engine/commissioning/winding_check.h"
 
@@ -45,7 +46,10 @@ struct SelfTestReport {
 class SelfTest {
 public:
     /// @param device  has a bench, and is read and written by nobody else; outlives this
-    explicit SelfTest(device::HapticDevice &device, const SelfTestOptions &options = {});
+    /// @param hand    a simulated one that holds it, and does as a person is asked to; null: a
+    ///                person does
+    explicit SelfTest(device::HapticDevice &device, const SelfTestOptions &options = {},
+                      simulated::HandControl *hand = nullptr);
 
     /// One tick: reads a measurement, answers by braking. The first ones reset what the board has
     /// latched before, as BoardReset permits. @return whether there is more to do
@@ -59,8 +63,11 @@ public:
     [[nodiscard]] bool has_reached_all() const { return motion_.missing().empty(); }
     [[nodiscard]] double share() const; ///< of the present stage
 
-    /// The person has moved the device as far as it goes.
+    /// The person has moved the device as far as it goes. Ignored in any other stage.
     void finish_motion();
+
+    /// The rotors' angles of the last tick, for display.
+    [[nodiscard]] Vector3 theta_rad() const;
 
     [[nodiscard]] SelfTestReport report() const;
 
@@ -74,6 +81,8 @@ private:
     device::HapticDevice &device_;
     device::Bench &bench_;
     SelfTestOptions options_;
+    simulated::HandControl *hand_;
+    std::array<std::int32_t, 3> counts_{}; ///< of the last tick
     SelfTestStage stage_ = SelfTestStage::rest;
     double stage_began_s_ = -1.0; ///< by the device's time; before the first measurement
     double now_s_ = 0.0;

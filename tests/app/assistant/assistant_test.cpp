@@ -13,20 +13,25 @@
 namespace springdrive::app::assistant {
 namespace {
 
-/// Does as the test says.
-class ToldStep final : public Step {
-public:
-    void begin(session::Session & /*session*/) override { ++begun; }
-    void update(session::Session & /*session*/) override {}
-    void end(session::Session & /*session*/) override { ++ended; }
-    [[nodiscard]] StepReport report(const session::Session & /*session*/) const override {
-        StepReport report;
-        report.verdict = verdict;
-        return report;
-    }
+struct Told {
     Verdict verdict = Verdict::open;
     int begun = 0;
     int ended = 0;
+};
+
+/// Does as the test says.
+class ToldStep final : public Step {
+public:
+    ToldStep(session::Session &session, Told &told) : Step(session), told_(told) { ++told.begun; }
+    void end() override { ++told_.ended; }
+    [[nodiscard]] StepReport report() const override {
+        StepReport report;
+        report.verdict = told_.verdict;
+        return report;
+    }
+
+private:
+    Told &told_;
 };
 
 class Sequence {
@@ -38,12 +43,12 @@ public:
 
     void update() { assistant.update(session); }
     void pass(std::size_t step, Verdict verdict = Verdict::good) {
-        steps[step]->verdict = verdict;
+        steps[step].verdict = verdict;
         update();
         assistant.next(session);
     }
 
-    std::array<ToldStep *, kSteps> steps{};
+    std::array<Told, kSteps> steps{};
     session::Session session;
     Assistant assistant;
 
@@ -51,9 +56,9 @@ private:
     Assistant::Steps told_steps() {
         Assistant::Steps all;
         for (std::size_t i = 0; i < kSteps; ++i) {
-            auto step = std::make_unique<ToldStep>();
-            steps[i] = step.get();
-            all[i] = std::move(step);
+            all[i] = [&told = steps[i]](session::Session &of) {
+                return std::make_unique<ToldStep>(of, told);
+            };
         }
         return all;
     }
@@ -90,17 +95,17 @@ TEST(Assistant, GoesOnOnlyAfterAGoodOrSkippedStep) {
     EXPECT_EQ(sequence.assistant.state(StepName::link), StepState::done);
     EXPECT_EQ(sequence.assistant.state(StepName::identity), StepState::present);
     EXPECT_EQ(sequence.assistant.state(StepName::motion), StepState::open);
-    EXPECT_EQ(sequence.steps[0]->ended, 2); // before it began, and after
-    EXPECT_EQ(sequence.steps[1]->begun, 1);
+    EXPECT_EQ(sequence.steps[0].ended, 1);
+    EXPECT_EQ(sequence.steps[1].begun, 1);
 }
 
 TEST(Assistant, ContinuesADoubtfulStepOnlyWhenAskedAndABadOneNever) {
     Sequence sequence;
-    sequence.steps[0]->verdict = Verdict::bad;
+    sequence.steps[0].verdict = Verdict::bad;
     sequence.update();
     sequence.assistant.continue_all_the_same(sequence.session);
     EXPECT_EQ(sequence.assistant.present(), StepName::link);
-    sequence.steps[0]->verdict = Verdict::doubtful;
+    sequence.steps[0].verdict = Verdict::doubtful;
     sequence.update();
     sequence.assistant.continue_all_the_same(sequence.session);
     EXPECT_EQ(sequence.assistant.present(), StepName::identity);
@@ -114,10 +119,10 @@ TEST(Assistant, GoesBackAndAgainAndForthOverWhatIsDone) {
     sequence.pass(1);
     sequence.assistant.back(sequence.session);
     EXPECT_EQ(sequence.assistant.present(), StepName::identity);
-    EXPECT_EQ(sequence.steps[1]->begun, 2);
+    EXPECT_EQ(sequence.steps[1].begun, 2);
     sequence.assistant.again(sequence.session);
-    EXPECT_EQ(sequence.steps[1]->begun, 3);
-    sequence.steps[1]->verdict = Verdict::open; // not yet seen again, but done before
+    EXPECT_EQ(sequence.steps[1].begun, 3);
+    sequence.steps[1].verdict = Verdict::open; // not yet seen again, but done before
     sequence.update();
     EXPECT_TRUE(sequence.assistant.can_go_on(sequence.session));
     EXPECT_TRUE(sequence.assistant.can_go_to(StepName::motion)); // the first that is not done
@@ -135,10 +140,10 @@ TEST(Assistant, AStepThatFailsVoidsWhatCameAfterAndHoldsTheDevice) {
         sequence.pass(0);
         sequence.pass(1);
         sequence.assistant.back(sequence.session);
-        sequence.steps[1]->verdict = Verdict::bad;
+        sequence.steps[1].verdict = Verdict::bad;
         sequence.update();
         EXPECT_FALSE(sequence.assistant.can_go_to(StepName::motion));
-        sequence.steps[1]->verdict = Verdict::open; // begun again, but not mended yet
+        sequence.steps[1].verdict = Verdict::open; // begun again, but not mended yet
         sequence.update();
         sequence.assistant.leave(sequence.session);
         EXPECT_EQ(sequence.assistant.state(StepName::identity), StepState::failed);
@@ -164,7 +169,7 @@ TEST(Assistant, IsResumedAtTheFirstStepThatIsNotDone) {
         sequence.pass(1);
         sequence.assistant.leave(sequence.session);
         EXPECT_FALSE(sequence.assistant.is_open());
-        EXPECT_EQ(sequence.steps[2]->ended, 1);
+        EXPECT_EQ(sequence.steps[2].ended, 1);
         sequence.assistant.open(sequence.session);
         EXPECT_EQ(sequence.assistant.present(), StepName::motion);
     }

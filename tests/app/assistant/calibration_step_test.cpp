@@ -1,6 +1,6 @@
-// Covers app/assistant/calibration_{step,loan,words}.cpp: on emulated devices whose motors and
+// Covers app/assistant/{calibration_step,findings}.cpp: on emulated devices whose motors and
 // sensors are drawn at random, against their truth; and what can come between.
-#include "app/assistant/calibration_words.h"
+#include "app/assistant/findings.h"
 #include "base/complaint.h"
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
@@ -373,22 +373,26 @@ TEST(CalibrationStep, OneOfAnotherSerialNumberIsRefused) {
 }
 
 TEST(CalibrationVerdict, OnlyWhatContradictsTheDeviceFileMustNotBePassed) {
+    const auto judged = [](CalibrationProblem problem, servo::TripCause trip = {}) {
+        commissioning::CalibrationReport found;
+        found.kind = problem;
+        found.trip = trip;
+        StepReport report;
+        judge(found, report);
+        return report;
+    };
     for (const CalibrationProblem problem :
          {CalibrationProblem::contradiction, CalibrationProblem::of_another_kind}) {
-        EXPECT_EQ(verdict_on(problem), Verdict::bad);
+        EXPECT_EQ(judged(problem).verdict, Verdict::bad);
     }
     for (const CalibrationProblem problem :
          {CalibrationProblem::ended, CalibrationProblem::stopped, CalibrationProblem::never_at_rest,
           CalibrationProblem::little_motion}) {
-        EXPECT_EQ(verdict_on(problem), Verdict::doubtful);
-        commissioning::CalibrationReport report;
-        report.kind = problem;
-        EXPECT_NE(trouble_of(report).remedy, "");
+        EXPECT_EQ(judged(problem).verdict, Verdict::doubtful);
+        EXPECT_NE(judged(problem).troubles.at(0).remedy, "");
     }
-    commissioning::CalibrationReport too_fast;
-    too_fast.kind = CalibrationProblem::stopped;
-    too_fast.trip = servo::TripCause::tip_speed;
-    EXPECT_NE(trouble_of(too_fast).remedy.find("more slowly"), std::string::npos);
+    const StepReport too_fast = judged(CalibrationProblem::stopped, servo::TripCause::tip_speed);
+    EXPECT_NE(too_fast.troubles.at(0).remedy.find("more slowly"), std::string::npos);
 }
 
 } // namespace
