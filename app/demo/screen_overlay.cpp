@@ -73,7 +73,7 @@ Rectangle Screen::free_part(const Rectangle &view) const {
 /// Nothing else stands over it: no menu, no views, no files.
 void Screen::draw_over_kiosk(const Rectangle &view, bool is_inside) {
     draw_captions(session_, view_control_.camera(), view, window_.scale(), exhibit::kArrow);
-    kiosk_->update({{session_, desk_, lift_}, view_control_}, {ImGui::GetIO().DeltaTime, is_inside},
+    kiosk_->update({{session_, desk_, lift_}, view_control_, ImGui::GetIO().DeltaTime, is_inside},
                    view, window_.large_text());
     if (const std::string complaint = kiosk_->take_complaint(); !complaint.empty()) {
         std::cerr << "springdrive: " << complaint << '\n';

@@ -1,13 +1,6 @@
 #include "app/exhibit/course.h"
 
-#include <array>
-
 namespace springdrive::app::exhibit {
-
-std::string_view name_of(Stage stage) {
-    constexpr std::array<std::string_view, 3> kNames{"attract", "showing", "your turn"};
-    return kNames[static_cast<std::size_t>(stage)];
-}
 
 CourseOrders Course::update(const CourseNow &now) {
     CourseOrders orders;

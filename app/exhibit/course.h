@@ -12,13 +12,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string_view>
 
 namespace springdrive::app::exhibit {
 
 enum class Stage : std::uint8_t { attract, showing, your_turn };
-
-[[nodiscard]] std::string_view name_of(Stage stage);
 
 /// What the course depends on, of one frame.
 struct CourseNow {

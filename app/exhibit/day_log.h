@@ -4,11 +4,14 @@
 //   2026-11-25 10:03:58  stopped: tip speed 1.24 m/s, limit 1.20 m/s
 #pragma once
 
+#include "engine/session/session.h"
+
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace springdrive::app::exhibit {
 
@@ -55,6 +58,25 @@ private:
     std::uint64_t missing_ = 0;
     bool has_complained_ = false;
     std::string complaint_;
+};
+
+/// Watches the servo's telemetry for what the log reports: peaks, stops, a lost device.
+class DayWatch {
+public:
+    /// Once a frame: takes in every tick since the last one.
+    /// @return what happened, each in one line
+    std::vector<std::string> update(const session::Session &session, DayFigures &figures);
+
+private:
+    void watch_safety(const servo::SafetyStatus &safety, double time_s, DayFigures &figures,
+                      std::vector<std::string> &events);
+
+    std::uint64_t next_row_ = 0;
+    servo::SafetyState state_ = servo::SafetyState::waiting;
+    std::uint32_t held_stop_ = 0;
+    bool is_stopped_ = false; ///< and did not run since
+    double stopped_s_ = 0.0;
+    bool is_lost_ = false;
 };
 
 } // namespace springdrive::app::exhibit

@@ -27,29 +27,14 @@ void Guide::update(const Stagecraft &stage, double time_s) {
         return;
     }
     had_scene_ = had_scene_ || has_scene;
-    CourseNow now;
-    now.time_s = time_s;
-    now.is_ready = performer_->is_ready(stage.session);
-    now.is_shown = performer_->is_shown(stage.session, time_s);
     const std::size_t before = course_->scene();
-    const CourseOrders orders = course_->update(now);
-    if (orders.leaves) {
-        performer_->leave(stage);
-    }
+    const CourseOrders orders = course_->update(performer_->now(stage.session, time_s));
     if (orders.scene && before + 1 == kTour.size()) {
         end(stage); // all were shown
         return;
     }
-    if (orders.scene) {
-        performer_->show(stage, kTour[*orders.scene]);
-        had_scene_ = false;
-    }
-    if (orders.performs) {
-        performer_->perform(stage, kTour[course_->scene()], time_s);
-    }
-    if (course_->is_performing()) {
-        performer_->update(stage);
-    }
+    had_scene_ = had_scene_ && !orders.scene;
+    performer_->carry_out(orders, *course_, stage, time_s);
 }
 
 } // namespace springdrive::app::exhibit

@@ -1,19 +1,11 @@
 #include "app/exhibit/healing.h"
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
 
 namespace springdrive::app::exhibit {
 
 using servo::SafetyState;
 using servo::TripCause;
-
-std::string_view name_of(Condition condition) {
-    constexpr std::array<std::string_view, 8> kNames{
-        "well", "lost", "let go", "pause", "asks go on", "lift", "needs staff", "needs zeroing"};
-    return kNames[static_cast<std::size_t>(condition)];
-}
 
 HealingNow healing_of(const session::Session &session) {
     const servo::ServoSample &latest = session.latest();

@@ -10,7 +10,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string_view>
 
 namespace springdrive::app::exhibit {
 
@@ -43,8 +42,6 @@ enum class Condition : std::uint8_t {
     needs_staff,   ///< no reset helps
     needs_zeroing, ///< by the staff
 };
-
-[[nodiscard]] std::string_view name_of(Condition condition);
 
 enum class Remedy : std::uint8_t { none, reset, lift_hand };
 

@@ -63,14 +63,12 @@ void Kiosk::obey(const KeyPress &key) {
     keys_.push_back(key);
 }
 
-void Kiosk::update(const KioskParts &parts, const KioskFrame &frame, const Rectangle &view,
-                   const Window::LargeText &text) {
+void Kiosk::update(const KioskParts &parts, const Rectangle &view, const Window::LargeText &text) {
     // Unless the next frame comes in time, SIGALRM ends the process, whatever it waits for; its
     // service starts it again.
     alarm(kHung_s);
     session::Session &session = parts.stage.session;
-    now_ = {};
-    now_.time_s = boot_time_s();
+    now_ = performer_.now(session, boot_time_s());
     renew_read_out(parts);
     const KioskAnswer answer = draw_kiosk(shown(parts), parts.view.camera(), view, text);
     if (answer.stop) {
@@ -85,20 +83,15 @@ void Kiosk::update(const KioskParts &parts, const KioskFrame &frame, const Recta
     for (const std::string &event : watch_.update(session, figures_)) {
         log_.note(event);
     }
-    if (frame.frame_s < Course::kGap_s) {
-        figures_.longest_frame_s = std::max(figures_.longest_frame_s, frame.frame_s);
+    if (parts.frame_s < Course::kGap_s) {
+        figures_.longest_frame_s = std::max(figures_.longest_frame_s, parts.frame_s);
     }
     if (const std::string &error = session.scenes().error(); error != error_) {
         error_ = error;
         log_.note(error);
     }
-    heal(parts, frame);
-    now_.is_ready = performer_.is_ready(session);
-    now_.is_shown = performer_.is_shown(session, now_.time_s);
+    heal(parts);
     carry_out(course_.update(now_), parts);
-    if (course_.is_performing()) {
-        performer_.update(parts.stage);
-    }
     if (const std::string complaint = performer_.take_complaint(); !complaint.empty()) {
         log_.note(complaint);
     }
@@ -145,12 +138,12 @@ bool Kiosk::tip_was_moved(const session::Session &session) {
     return has_moved;
 }
 
-void Kiosk::heal(const KioskParts &parts, const KioskFrame &frame) {
+void Kiosk::heal(const KioskParts &parts) {
     session::Session &session = parts.stage.session;
     HealingNow now = healing_of(session);
     now.time_s = now_.time_s;
     // The scripted hand finds its own way.
-    now.is_inside = frame.is_inside && !now.is_touching && !course_.is_performing();
+    now.is_inside = parts.is_inside && !now.is_touching && !course_.is_performing();
     now.hand_is_held = parts.view.holds_hand();
     switch (healing_.update(now)) {
     case Remedy::none:
@@ -196,28 +189,15 @@ void Kiosk::carry_out(const CourseOrders &orders, const KioskParts &parts) {
     } else if (orders.resets) {
         log_.note("nobody is there");
     }
-    if (orders.leaves) {
-        performer_.leave(parts.stage);
-    }
     if (orders.resets) {
         parts.stage.lift.stop();
         parts.view.look_from(Viewpoint::home);
     }
-    if (orders.scene) {
-        show_scene(parts, *orders.scene);
-    }
-    if (orders.performs) {
-        performer_.perform(parts.stage, kTour[course_.scene()], now_.time_s);
-    }
-}
-
-void Kiosk::show_scene(const KioskParts &parts, std::size_t scene) {
-    const TourStop &stop = kTour[scene];
-    if (course_.stage() != Stage::attract) {
+    if (orders.scene && course_.stage() != Stage::attract) {
         ++figures_.scenes;
-        log_.note("scene " + std::string(stop.scene));
+        log_.note("scene " + std::string(kTour[*orders.scene].scene));
     }
-    performer_.show(parts.stage, stop);
+    performer_.carry_out(orders, course_, parts.stage, now_.time_s);
 }
 
 void Kiosk::renew_read_out(const KioskParts &parts) {
@@ -249,17 +229,13 @@ void Kiosk::renew_read_out(const KioskParts &parts) {
 KioskShown Kiosk::shown(const KioskParts &parts) const {
     const session::Session &session = parts.stage.session;
     const scene::Scene &scene = session.scenes().now().scene;
-    KioskShown all;
-    all.stage = course_.stage();
+    KioskShown all{course_, healing_};
     all.has_script = session.hand().is_simulated();
     if (performer_.has_scene(session)) { // not yet while it is loaded
         all.title = scene.lesson.title;
         all.sentence = sentence_of(kTour[course_.scene()], scene);
     }
-    all.condition = healing_.condition();
-    all.goes_on_in_s = healing_.goes_on_in_s();
     all.stop = is_stopped(session) ? servo::description(session.latest().safety) : std::string();
-    all.leaves_in_s = course_.leaves_in_s();
     all.map = parts.stage.session.tuning().now().map;
     all.read_out = read_out_;
     return all;

@@ -8,7 +8,6 @@
 
 #include "app/exhibit/course.h"
 #include "app/exhibit/day_log.h"
-#include "app/exhibit/day_watch.h"
 #include "app/exhibit/healing.h"
 #include "app/exhibit/kiosk_screen.h"
 #include "app/exhibit/performer.h"
@@ -26,10 +25,6 @@ namespace springdrive::app::exhibit {
 struct KioskParts {
     Stagecraft stage;
     ViewControl &view;
-};
-
-/// Of a frame.
-struct KioskFrame {
     double frame_s = 0.0;   ///< since the last one
     bool is_inside = false; ///< the tip lies in a solid
 };
@@ -49,8 +44,7 @@ public:
     void obey(const KeyPress &key);
 
     /// Once a frame: draws, and does what is to be done.
-    void update(const KioskParts &parts, const KioskFrame &frame, const Rectangle &view,
-                const Window::LargeText &text);
+    void update(const KioskParts &parts, const Rectangle &view, const Window::LargeText &text);
 
     /// At the end of the run.
     /// @param why  in a few words
@@ -62,9 +56,8 @@ public:
 private:
     [[nodiscard]] KioskShown shown(const KioskParts &parts) const;
     void note_visitor(const KioskParts &parts, const KioskAnswer &answer);
-    void heal(const KioskParts &parts, const KioskFrame &frame);
+    void heal(const KioskParts &parts);
     void carry_out(const CourseOrders &orders, const KioskParts &parts);
-    void show_scene(const KioskParts &parts, std::size_t scene);
     [[nodiscard]] bool tip_was_moved(const session::Session &session);
     void renew_read_out(const KioskParts &parts);
     void zero(session::Session &session);

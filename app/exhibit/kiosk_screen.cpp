@@ -69,7 +69,7 @@ public:
         draw_lesson();
         draw_stop();
         draw_banner();
-        if (shown_.stage != Stage::attract) {
+        if (shown_.course.stage() != Stage::attract) {
             draw_choices();
         }
         draw_read_out();
@@ -117,7 +117,7 @@ private:
     }
 
     [[nodiscard]] const char *banner() const {
-        switch (shown_.stage) {
+        switch (shown_.course.stage()) {
         case Stage::attract:
             return shown_.has_script ? "Touch to begin" : "Take the pen";
         case Stage::showing:
@@ -129,14 +129,14 @@ private:
     }
 
     [[nodiscard]] const char *below_banner() const {
-        if (shown_.stage == Stage::showing) {
+        if (shown_.course.stage() == Stage::showing) {
             return shown_.has_script ? "what the hand does" : "what there is to feel";
         }
         return shown_.has_script ? "press on the scene, drag to slide" : "take the pen and touch";
     }
 
     void draw_banner() {
-        const bool is_attract = shown_.stage == Stage::attract;
+        const bool is_attract = shown_.course.stage() == Stage::attract;
         const ImVec2 corner = is_attract ? ImVec2{middle(), bottom()} : ImVec2{left(), bottom()};
         const Plate plate("stage", corner, {is_attract ? 0.5F : 0.0F, 1.0F}, 0.0F, kBackdrop,
                           ImGuiWindowFlags_NoInputs);
@@ -155,11 +155,12 @@ private:
         ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0F, 0.0F});
         {
             const Plate plate("choices", {right(), bottom()}, {1.0F, 1.0F}, 0.0F, kBare);
-            if (shown_.stage == Stage::showing) {
+            if (shown_.course.stage() == Stage::showing) {
                 answer_.my_turn = button("my turn", 170.0F);
                 ImGui::SameLine();
             }
-            if (shown_.stage == Stage::your_turn) { // while it is shown, the hand switches it
+            if (shown_.course.stage() ==
+                Stage::your_turn) { // while it is shown, the hand switches it
                 const bool transposes = shown_.map == control::MotionMap::transpose;
                 ImGui::PushStyleColor(ImGuiCol_Text, transposes ? kTransposeMap : kInverseMap);
                 answer_.other_map = button(transposes ? "map: transpose  (M)###other map"
@@ -243,16 +244,16 @@ private:
 
     [[nodiscard]] std::optional<Words> words() const {
         const ImVec4 kRed{0.42F, 0.09F, 0.08F, 0.97F};
-        switch (shown_.condition) {
+        switch (shown_.healing.condition()) {
         case Condition::lost:
             return Words{"The device is not connected.",
                          "Once it is plugged in again, it asks whether it may go on.", kRed};
         case Condition::let_go:
             return Words{"Stopped: let go, please.", shown_.stop, kRed};
         case Condition::pause:
-            return Words{
-                ui::formatted("Stopped. It goes on in {:.0f} s.", std::ceil(shown_.goes_on_in_s)),
-                shown_.stop, kRed};
+            return Words{ui::formatted("Stopped. It goes on in {:.0f} s.",
+                                       std::ceil(shown_.healing.goes_on_in_s())),
+                         shown_.stop, kRed};
         case Condition::asks_go_on:
             return Words{"Stopped. Is nobody in its way?", shown_.stop, kRed};
         case Condition::lift:
@@ -267,10 +268,10 @@ private:
         case Condition::well:
             break;
         }
-        if (shown_.leaves_in_s) {
+        if (const auto leaves_in_s = shown_.course.leaves_in_s()) {
             return Words{"Still there?",
                          ui::formatted("Touch anything, or the show begins again in {:.0f} s.",
-                                       std::ceil(*shown_.leaves_in_s)),
+                                       std::ceil(*leaves_in_s)),
                          {0.10F, 0.20F, 0.36F, 0.97F}};
         }
         return std::nullopt;
@@ -290,7 +291,8 @@ private:
             const ui::Sized sized(text_.medium, kBody * u_);
             ui::wrapped(kInk, "{}", said->second);
         }
-        answer_.go_on = shown_.condition == Condition::asks_go_on && button("go on", 200.0F);
+        answer_.go_on =
+            shown_.healing.condition() == Condition::asks_go_on && button("go on", 200.0F);
     }
 
     const KioskShown &shown_;

@@ -30,16 +30,14 @@ struct KioskReadOut {
 };
 
 struct KioskShown {
-    Stage stage = Stage::attract;
+    const Course &course;
+    const Healing &healing;
     bool has_script = true; ///< a scripted hand shows the scene
-    std::string title;
-    std::string sentence;
-    Condition condition = Condition::well;
-    double goes_on_in_s = 0.0;
-    std::string stop; ///< what stopped it; else empty
-    std::optional<double> leaves_in_s;
+    std::string title{};
+    std::string sentence{};
+    std::string stop{}; ///< what stopped it; else empty
     control::MotionMap map = control::MotionMap::transpose;
-    std::optional<KioskReadOut> read_out; ///< in contact
+    std::optional<KioskReadOut> read_out{}; ///< in contact
 };
 
 /// Buttons that were pressed.

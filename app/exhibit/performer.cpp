@@ -31,10 +31,31 @@ void Performer::restore_gains(const Stagecraft &stage) const {
     stage.desk.is_unlocked = was_unlocked;
 }
 
-bool Performer::is_ready(const session::Session &session) const {
+CourseNow Performer::now(const session::Session &session, double time_s) const {
     const session::Scenes &scenes = session.scenes();
-    return !scenes.is_loading() && has_scene(session) && session.latest().scene_id == scenes.id() &&
-           !session.is_exchanging() && session.latest().safety.state == servo::SafetyState::running;
+    CourseNow now;
+    now.time_s = time_s;
+    now.is_ready = !scenes.is_loading() && has_scene(session) &&
+                   session.latest().scene_id == scenes.id() && !session.is_exchanging() &&
+                   session.latest().safety.state == servo::SafetyState::running;
+    now.is_shown = showing_ ? !session.hand().follows_path() : time_s >= words_until_s_;
+    return now;
+}
+
+void Performer::carry_out(const CourseOrders &orders, const Course &course, const Stagecraft &stage,
+                          double time_s) {
+    if (orders.leaves) {
+        leave(stage);
+    }
+    if (orders.scene) {
+        show(stage, kTour[*orders.scene]);
+    }
+    if (orders.performs) {
+        perform(stage, kTour[course.scene()], time_s);
+    }
+    if (course.is_performing()) {
+        switch_map_if_due(stage);
+    }
 }
 
 void Performer::perform(const Stagecraft &stage, const TourStop &stop, double time_s) {
@@ -60,7 +81,7 @@ void Performer::perform(const Stagecraft &stage, const TourStop &stop, double ti
     });
 }
 
-void Performer::update(const Stagecraft &stage) {
+void Performer::switch_map_if_due(const Stagecraft &stage) {
     if (!showing_ || switched_ >= showing_->switches_s.size()) {
         return;
     }
@@ -68,10 +89,6 @@ void Performer::update(const Stagecraft &stage) {
         ++switched_;
         stage.desk.toggle_map();
     }
-}
-
-bool Performer::is_shown(const session::Session &session, double time_s) const {
-    return showing_ ? !session.hand().follows_path() : time_s >= words_until_s_;
 }
 
 void Performer::leave(const Stagecraft &stage) {

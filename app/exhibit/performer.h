@@ -3,6 +3,7 @@
 //   show ──► scene loaded, gains of the start ──► is_ready ──► perform ──► is_shown
 #pragma once
 
+#include "app/exhibit/course.h"
 #include "app/exhibit/tour.h"
 #include "app/panels/tuning_desk.h"
 #include "app/stage/hand_lift.h"
@@ -32,17 +33,16 @@ public:
     /// Requests the scene, with the gains of the start.
     void show(const Stagecraft &stage, const TourStop &stop);
 
-    /// Whether the scene is there, and the motors run.
-    [[nodiscard]] bool is_ready(const session::Session &session) const;
     [[nodiscard]] bool has_scene(const session::Session &session) const {
         return session.scenes().now().scene.file == wanted_;
     }
 
-    /// Begins with the scripted hand; with a real one nothing moves for some seconds.
-    void perform(const Stagecraft &stage, const TourStop &stop, double time_s);
-    /// Once a frame, while it performs: switches the map when its time has come.
-    void update(const Stagecraft &stage);
-    [[nodiscard]] bool is_shown(const session::Session &session, double time_s) const;
+    /// What the course depends on, of scene, motors and scripted hand.
+    [[nodiscard]] CourseNow now(const session::Session &session, double time_s) const;
+    /// Once a frame: the orders about scene and scripted hand. With a real hand nothing moves for
+    /// some seconds.
+    void carry_out(const CourseOrders &orders, const Course &course, const Stagecraft &stage,
+                   double time_s);
     /// The scripted hand stops where it is.
     void leave(const Stagecraft &stage);
 
@@ -52,6 +52,9 @@ public:
     [[nodiscard]] std::string take_complaint() { return std::exchange(complaint_, {}); }
 
 private:
+    void perform(const Stagecraft &stage, const TourStop &stop, double time_s);
+    void switch_map_if_due(const Stagecraft &stage);
+
     control::Tuning tuning_; ///< of the start
     std::filesystem::path wanted_;
     std::optional<Showing> showing_;

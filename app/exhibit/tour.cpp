@@ -236,16 +236,4 @@ std::optional<Showing> showing_of(const device::DeviceDescription &device,
     return Showing{hand.path(), hand.switches_s};
 }
 
-std::optional<simulated::HandPath> way_above(const device::DeviceDescription &device,
-                                             const scene::Scene &scene,
-                                             const contact::HapticSurface &surface,
-                                             const Vector3 &from_m) {
-    Hand hand(device, scene, surface, from_m);
-    hand.go_above();
-    if (!hand.is_in_reach()) {
-        return std::nullopt;
-    }
-    return hand.path();
-}
-
 } // namespace springdrive::app::exhibit

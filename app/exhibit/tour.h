@@ -71,10 +71,4 @@ inline constexpr double kStrike_m_per_s = 0.20;
                                                 const contact::HapticSurface &surface,
                                                 Gesture gesture, const Vector3 &from_m);
 
-/// To above the scene only.
-[[nodiscard]] std::optional<simulated::HandPath> way_above(const device::DeviceDescription &device,
-                                                           const scene::Scene &scene,
-                                                           const contact::HapticSurface &surface,
-                                                           const Vector3 &from_m);
-
 } // namespace springdrive::app::exhibit

@@ -1,6 +1,5 @@
-// Covers app/exhibit/{day_log,day_watch}.cpp.
+// Covers app/exhibit/day_log.cpp.
 #include "app/exhibit/day_log.h"
-#include "app/exhibit/day_watch.h"
 #include "tests/engine/session/session_fixture.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Covers app/exhibit/{healing,day_watch}.cpp, in simulated time.
-#include "app/exhibit/day_watch.h"
+// Covers app/exhibit/{healing,day_log}.cpp, in simulated time.
+#include "app/exhibit/day_log.h"
 #include "app/exhibit/healing.h"
 #include "tests/engine/session/session_fixture.h"
 

@@ -133,11 +133,11 @@ TEST(ExhibitTour, FindsTheWayOutFromBelow) {
     session.hand().move_to(below_m);
     testing::run(session, 1.0);
     ASSERT_LT(session.latest().tip_m.y(), scene.lower_m.y());
-    const auto way = way_above(session.description(), scene, session.scenes().now().surface,
-                               session.hand().target_m());
-    ASSERT_TRUE(way);
-    session.follow_path(*way);
-    while (session.hand().follows_path()) {
+    const auto showing = showing_of(session.description(), scene, session.scenes().now().surface,
+                                    Gesture::stroke, session.hand().target_m());
+    ASSERT_TRUE(showing);
+    session.follow_path(showing->path);
+    while (session.hand().follows_path() && session.latest().tip_m.y() <= scene.upper_m.y()) {
         session.advance(testing::kFrame_s);
         EXPECT_FALSE(session.latest().contact.touching);
     }
