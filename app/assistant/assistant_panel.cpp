@@ -20,32 +20,23 @@ using assistant::Verdict;
 /// Of a bar: its text is readable on it.
 const ImVec4 kFilled{0.16F, 0.42F, 0.62F, 1.0F};
 
-const char *mark_of(StepState state) {
-    switch (state) {
-    case StepState::done:
-        return "\u2713";
-    case StepState::failed:
-        return "\u2717";
-    case StepState::present:
-        return "\u2192";
-    case StepState::open:
-        break;
-    }
-    return "\u00B7";
-}
+struct StateLook {
+    const char *mark = "";
+    const ImVec4 &colour;
+};
 
-const ImVec4 &colour_of(StepState state) {
+StateLook look_of(StepState state) {
     switch (state) {
     case StepState::done:
-        return kGood;
+        return {"\u2713", kGood};
     case StepState::failed:
-        return kDanger;
+        return {"\u2717", kDanger};
     case StepState::present:
-        return kInk;
+        return {"\u2192", kInk};
     case StepState::open:
         break;
     }
-    return kFaintInk;
+    return {"\u00B7", kFaintInk};
 }
 
 void draw_steps(session::Session &session, Assistant &assistant) {
@@ -56,11 +47,11 @@ void draw_steps(session::Session &session, Assistant &assistant) {
         const auto step = static_cast<StepName>(i);
         const StepState state = assistant.state(step);
         const ui::Disabled disabled(!assistant.can_go_to(step));
+        const StateLook look = look_of(state);
         const std::string label =
-            ui::formatted("{} {}###{}", mark_of(state), assistant::kStepTitles[i].title,
+            ui::formatted("{} {}###{}", look.mark, assistant::kStepTitles[i].title,
                           assistant::kStepTitles[i].name);
-        ImGui::PushStyleColor(ImGuiCol_Text,
-                              assistant.has_failed(step) ? kDanger : colour_of(state));
+        ImGui::PushStyleColor(ImGuiCol_Text, assistant.has_failed(step) ? kDanger : look.colour);
         if (ui::selectable(label.c_str(), state == StepState::present)) {
             assistant.go_to(session, step);
         }

@@ -1,6 +1,5 @@
 #include "app/assistant/rehearsal.h"
 #include "app/assistant/step.h"
-#include "base/complaint.h"
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
 
@@ -59,6 +58,27 @@ Trouble trouble_of(std::size_t joint, Answer answer, std::optional<std::size_t> 
         break;
     }
     return {};
+}
+
+/// The hand turns it by this angle, and back, from where it truly is: the servo's angles may be
+/// wrong.
+void move_joint(session::Session &session, std::size_t joint, double angle_rad) {
+    const device::PhantomGeometry &geometry = session.description().geometry;
+    Vector3 from_rad;
+    session.servo().paused([&] {
+        from_rad = device::joint_from_motor(
+            geometry, session.device().emulated()->board().phantom().truth().theta_rad);
+    });
+    constexpr int kParts = 12;
+    constexpr double kPart_s = 0.1;
+    std::vector<simulated::HandPath::Point> points;
+    for (int i = 0; i <= 2 * kParts; ++i) {
+        const double share = 1.0 - std::abs(static_cast<double>(i - kParts)) / kParts;
+        Vector3 q_rad = from_rad;
+        q_rad[static_cast<Eigen::Index>(joint)] += share * angle_rad;
+        points.push_back({i * kPart_s, device::tip_position_m(geometry, q_rad)});
+    }
+    session.follow_path(simulated::HandPath(std::move(points)));
 }
 
 class MotionStep final : public Step {
@@ -127,15 +147,9 @@ public:
             {"nothing moves", "the device moved, but not the picture",
              [this] { answer_ = Answer::dead; }},
         };
-        if (session().device().emulated() != nullptr) {
-            offers.push_back({"let the simulated hand do it",
-                              "an emulated device: its hand moves this joint, and back",
-                              [this] {
-                                  complaint_ = complaint_of(
-                                      [&] { move_joint(session(), joint_, kRehearsed_rad); });
-                              },
-                              !session().hand().follows_path()});
-        }
+        offer_hand(
+            session(), "its hand moves this joint, and back",
+            [this] { move_joint(session(), joint_, kRehearsed_rad); }, complaint_, offers);
         return offers;
     }
 

@@ -1,24 +1,18 @@
 // What the simulated hand of an emulated device does where the assistant asks a person to.
 #pragma once
 
-#include "engine/session/session.h"
-
-#include <cstddef>
+#include "app/assistant/step.h"
 
 namespace springdrive::app::assistant {
 
-/// Moves one joint by this angle, and back.
-/// @throw InputError as Session::follow_path does
-void move_joint(session::Session &session, std::size_t joint, double angle_rad);
+/// Offers that the hand does it, if there is one, and is free.
+/// @param what       "its hand moves this joint, and back"
+/// @param act        may throw InputError
+/// @param complaint  gets why it does not act, or nothing; outlives the offer
+void offer_hand(session::Session &session, const char *what, std::function<void()> act,
+                std::string &complaint, std::vector<Offer> &offers);
 
-/// Holds the device in its zero pose. @throw the same
+/// Holds the device in its zero pose. @throw InputError as Session::follow_path does
 void hold_zero_pose(session::Session &session);
-
-/// Holds the tip above the scene. @throw the same
-void hold_above(session::Session &session);
-
-/// Presses the tip into the scene where it is, some millimetres deep, and lifts it again.
-/// @throw the same
-void press_and_lift(session::Session &session);
 
 } // namespace springdrive::app::assistant

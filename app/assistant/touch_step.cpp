@@ -11,11 +11,16 @@ namespace springdrive::app::assistant {
 
 namespace {
 
+using simulated::HandPath;
+
 /// Of the tip, while a person touches for the first time.
 constexpr double kGentleForce_N = 1.0;
 /// What counts as a touch.
 constexpr double kFelt_N = 0.15;
 constexpr double kFelt_s = 0.5;
+// Of the simulated hand:
+constexpr double kAbove_m = 0.02; ///< the scene, before and after a press
+constexpr double kDepth_m = 0.004;
 
 class TouchStep final : public Step {
 public:
@@ -43,7 +48,7 @@ public:
         if (presses_next_ && now.safety.state == servo::SafetyState::running &&
             !session().hand().follows_path()) {
             presses_next_ = false; // before, it would press on a device that only brakes
-            complaint_ = complaint_of([&] { press_and_lift(session()); });
+            complaint_ = complaint_of([&] { press_and_lift(); });
         }
         const double passed_s = std::max(0.0, now.time_s - last_s_);
         last_s_ = now.time_s;
@@ -89,16 +94,18 @@ public:
     }
 
     [[nodiscard]] std::vector<Offer> offers() override {
-        if (session().device().emulated() == nullptr) {
-            return {};
+        std::vector<Offer> offers;
+        const auto act = [this] {
+            presses_next_ = true;
+            const Vector3 there_m = above_the_middle(kAbove_m);
+            session().follow_path(HandPath({{0.0, there_m}, {0.5, there_m}}));
+        };
+        offer_hand(session(), "its hand presses and lifts", act, complaint_, offers);
+        for (Offer &offer : offers) {
+            offer.is_enabled =
+                offer.is_enabled && !presses_next_ && !session().scenes().is_loading();
         }
-        return {{"let the simulated hand do it", "an emulated device: its hand presses and lifts",
-                 [this] {
-                     presses_next_ = true;
-                     complaint_ = complaint_of([&] { hold_above(session()); });
-                 },
-                 !presses_next_ && !session().hand().follows_path() &&
-                     !session().scenes().is_loading()}};
+        return offers;
     }
 
 private:
@@ -106,6 +113,18 @@ private:
         control::Tuning tuning;
         servo::SafetyLimits limits;
     };
+
+    [[nodiscard]] Vector3 above_the_middle(double above_m) const {
+        const scene::Scene &scene = session().scenes().now().scene;
+        const Vector3 middle_m = 0.5 * (scene.lower_m + scene.upper_m);
+        return {middle_m.x(), scene.upper_m.y() + above_m, middle_m.z()};
+    }
+    void press_and_lift() {
+        const Vector3 above_m = above_the_middle(kAbove_m);
+        const Vector3 within_m = above_the_middle(-kDepth_m);
+        session().follow_path(
+            HandPath({{0.0, above_m}, {1.0, within_m}, {2.5, within_m}, {3.5, above_m}}));
+    }
 
     [[nodiscard]] std::string to_do() const {
         if (felt_s_ >= kFelt_s) {

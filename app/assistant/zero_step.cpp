@@ -57,12 +57,9 @@ public:
     [[nodiscard]] std::vector<Offer> offers() override {
         std::vector<Offer> offers{
             {"zero here", "all angles are zero from now on", [this] { zero(); }, is_still()}};
-        if (session().device().emulated() != nullptr) {
-            offers.push_back(
-                {"let the simulated hand do it", "an emulated device: its hand holds the zero pose",
-                 [this] { complaint_ = complaint_of([&] { hold_zero_pose(session()); }); },
-                 !session().hand().follows_path()});
-        }
+        offer_hand(
+            session(), "its hand holds the zero pose", [this] { hold_zero_pose(session()); },
+            complaint_, offers);
         return offers;
     }
 

@@ -157,28 +157,6 @@ TEST_F(AssistantInTheWindow, AnOpenWindingIsFoundAndNotPassed) {
     EXPECT_EQ(result.find("continue all the same"), nullptr);
 }
 
-TEST_F(AssistantInTheWindow, LostCountsAreFoundAndNotPassed) {
-    const Report result = test_of_zeroed({"--fault", "lost-counts:3:0.1"});
-    EXPECT_TRUE(result.shows("counts are lost")) << result.texts();
-    EXPECT_FALSE(is_enabled(result, "Assistant/Next"));
-}
-
-TEST_F(AssistantInTheWindow, AWrongZeroIsFoundAndMendedByGoingBack) {
-    open_at({"link", "identity", "motion"}, {});
-    for (int i = 0; i < 20; ++i) {
-        window().person().key("d"); // the hand, 1 mm to the right each
-    }
-    press("zeroing/zero here");
-    next();
-    const Report wrong = test();
-    EXPECT_TRUE(wrong.shows("the zero of joint 1 is off by")) << wrong.texts();
-    window().click("Assistant/Back");
-    zero();
-    next();
-    const Report right = test();
-    EXPECT_TRUE(right.shows("Nothing was found")) << right.texts();
-}
-
 /// And F12 within the self-test.
 TEST_F(AssistantInTheWindow, APulledCableAndAStopAreNamedAndTheStepIsDoneAgain) {
     open_at({"link", "identity", "motion", "zeroing"}, {"--at-zero", "--fault", "unplug@14-16"});
