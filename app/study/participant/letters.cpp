@@ -3,6 +3,7 @@
 #include "base/input_error.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 
@@ -30,14 +31,23 @@ struct Break {
 
 /// @param fitting  bytes that fit
 Break broken(std::string_view text, std::size_t fitting) {
+    constexpr auto kNone = std::string_view::npos;
     const std::size_t blank = text.find_last_of(" \t", fitting);
-    const std::size_t hyphen = fitting > 0 ? text.rfind('-', fitting - 1) : std::string_view::npos;
-    const auto is_there = [](std::size_t at) { return at > 0 && at != std::string_view::npos; };
-    if (is_there(blank) && (!is_there(hyphen) || blank > hyphen)) {
-        return {blank, std::min(text.size(), text.find_first_not_of(" \t", blank)), false};
+    const std::size_t last = blank == kNone ? kNone : text.find_last_not_of(" \t", blank);
+    const auto end_of = [&](std::string_view hyphen) { // 0: there is none behind a letter
+        const std::size_t at =
+            fitting < hyphen.size() ? kNone : text.rfind(hyphen, fitting - hyphen.size());
+        return at == kNone || at == 0 ? 0 : at + hyphen.size();
+    };
+    const std::size_t hyphen = std::max(end_of("-"), end_of("\u2010"));
+    if (last != kNone && last + 1 >= hyphen) {
+        return {last + 1, std::min(text.size(), text.find_first_not_of(" \t", blank)), false};
     }
-    if (is_there(hyphen)) {
-        return {hyphen + 1, hyphen + 1, false};
+    if (hyphen > 0) {
+        return {hyphen, hyphen, false};
+    }
+    if (blank != kNone) { // those before the first word, which does not fit behind them
+        return {0, std::min(text.size(), text.find_first_not_of(" \t", blank)), false};
     }
     std::size_t length = std::max<std::size_t>(fitting, 1);
     while (length < text.size() && (static_cast<unsigned char>(text[length]) & 0xC0U) == 0x80U) {
@@ -46,17 +56,23 @@ Break broken(std::string_view text, std::size_t fitting) {
     return {length, length, true};
 }
 
+[[noreturn]] void refuse_font() {
+    throw InputError("no TrueType font at " SPRINGDRIVE_FONT
+                     "; install fonts-dejavu-core, which has it");
+}
+
 } // namespace
 
 Letters::Letters() {
-    if (!std::ifstream(SPRINGDRIVE_FONT).is_open()) {
-        throw InputError("no font at " SPRINGDRIVE_FONT
-                         "; install fonts-dejavu-core, which has it");
+    std::array<char, 4> start{};
+    std::ifstream(SPRINGDRIVE_FONT, std::ios::binary).read(start.data(), start.size());
+    if (start != std::array{'\0', '\1', '\0', '\0'}) {
+        refuse_font();
     }
     atlas_.Flags = ImFontAtlasFlags_NoMouseCursors | ImFontAtlasFlags_NoBakedLines;
     used_.SetBit(IM_UNICODE_CODEPOINT_INVALID); // in place of letters that the font lacks
-    for (const int western : {0x20, 0xA0, 0x2010, 0x2190}) { // with quotation marks and arrows
-        use_block_of(used_, western / 32);
+    for (const int latin : {0x20, 0xA0, 0x100, 0x2010, 0x2190}) { // with quotation marks and arrows
+        use_block_of(used_, latin / 32);
     }
 }
 
@@ -86,7 +102,10 @@ void Letters::prepare(int height, const std::vector<std::string_view> &texts) {
     for (int step = 0; step < kSizes; ++step) {
         atlas_.AddFontFromFileTTF(SPRINGDRIVE_FONT, size_px(step), &config, ranges.Data);
     }
-    atlas_.Build();
+    if (!atlas_.Build()) {
+        height_ = 0; // the next time it is tried anew
+        refuse_font();
+    }
 }
 
 float Letters::size_px(int step) const {
@@ -130,13 +149,16 @@ TextLines wrapped(std::string_view utf8, const ImFont &font, float size_px, floa
                 at = broken(rest, fitting);
             }
             const std::string_view line = rest.substr(0, at.length);
+            rest.remove_prefix(at.next);
+            if (line.empty() && !rest.empty()) {
+                continue;
+            }
             const float width = std::ceil(width_of(line, nullptr));
             text.lines.push_back({std::string(line), top, width});
             text.breaks_words = text.breaks_words || at.is_within_word;
             text.box.size.x = std::max(text.box.size.x, width);
             text.box.size.y = top + size_px;
             top += size_px;
-            rest.remove_prefix(at.next);
         } while (!rest.empty());
         top += paragraph_gap;
     }

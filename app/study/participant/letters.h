@@ -1,6 +1,8 @@
-// The letters of the participant's screen, and text as lines that fit a width. Each letter lies on
-// whole pixels in the size in which it was rasterised, so that it looks the same whatever was drawn
-// before. Without OpenGL.
+// The letters of the participant's screen, and text as lines that fit a width. Without OpenGL.
+//
+// Each letter of a size that can be read lies on whole pixels in the size in which it was
+// rasterised, so that it looks the same whatever was drawn before. ImGui knows letters up to
+// U+FFFF, and does not kern.
 #pragma once
 
 #include "app/widgets/rectangle.h"
@@ -36,9 +38,13 @@ public:
 
     /// @throw InputError if the font that the program was built with is missing, with the remedy
     Letters();
+    ~Letters() = default;
+    Letters(const Letters &) = delete;
+    Letters &operator=(const Letters &) = delete;
 
     /// Makes the fonts anew for another height, and for a text with letters of a kind that they do
-    /// not have so far. Those of western Europe they always have.
+    /// not have so far. Those of Latin alphabets they always have.
+    /// @throw InputError if the font cannot be read, as above
     void prepare(int height, const std::vector<std::string_view> &texts);
 
     /// How often fonts were made.

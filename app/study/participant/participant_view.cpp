@@ -152,11 +152,12 @@ void ParticipantView::draw_page() {
     if (std::exchange(letters_version_, letters_.version()) != letters_.version()) {
         ImGui_ImplOpenGL3_DestroyFontsTexture();
         ImGui_ImplOpenGL3_CreateFontsTexture();
-        glBindTexture(GL_TEXTURE_2D,
-                      static_cast<GLuint>(reinterpret_cast<std::uintptr_t>(io.Fonts->TexID)));
-        for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
-            glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST); // exactly the letters' pixels
-        }
+    }
+    glBindTexture(GL_TEXTURE_2D,
+                  static_cast<GLuint>(reinterpret_cast<std::uintptr_t>(io.Fonts->TexID)));
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+        // Exactly the letters' pixels, unless they are drawn smaller than they were made.
+        glTexParameteri(GL_TEXTURE_2D, filter, layout_.is_readable ? GL_NEAREST : GL_LINEAR);
     }
     io.DisplaySize = {static_cast<float>(target_->width), static_cast<float>(target_->height)};
     ImGui::NewFrame();

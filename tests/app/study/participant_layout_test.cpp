@@ -156,8 +156,20 @@ TEST(WrappedText, BreaksAtBlanksAndAWordOnlyWhereItIsLongerThanALine) {
               1U);
     EXPECT_TRUE(wrapped("Rindfleischetikett", font_of_20_px(), 20.0F, width_of("Rindfleisch"))
                     .breaks_words);
-    EXPECT_EQ(wrapped("half-hour", font_of_20_px(), 20.0F, width_of("half-ho")).lines[0].text,
-              "half-");
+    const TextLines far_apart = wrapped("one \t  two", font_of_20_px(), 20.0F, width_of("one two"));
+    ASSERT_EQ(far_apart.lines.size(), 2U);
+    EXPECT_EQ(far_apart.lines[0].text, "one");
+    EXPECT_EQ(far_apart.lines[1].text, "two");
+    const TextLines indented = wrapped(" \t word", font_of_20_px(), 20.0F, width_of("word") + 1.0F);
+    ASSERT_EQ(indented.lines.size(), 1U);
+    EXPECT_EQ(indented.lines[0].text, "word");
+    EXPECT_FALSE(indented.breaks_words);
+    for (const std::string hyphen : {"-", "\u2010"}) {
+        EXPECT_EQ(wrapped("half" + hyphen + "hour", font_of_20_px(), 20.0F, width_of("half-ho"))
+                      .lines[0]
+                      .text,
+                  "half" + hyphen);
+    }
 }
 
 TEST(ParticipantInput, NamesKeysAsProtocolsSpellThem) {
