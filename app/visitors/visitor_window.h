@@ -3,7 +3,8 @@
 
 #include "app/study/participant/participant_view.h"
 #include "app/study/participant/participant_window.h"
-#include "app/study/sitting/sitting_port.h"
+#include "app/study/sitting/sitting_frame.h"
+#include "app/study/sitting/sitting_state.h"
 #include "app/window/report_requests.h"
 #include "app/window/window.h"
 #include "engine/servo/duration_histogram.h"
@@ -23,14 +24,16 @@ struct VisitorWindowOptions {
 
 /// Ctrl+Alt+Q, a signal and the end of the display ask to end; Ctrl+Alt+Z says that the device is
 /// held in its zero pose.
-class VisitorWindow final : public study_screen::SittingPort {
+class VisitorWindow {
 public:
     /// @param session  must outlive it. @throw InputError if no window can be opened
     VisitorWindow(const VisitorWindowOptions &options, session::Session &session);
 
+    /// Shows this for a frame, and advances the session by it.
     study_screen::SittingFrame show(const study_screen::ParticipantPicture &picture,
-                                    const study_screen::SittingState &state) override;
-    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) override;
+                                    const study_screen::SittingState &state);
+    /// See ShowsScene.
+    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot);
 
 private:
     [[nodiscard]] std::vector<study_screen::ParticipantInput> taken_inputs();

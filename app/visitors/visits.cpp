@@ -15,8 +15,10 @@ namespace springdrive::app::visitors {
 namespace {
 
 using study_screen::AnswerChoice;
+using study_screen::Course;
 using study_screen::OwnCurve;
 using study_screen::ParticipantPicture;
+using study_screen::SittingFrame;
 using study_screen::SittingStep;
 
 constexpr const char *kVisitor = "V1"; ///< a code, as the study in memory wants one
@@ -55,16 +57,21 @@ std::string result_text(const study::PsychometricFunction &made_up, Visitor visi
 
 } // namespace
 
-Visits::Visits(VisitsPlan plan, session::Session &session, study_screen::SittingPort &window)
-    : plan_(std::move(plan)), session_(session), window_(window) {}
+Visits::Visits(VisitsPlan plan, session::Session &session, study_screen::ShowsScene show_scene)
+    : plan_(std::move(plan)), session_(session), show_scene_(std::move(show_scene)) {}
 
-/// Shows a picture of ours for a frame. @return whether everything is to end
-bool Visits::asks_to_end(const ParticipantPicture &picture, SittingStep step) {
-    study_screen::SittingState state;
-    state.step = step;
-    last_ = window_.show(picture, state);
-    is_over_ = is_over_ || last_.orders.stops;
-    return is_over_;
+study_screen::Frames::Next Visits::show(ParticipantPicture picture, SittingStep step) {
+    state_ = {};
+    state_.step = step;
+    return frames_.show(std::move(picture));
+}
+
+void Visits::resume(SittingFrame frame) {
+    if (frame.orders.stops) {
+        frames_.end();
+    } else {
+        frames_.resume(std::move(frame));
+    }
 }
 
 /// Each has answers of their own.
@@ -75,8 +82,7 @@ study::SimulatedParticipant Visits::made_up_visitor() const {
     return visitor;
 }
 
-/// Nothing if everything is to end.
-std::optional<Visitor> Visits::wait_for_visitor() {
+Course<Visitor> Visits::wait_for_visitor() {
     ParticipantPicture picture;
     picture.heading = "Can you feel it?";
     picture.choices_take_clicks = true;
@@ -91,23 +97,23 @@ std::optional<Visitor> Visits::wait_for_visitor() {
         picture.choices = {plate_of("Watch", "1"), plate_of("Guess", "2")};
     }
     const double from_s = session_.servo().now_s();
-    while (!asks_to_end(picture, SittingStep::instructions)) {
+    while (true) {
+        const SittingFrame frame = co_await show(picture, SittingStep::instructions);
         if (plan_.is_show) {
             if (session_.servo().now_s() - from_s > kShowStart_s) {
-                return Visitor::made_up;
+                co_return Visitor::made_up;
             }
-        } else if (plan_.has_device && is_pressed(last_.inputs, "enter", 0)) {
-            return Visitor::feels;
-        } else if (!plan_.has_device && is_pressed(last_.inputs, "1", 0)) {
-            return Visitor::made_up;
-        } else if (!plan_.has_device && is_pressed(last_.inputs, "2", 1)) {
-            return Visitor::guesses;
+        } else if (plan_.has_device && is_pressed(frame.inputs, "enter", 0)) {
+            co_return Visitor::feels;
+        } else if (!plan_.has_device && is_pressed(frame.inputs, "1", 0)) {
+            co_return Visitor::made_up;
+        } else if (!plan_.has_device && is_pressed(frame.inputs, "2", 1)) {
+            co_return Visitor::guesses;
         }
     }
-    return std::nullopt;
 }
 
-VisitEnd Visits::sit(study::StudyStore &store, Visitor visitor) {
+Course<VisitEnd> Visits::sit(study::StudyStore &store, Visitor visitor) {
     study_screen::SittingPlan plan{plan_.protocol, plan_.setting, plan_.folders, kVisitor};
     plan.offers_practice_again = false; // nobody has the time
     plan.keeps_records = false;
@@ -116,24 +122,29 @@ VisitEnd Visits::sit(study::StudyStore &store, Visitor visitor) {
     if (is_made_up) {
         plan.protocol.practice = {}; // nobody has to learn it
     }
-    VisitorPort port(window_, session_, plan_.protocol,
-                     is_made_up ? std::optional(made_up_visitor()) : std::nullopt);
+    UnattendedVisit visit(session_, plan_.protocol,
+                          is_made_up ? std::optional(made_up_visitor()) : std::nullopt);
     session_.keep_released(false); // a device that is not zeroed stays released
-    study_screen::Sitting sitting(store, std::move(plan), session_, port);
-    const study::SessionEnding ending = sitting.run();
-    if (ending == study::SessionEnding::failed) {
+    study_screen::Sitting sitting(store, std::move(plan), session_, show_scene_);
+    sitting.start();
+    while (!sitting.is_over()) {
+        state_ = sitting.state();
+        SittingFrame frame =
+            co_await frames_.show(visit.for_visitors(sitting.picture(), state_.step));
+        sitting.resume(visit.for_sitting(std::move(frame), state_));
+    }
+    if (sitting.ending() == study::SessionEnding::failed) {
         throw InputError("the device has failed for good: " +
                          servo::description(session_.latest().safety) + "; start it again");
     }
-    is_over_ = is_over_ || port.end() == VisitEnd::asked;
-    return ending == study::SessionEnding::completed ? VisitEnd::none
-           : port.end() == VisitEnd::none            ? VisitEnd::gone
-                                                     : port.end();
+    co_return sitting.ending() == study::SessionEnding::completed ? VisitEnd::none
+    : visit.end() == VisitEnd::none                               ? VisitEnd::gone
+                                                                  : visit.end();
 }
 
 /// The trials that a made-up visitor was not shown with, answered at once: the curve grows.
 /// @return whether to its end
-bool Visits::reckon_rest(study::StudyStore &store) {
+Course<bool> Visits::reckon_rest(study::StudyStore &store) {
     study::Protocol protocol = plan_.protocol;
     protocol.practice = {};
     study::Session session;
@@ -143,31 +154,30 @@ bool Visits::reckon_rest(study::StudyStore &store) {
     session.software = SPRINGDRIVE_VERSION;
     session.id = store.begin(session);
     const study::SimulatedParticipant visitor = made_up_visitor();
-    study::Conduct how;
-    how.present = [&](const study::PlannedTrial &planned) {
-        study::Trial trial(planned);
-        trial.response =
-            study::simulated_answer(protocol, visitor, planned, planned.level.value()).response;
-        return trial;
-    };
-    how.ends = [&]() -> std::optional<study::SessionEnding> {
-        ParticipantPicture picture;
-        picture.heading = "The other answers, in fast motion";
-        picture.footer = kNothingIsKept;
+    ParticipantPicture picture;
+    picture.heading = "The other answers, in fast motion";
+    picture.footer = kNothingIsKept;
+    study::RunningSession running(store, protocol, session);
+    while (const std::optional<study::PlannedTrial> planned = running.next()) {
         picture.curve = curve_of(protocol, result_of_visit(protocol, store.contents()));
         const double until_s = session_.servo().now_s() + kDot_s;
         while (session_.servo().now_s() < until_s) {
-            if (asks_to_end(picture, SittingStep::after_response) ||
-                is_pressed(last_.inputs, "escape", SIZE_MAX)) {
-                return study::SessionEnding::stopped;
+            const SittingFrame frame = co_await show(picture, SittingStep::after_response);
+            if (is_pressed(frame.inputs, "escape", SIZE_MAX)) {
+                co_return false;
             }
         }
-        return std::nullopt;
-    };
-    return study::conduct(store, protocol, session, how) == study::SessionEnding::completed;
+        study::Trial trial(*planned);
+        trial.response =
+            study::simulated_answer(protocol, visitor, *planned, planned->level.value()).response;
+        if (running.add(std::move(trial))) {
+            co_return false;
+        }
+    }
+    co_return true;
 }
 
-void Visits::show_curve(const study::StudyContents &visit, Visitor visitor) {
+Course<> Visits::show_curve(const study::StudyContents &visit, Visitor visitor) {
     ParticipantPicture picture;
     picture.curve = curve_of(plan_.protocol, result_of_visit(plan_.protocol, visit));
     picture.heading = result_heading(*picture.curve, visitor);
@@ -176,33 +186,36 @@ void Visits::show_curve(const study::StudyContents &visit, Visitor visitor) {
     picture.choices_take_clicks = true;
     double from_s = session_.servo().now_s();
     const double stays_s = plan_.is_show ? kShowResult_s : kResult_s;
-    while (!asks_to_end(picture, SittingStep::over)) {
+    while (true) {
+        const SittingFrame frame = co_await show(picture, SittingStep::over);
         const double now_s = session_.servo().now_s();
-        if (is_pressed(last_.inputs, "enter", 0) || is_pressed(last_.inputs, "escape", SIZE_MAX) ||
+        if (is_pressed(frame.inputs, "enter", 0) || is_pressed(frame.inputs, "escape", SIZE_MAX) ||
             now_s - from_s > stays_s) {
-            return;
+            co_return;
         }
-        from_s = has_acted(last_.inputs) ? now_s : from_s;
+        from_s = has_acted(frame.inputs) ? now_s : from_s;
     }
 }
 
-void Visits::run() {
-    while (!is_over_) {
-        const std::optional<Visitor> visitor = wait_for_visitor();
-        if (!visitor) {
-            return;
-        }
+Course<> Visits::visits() {
+    while (true) {
+        const Visitor visitor = co_await wait_for_visitor();
         ++begun_;
         study::StudyStore store = study::StudyStore::in_memory(
             {plan_.protocol.title, "can you feel it?", SPRINGDRIVE_VERSION}, study::utc_now());
         store.add({kVisitor, begun_, study::utc_now()});
-        const VisitEnd end = sit(store, *visitor);
-        const bool has_all =
-            end == VisitEnd::none || (end == VisitEnd::seen_enough && reckon_rest(store));
-        if (!is_over_ && has_all) {
-            show_curve(store.contents(), *visitor);
+        const VisitEnd end = co_await sit(store, visitor);
+        bool has_all = end == VisitEnd::none;
+        if (end == VisitEnd::seen_enough) {
+            has_all = co_await reckon_rest(store);
+        }
+        if (has_all) {
+            const study::StudyContents contents = store.contents();
+            co_await show_curve(contents, visitor);
         }
     }
 }
+
+Course<> Visits::course() { co_await frames_.until_end(visits()); }
 
 } // namespace springdrive::app::visitors

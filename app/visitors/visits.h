@@ -8,8 +8,9 @@
 // a visitor is in any file.
 #pragma once
 
-#include "app/study/sitting/sitting_port.h"
-#include "app/visitors/visitor_port.h"
+#include "app/study/sitting/course.h"
+#include "app/study/sitting/trial_presenter.h"
+#include "app/visitors/unattended_visit.h"
 #include "engine/session/session.h"
 #include "engine/study/methods/psychometric_function.h"
 #include "engine/study/protocol/protocol.h"
@@ -44,30 +45,41 @@ public:
     static constexpr double kShowResult_s = 15.0; ///< of a show
 
     /// @param session  started, with the protocol's device. All must outlive this
-    Visits(VisitsPlan plan, session::Session &session, study_screen::SittingPort &window);
+    Visits(VisitsPlan plan, session::Session &session, study_screen::ShowsScene show_scene);
 
-    /// Until the window asks to end.
+    // As of a Sitting.
+    void start() { frames_.start(course()); }
+    [[nodiscard]] const study_screen::ParticipantPicture &picture() const {
+        return frames_.picture();
+    }
+    [[nodiscard]] const study_screen::SittingState &state() const { return state_; }
+    /// Until a frame says that everything is to end.
+    [[nodiscard]] bool is_over() const { return frames_.is_over(); }
     /// @throw InputError if the device has failed for good
-    void run();
+    void resume(study_screen::SittingFrame frame);
 
     /// Visits that were begun.
     [[nodiscard]] int begun() const { return begun_; }
 
 private:
-    [[nodiscard]] std::optional<Visitor> wait_for_visitor();
-    [[nodiscard]] VisitEnd sit(study::StudyStore &store, Visitor visitor);
-    [[nodiscard]] bool reckon_rest(study::StudyStore &store);
-    void show_curve(const study::StudyContents &visit, Visitor visitor);
-    [[nodiscard]] bool asks_to_end(const study_screen::ParticipantPicture &picture,
-                                   study_screen::SittingStep step);
+    [[nodiscard]] study_screen::Course<> course();
+    [[nodiscard]] study_screen::Course<> visits();
+    [[nodiscard]] study_screen::Course<Visitor> wait_for_visitor();
+    [[nodiscard]] study_screen::Course<VisitEnd> sit(study::StudyStore &store, Visitor visitor);
+    [[nodiscard]] study_screen::Course<bool> reckon_rest(study::StudyStore &store);
+    [[nodiscard]] study_screen::Course<> show_curve(const study::StudyContents &visit,
+                                                    Visitor visitor);
+    /// A picture of ours.
+    [[nodiscard]] study_screen::Frames::Next show(study_screen::ParticipantPicture picture,
+                                                  study_screen::SittingStep step);
     [[nodiscard]] study::SimulatedParticipant made_up_visitor() const;
 
     VisitsPlan plan_;
     session::Session &session_;
-    study_screen::SittingPort &window_;
-    study_screen::SittingFrame last_; ///< what the last frame gave
+    study_screen::ShowsScene show_scene_;
+    study_screen::SittingState state_; ///< of what is shown
     int begun_ = 0;
-    bool is_over_ = false;
+    study_screen::Frames frames_;
 };
 
 } // namespace springdrive::app::visitors

@@ -122,8 +122,10 @@ void run_person_session(study::StudyStore &store, const study::Protocol &protoco
     study_screen::Sitting sitting(
         store,
         {protocol, setting, folders, code, typed.keeps_records, typed.plays_noise, window.facts()},
-        session, window);
-    sitting.run();
+        session, [&window](const scene::Scene &scene, const scene::TouchSpot &spot) {
+            window.show_scene(scene, spot);
+        });
+    study_screen::show_to_end(sitting, window);
     session.stop();
 }
 

@@ -68,8 +68,11 @@ void try_typed(const TypedTry &typed) {
     visitors::VisitorWindow window(options, session);
     session.start();
     print_new_remarks(session);
-    visitors::Visits visits(std::move(plan), session, window);
-    visits.run();
+    visitors::Visits visits(std::move(plan), session,
+                            [&window](const scene::Scene &scene, const scene::TouchSpot &spot) {
+                                window.show_scene(scene, spot);
+                            });
+    study_screen::show_to_end(visits, window);
     session.stop();
     std::cerr << fmt::format("springdrive: {} visit{} begun; nothing of them was stored\n",
                              visits.begun(), visits.begun() == 1 ? "" : "s");

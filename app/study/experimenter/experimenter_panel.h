@@ -3,7 +3,7 @@
 #pragma once
 
 #include "app/study/experimenter/live_fit.h"
-#include "app/study/sitting/sitting_port.h"
+#include "app/study/sitting/sitting_frame.h"
 #include "app/study/sitting/sitting_state.h"
 #include "app/widgets/rectangle.h"
 #include "engine/session/session.h"

@@ -7,7 +7,8 @@
 #include "app/study/experimenter/live_fit.h"
 #include "app/study/participant/participant_view.h"
 #include "app/study/participant/participant_window.h"
-#include "app/study/sitting/sitting_port.h"
+#include "app/study/sitting/sitting_frame.h"
+#include "app/study/sitting/sitting_state.h"
 #include "app/view/renderer.h"
 #include "app/window/frame_pace.h"
 #include "app/window/report_requests.h"
@@ -28,16 +29,18 @@ struct StudyWindowOptions {
     bool reports = false; ///< answers requests on standard input, see ReportRequests
 };
 
-class StudyWindow final : public SittingPort {
+class StudyWindow {
 public:
     /// @param session  and the store: must outlive it
     /// @throw InputError if no window can be opened
     StudyWindow(const StudyWindowOptions &options, session::Session &session,
                 study::StudyStore &store, const study::Protocol &protocol);
 
+    /// Shows this for a frame, and advances the session by it.
     /// @throw InputError if a note cannot be stored
-    SittingFrame show(const ParticipantPicture &picture, const SittingState &state) override;
-    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) override;
+    SittingFrame show(const ParticipantPicture &picture, const SittingState &state);
+    /// See ShowsScene.
+    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot);
 
     /// What a session should keep of its screens.
     [[nodiscard]] std::vector<study::Setting> facts() const;

@@ -24,7 +24,7 @@ public:
 
     /// A stop from now on is the trial's.
     void begin_trial();
-    /// @param is_stored  with the trial; otherwise it is noted now
+    /// Nothing outside of a trial. @param is_stored  with the trial; otherwise it is noted now
     void end_trial(bool is_stored);
 
     /// A person lets the device go on.

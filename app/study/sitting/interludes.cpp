@@ -21,8 +21,26 @@ constexpr double kFarewell_s = 5.0;
 
 } // namespace
 
+/// The servo follows the course as long as this exists. Not in the unnamed namespace, as coroutines
+/// hold it.
+class Followed {
+public:
+    Followed(session::ServoRun &servo, study::LiveWarmUp &course) : servo_(servo) {
+        servo.follow(&course);
+    }
+    ~Followed() {
+        servo_.follow(nullptr);
+        servo_.paused([] {}); // it must not use the course any more
+    }
+    Followed(const Followed &) = delete;
+    Followed &operator=(const Followed &) = delete;
+
+private:
+    session::ServoRun &servo_;
+};
+
 /// A break has a shortest time.
-void Sitting::rest(double seconds) {
+Course<> Sitting::rest(double seconds) {
     state_.step = SittingStep::in_break;
     since_break_ = 0;
     ParticipantPicture picture;
@@ -35,48 +53,48 @@ void Sitting::rest(double seconds) {
                                      fmt::format("{:.0f}", 100.0 * state_.progress));
         picture.left_text = study::filled(plan_.protocol.texts.break_left, "{}",
                                           fmt::format("{:.0f}", std::ceil(state_.left_s)));
-        static_cast<void>(show(picture));
+        static_cast<void>(co_await show(picture));
     }
     orders_.skips_to_break = false; // this was one
 }
 
 /// Until the participant wants to go on, and not sooner than after so long.
-void Sitting::take_break(double seconds) {
-    rest(seconds);
+Course<> Sitting::take_break(double seconds) {
+    co_await rest(seconds);
     ParticipantPicture picture;
     picture.heading = plan_.protocol.texts.pause;
     picture.text = plan_.protocol.texts.break_over;
-    show_until_key(SittingStep::in_break, picture);
+    co_await show_until_key(SittingStep::in_break, picture);
 }
 
 /// The same, before another block.
-void Sitting::begin_block() {
-    rest(plan_.protocol.breaks.between_blocks_s);
+Course<> Sitting::begin_block() {
+    co_await rest(plan_.protocol.breaks.between_blocks_s);
     ParticipantPicture picture;
     picture.text = plan_.protocol.texts.block_begins;
-    show_until_key(SittingStep::block_begins, picture);
+    co_await show_until_key(SittingStep::block_begins, picture);
 }
 
-void Sitting::wait_while_paused() {
+Course<> Sitting::wait_while_paused() {
     while (orders_.is_paused) {
         state_.step = SittingStep::paused;
         ParticipantPicture picture;
         picture.heading = plan_.protocol.texts.paused;
-        static_cast<void>(show(picture));
+        static_cast<void>(co_await show(picture));
     }
 }
 
 /// What is said before a trial.
-void Sitting::introduce(const study::PlannedTrial &planned) {
+Course<> Sitting::introduce(const study::PlannedTrial &planned) {
     const study::Texts &texts = plan_.protocol.texts;
     const bool is_practice = planned.is_practice;
     ParticipantPicture picture;
     if (has_presented_ && planned.place.block != last_block_) {
-        begin_block();
+        co_await begin_block();
     } else if (std::exchange(orders_.skips_to_break, false) ||
                (plan_.protocol.breaks.every_trials > 0 &&
                 since_break_ >= plan_.protocol.breaks.every_trials)) {
-        take_break(plan_.protocol.breaks.break_s);
+        co_await take_break(plan_.protocol.breaks.break_s);
     }
     if (is_practice && (!was_practising_ || !has_presented_)) {
         if (!was_practising_) {
@@ -84,16 +102,16 @@ void Sitting::introduce(const study::PlannedTrial &planned) {
         }
         picture.heading = texts.practice_begins;
         picture.text = texts.ready;
-        show_until_key(SittingStep::practice_begins, picture);
+        co_await show_until_key(SittingStep::practice_begins, picture);
     } else if (!is_practice && was_practising_) {
-        end_practice();
+        co_await end_practice();
     }
     was_practising_ = is_practice;
     last_block_ = planned.place.block;
 }
 
 /// With two answer keys the participant may practise again, as often as it takes.
-void Sitting::end_practice() {
+Course<> Sitting::end_practice() {
     const study::Texts &texts = plan_.protocol.texts;
     const study::ResponseWays &ways = plan_.protocol.responses;
     ParticipantPicture picture;
@@ -101,8 +119,8 @@ void Sitting::end_practice() {
     if (!plan_.offers_practice_again || ways.device == study::ResponseDevice::gesture ||
         ways.keys.size() < 2) {
         picture.text = texts.ready;
-        show_until_key(SittingStep::practice_ends, picture);
-        return;
+        co_await show_until_key(SittingStep::practice_ends, picture);
+        co_return;
     }
     const bool is_mouse = ways.device == study::ResponseDevice::mouse;
     picture.text =
@@ -110,14 +128,15 @@ void Sitting::end_practice() {
                       "{begin}", shown_key(ways.keys[1], is_mouse));
     while (true) {
         state_.step = SittingStep::practice_ends;
-        for (const ParticipantInput &input : show(picture).inputs) {
+        const SittingFrame frame = co_await show(picture);
+        for (const ParticipantInput &input : frame.inputs) {
             const std::optional<std::size_t> key = alternative_of(ways, input);
             if (key == 0U) {
-                practise_again();
+                co_await practise_again();
                 break;
             }
             if (key) {
-                return;
+                co_return;
             }
         }
     }
@@ -125,63 +144,54 @@ void Sitting::end_practice() {
 
 /// The same trials as before. They are not of the sequence, and only notes tell of them, and of
 /// stops in them.
-void Sitting::practise_again() {
-    int presented = 0;
-    const auto note_them = [&] {
-        note("practice", fmt::format("practised {} trials again, which are not stored", presented));
-    };
-    try {
-        for (const study::PlannedTrial &planned : practised_) {
-            make_ready(planned);
-            if (const std::optional<study::Trial> trial = present_watched()) {
-                ++presented;
-                for (const study::SafetyEvent &event : trial->safety_events) {
-                    note("safety", event.text);
-                }
-                tell_of(*trial, false);
+Course<> Sitting::practise_again() {
+    presented_again_ = 0;
+    for (const study::PlannedTrial &planned : practised_) {
+        co_await make_ready(planned);
+        const std::optional<study::Trial> trial = co_await present_watched();
+        if (trial) {
+            ++*presented_again_;
+            for (const study::SafetyEvent &event : trial->safety_events) {
+                note("safety", event.text);
             }
+            co_await tell_of(*trial, false);
         }
-    } catch (const Ends &) {
-        note_them();
-        throw;
     }
-    note_them();
+    note_practice();
+}
+
+/// Whatever has ended it.
+void Sitting::note_practice() {
+    if (const std::optional<int> count = std::exchange(presented_again_, std::nullopt)) {
+        note("practice", fmt::format("practised {} trials again, which are not stored", *count));
+    }
 }
 
 /// Before the first trial, and whenever they have cooled below the band. A device that is stopped
 /// or lost meanwhile is for make_ready.
 /// @return whether there was anything to do
-bool Sitting::warm_up() {
+Course<bool> Sitting::warm_up() {
     const study::WindingBand &band = plan_.protocol.windings;
     if (!study::WarmUp::is_needed(band, study::estimated_windings_C(session_.latest()))) {
-        return false;
+        co_return false;
     }
     study::LiveWarmUp course(session_.description(), band, session_.servo().period_s());
-    session_.servo().follow(&course);
-    // Whatever ends it: the servo must not use the course any more.
-    const auto leave = [&] {
-        session_.servo().follow(nullptr);
-        session_.servo().paused([] {});
-    };
     const bool is_hot = study::estimated_windings_C(session_.latest()).maxCoeff() > band.to_C;
     ParticipantPicture picture;
     picture.heading = is_hot ? plan_.protocol.texts.cooling_down : plan_.protocol.texts.warming_up;
     picture.left_share = 1.0;
     double most_K = 0.0;
-    try {
+    {
+        const Followed followed(session_.servo(), course);
         while (!course.is_over() && session_.latest().safety.state != servo::SafetyState::tripped) {
             state_.step = SittingStep::warming_up;
             if (const double left_K = course.off_band_K(); left_K > 0.0) {
                 most_K = std::max(most_K, left_K);
                 picture.left_share = std::min(*picture.left_share, left_K / most_K);
             }
-            static_cast<void>(show(picture));
+            static_cast<void>(co_await show(picture));
         }
-    } catch (...) {
-        leave();
-        throw;
     }
-    leave();
     stops_.watch();
     if (course.is_over() && course.failure() == study::WarmUpFailure::too_long) {
         throw InputError(fmt::format("{}: the windings cannot be warmed to {:g} °C: {}; lower "
@@ -190,59 +200,54 @@ bool Sitting::warm_up() {
                                      study::description(course.failure())));
     }
     presenter_.lead_to_start();
-    return true;
+    co_return true;
 }
 
 /// Before the first trial of the session.
-void Sitting::begin() {
-    ask_questions(study::QuestionnaireTime::before);
+Course<> Sitting::begin() {
+    co_await ask_questions(study::QuestionnaireTime::before);
     if (noise_) {
         ParticipantPicture picture;
         picture.text = plan_.protocol.texts.noise_check + '\n' + plan_.protocol.texts.ready;
-        show_until_key(SittingStep::noise_check, picture);
+        co_await show_until_key(SittingStep::noise_check, picture);
     }
-    show_until_key(SittingStep::instructions, instructions_of(plan_.protocol));
+    const ParticipantPicture instructions = instructions_of(plan_.protocol);
+    co_await show_until_key(SittingStep::instructions, instructions);
 }
 
-/// For `Conduct::after_last`: the device is not touched any more.
-std::optional<study::SessionEnding> Sitting::ask_after_last() {
+/// The device is not touched any more. @return how the session ends
+Course<study::SessionEnding> Sitting::ask_after_last() {
     has_trials_left_ = false;
     session_.keep_released(true);
     end_noise();
     note_trials();
     if (open_questions(study::QuestionnaireTime::after).empty()) {
-        return std::nullopt; // whatever ended it with the last trial
+        co_return study::SessionEnding::completed; // whatever ended it with the last trial
     }
-    try {
-        if (!ending_) {
-            ask_questions(study::QuestionnaireTime::after);
-        }
-    } catch (const Ends &ends) {
-        ending_ = ends.how;
+    if (!ending_) {
+        co_await frames_.until_end(ask_questions(study::QuestionnaireTime::after));
     }
-    return ending_;
+    co_return ending_.value_or(study::SessionEnding::completed);
 }
 
-void Sitting::say_goodbye() {
+Course<> Sitting::say_goodbye() {
     ParticipantPicture picture;
     picture.heading = plan_.protocol.texts.end;
     state_.progress = 1.0;
-    try {
-        show_until_key(SittingStep::over, picture);
-    } catch (const Ends &) { // it is stored as complete already
-    }
+    co_await show_until_key(SittingStep::over, picture);
 }
 
 /// To a participant who leaves before the end: for some seconds, or until a key.
-void Sitting::let_go() {
+Course<> Sitting::let_go() {
     ParticipantPicture picture;
     picture.heading = plan_.protocol.texts.done_early;
     state_.step = SittingStep::over;
     const double until_s = session_.servo().now_s() + kFarewell_s;
-    try {
-        while (session_.servo().now_s() < until_s && !is_answer_key(show(picture).inputs)) {
+    while (session_.servo().now_s() < until_s) {
+        const SittingFrame frame = co_await show(picture);
+        if (is_answer_key(frame.inputs)) {
+            break;
         }
-    } catch (const Ends &) { // told twice
     }
 }
 
@@ -252,10 +257,12 @@ std::vector<study::QuestionnaireItem> Sitting::open_questions(study::Questionnai
 }
 
 /// One after the other; each answer is on the disk before the next question.
-void Sitting::ask_questions(study::QuestionnaireTime when) {
-    for (const study::QuestionnaireItem &item : open_questions(when)) {
+Course<> Sitting::ask_questions(study::QuestionnaireTime when) {
+    const std::vector<study::QuestionnaireItem> open = open_questions(when);
+    for (const study::QuestionnaireItem &item : open) {
         state_.step = SittingStep::questionnaire;
-        if (const std::optional<std::string> answer = answer_to(item)) {
+        const std::optional<std::string> answer = co_await answer_to(item);
+        if (answer) {
             static_cast<void>(store_.add({plan_.participant, state_.session, item.name, item.text,
                                           *answer, study::utc_now()}));
         }
@@ -263,15 +270,15 @@ void Sitting::ask_questions(study::QuestionnaireTime when) {
 }
 
 /// Nothing if the participant would rather not say.
-std::optional<std::string> Sitting::answer_to(const study::QuestionnaireItem &item) {
+Course<std::optional<std::string>> Sitting::answer_to(const study::QuestionnaireItem &item) {
     const std::vector<QuestionChoice> choices = choices_of(item, plan_.protocol.texts);
     ParticipantPicture picture = picture_of(item, plan_.protocol.texts);
     while (true) {
-        const std::vector<ParticipantInput> inputs = show(picture).inputs;
-        picture.typed = typed_on(picture.typed, inputs, study::kLongestAnswer);
-        for (const ParticipantInput &input : inputs) {
+        const SittingFrame frame = co_await show(picture);
+        picture.typed = typed_on(picture.typed, frame.inputs, study::kLongestAnswer);
+        for (const ParticipantInput &input : frame.inputs) {
             if (const QuestionChoice *const chosen = chosen_by(choices, input)) {
-                return picture.has_text_field && chosen->answer ? picture.typed : chosen->answer;
+                co_return picture.has_text_field && chosen->answer ? picture.typed : chosen->answer;
             }
         }
     }

@@ -36,9 +36,10 @@ study::DeviceKind kind_of(factory::DeviceKind kind) {
 } // namespace
 
 Sitting::Sitting(study::StudyStore &store, SittingPlan plan, session::Session &session,
-                 SittingPort &port)
-    : store_(store), plan_(std::move(plan)), session_(session), port_(port),
-      presenter_({plan_.protocol, plan_.setting, plan_.folders, session_, port_, state_,
+                 ShowsScene show_scene)
+    : store_(store), plan_(std::move(plan)), session_(session),
+      presenter_({plan_.protocol, plan_.setting, plan_.folders, session_, state_,
+                  std::move(show_scene),
                   [this](ParticipantPicture picture) { return show(std::move(picture)); }}),
       stops_(session_, plan_.is_attended || !session_.device().device().can_reach_a_hand(),
              [this](const std::string &what) { note("safety", what); }) {
@@ -63,35 +64,18 @@ void Sitting::require_device_of_before() const {
 }
 
 /// Every frame of a sitting.
-SittingFrame Sitting::show(ParticipantPicture picture) {
+Frames::Next Sitting::show(ParticipantPicture picture) {
     if (!picture.has_text_field) { // where the space bar writes
         picture.footer = plan_.protocol.texts.stop_key;
     }
     picture.progress = state_.progress;
-    SittingFrame frame = port_.show(picture, state_);
-    stops_.watch();
-    if (frame.orders.stops) {
-        throw Ends{study::SessionEnding::stopped};
-    }
-    if (frame.orders.participant_leaves) {
-        throw Ends{study::SessionEnding::left};
-    }
-    orders_.is_paused = frame.orders.is_paused;
-    orders_.repeats = orders_.repeats || frame.orders.repeats;
-    orders_.skips_to_break = orders_.skips_to_break || frame.orders.skips_to_break;
-    if (frame.orders.resets_device) {
-        stops_.let_go_on();
-    }
-    if (stops_.count() > plan_.protocol.stopping.most_trips && has_trials_left_) {
-        throw Ends{study::SessionEnding::safety_trip};
-    }
-    return frame;
+    return frames_.show(std::move(picture));
 }
 
-void Sitting::show_for(double seconds, const ParticipantPicture &picture) {
+Course<> Sitting::show_for(double seconds, const ParticipantPicture &picture) {
     const double until_s = session_.servo().now_s() + seconds;
     while (session_.servo().now_s() < until_s) {
-        static_cast<void>(show(picture));
+        static_cast<void>(co_await show(picture));
     }
 }
 
@@ -104,9 +88,11 @@ bool Sitting::is_answer_key(const std::vector<ParticipantInput> &inputs) const {
     });
 }
 
-void Sitting::show_until_key(SittingStep step, const ParticipantPicture &picture) {
+Course<> Sitting::show_until_key(SittingStep step, const ParticipantPicture &picture) {
     state_.step = step;
-    while (!is_answer_key(show(picture).inputs)) {
+    SittingFrame frame;
+    while (!is_answer_key(frame.inputs)) {
+        frame = co_await show(picture);
     }
 }
 
@@ -115,19 +101,20 @@ void Sitting::note(const std::string &kind, const std::string &text) {
 }
 
 /// Until the motors run.
-void Sitting::make_ready(const study::PlannedTrial &planned) {
-    presenter_.set_up(planned);
+Course<> Sitting::make_ready(const study::PlannedTrial &planned) {
+    co_await presenter_.set_up(planned);
     presenter_.lead_to_start();
     stops_.begin_calm();
     bool is_lead_lost = false;
     while (true) {
-        wait_while_paused();
+        co_await wait_while_paused();
         stops_.watch();
         const servo::ServoSample &latest = session_.latest();
         const bool is_there = latest.health != device::DeviceHealth::lost && session_.is_zeroed();
         if (is_there && latest.safety.state == servo::SafetyState::running) {
-            if (!warm_up()) {
-                return;
+            const bool has_taken_a_while = co_await warm_up();
+            if (!has_taken_a_while) {
+                co_return;
             }
             continue; // it took a while, in which anything may have happened
         }
@@ -142,9 +129,6 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
             state_.step = SittingStep::device_stopped;
             picture.text = plan_.protocol.texts.device_stopped;
             picture.is_calm_stop = true;
-            if (servo::is_final(latest.safety.cause)) {
-                throw Ends{study::SessionEnding::failed};
-            }
             stops_.reset_when_calm();
         } else {
             if (std::exchange(is_lead_lost, false)) {
@@ -155,12 +139,12 @@ void Sitting::make_ready(const study::PlannedTrial &planned) {
                                                    : plan_.protocol.texts.rest_at_spot;
             picture.tip_m = latest.tip_m;
         }
-        static_cast<void>(show(picture));
+        static_cast<void>(co_await show(picture));
     }
 }
 
 /// Feedback, which in the practice tells right from wrong. What is not stored does not come again.
-void Sitting::tell_of(const study::Trial &trial, bool is_stored) {
+Course<> Sitting::tell_of(const study::Trial &trial, bool is_stored) {
     const study::Texts &texts = plan_.protocol.texts;
     const std::optional<bool> is_right = study::is_correct(plan_.protocol.task, trial);
     state_.marks = trial.marks;
@@ -169,82 +153,66 @@ void Sitting::tell_of(const study::Trial &trial, bool is_stored) {
     }
     ParticipantPicture picture;
     if (!trial.safety_events.empty()) {
-        return; // make_ready tells of it
+        co_return; // make_ready tells of it
     }
     const bool is_silent = std::holds_alternative<study::NoResponse>(trial.response);
     const bool comes_again =
         study::comes_again(plan_.protocol.marking, state_.marks, trial.response);
     if (comes_again || is_silent) {
         if (!is_stored) {
-            return;
+            co_return;
         }
         picture.text = comes_again ? texts.repeated : texts.too_slow;
     } else if (trial.is_practice && is_right) {
         picture.heading = *is_right ? texts.correct : texts.wrong;
     } else {
-        return;
+        co_return;
     }
     state_.step = SittingStep::after_response;
-    show_for(kFeedback_s, picture);
+    co_await show_for(kFeedback_s, picture);
 }
 
-/// A stop in it is stored with it, or noted if it is not.
-std::optional<study::Trial> Sitting::present_watched() {
+/// A stop in it is stored with it.
+Course<std::optional<study::Trial>> Sitting::present_watched() {
     stops_.begin_trial();
-    try {
-        std::optional<study::Trial> trial = presenter_.present();
-        stops_.end_trial(trial && !trial->safety_events.empty());
-        return trial;
-    } catch (const Ends &) {
-        stops_.end_trial(false);
-        throw;
-    }
+    std::optional<study::Trial> trial = co_await presenter_.present();
+    stops_.end_trial(trial && !trial->safety_events.empty());
+    co_return trial;
 }
 
-std::optional<study::Trial> Sitting::present(const study::PlannedTrial &planned) {
-    try {
-        introduce(planned);
-        while (true) {
-            make_ready(planned);
-            keep_noise();
-            if (plan_.keeps_records) {
-                session_.start_recording(store_.new_record_file(plan_.participant, planned.place),
-                                         {Existing::replace, Readers::owner});
-            }
-            orders_.repeats = false;
-            std::optional<study::Trial> trial = present_watched();
-            session_.recording().stop();
-            if (!trial) {
-                continue; // the device was lost: the trial begins anew when it is back
-            }
-            try {
-                tell_of(*trial, true);
-            } catch (const Ends &ends) { // what was answered is stored all the same
-                ending_ = ends.how;
-            }
-            if (std::exchange(orders_.repeats, false)) {
-                trial->marks.emplace_back("repeated at the experimenter's wish");
-                trial->is_presented_again = true;
-            }
-            if (plan_.keeps_records) {
-                note_gaps_of_record();
-                trial->record = store_.link_to(session_.recording().file());
-            }
-            const bool counts = state_.marks.empty() && trial->safety_events.empty() &&
-                                !trial->is_presented_again &&
-                                !std::holds_alternative<study::NoResponse>(trial->response);
-            if (planned.is_practice && counts) {
-                practised_.push_back(planned);
-            }
-            has_presented_ = true;
-            ++since_break_;
-            return trial;
+/// Fills `presented_`.
+Course<> Sitting::present(const study::PlannedTrial &planned) {
+    co_await introduce(planned);
+    std::optional<study::Trial> trial;
+    while (!trial) { // if the device is lost, the trial begins anew when it is back
+        co_await make_ready(planned);
+        keep_noise();
+        if (plan_.keeps_records) {
+            session_.start_recording(store_.new_record_file(plan_.participant, planned.place),
+                                     {Existing::replace, Readers::owner});
         }
-    } catch (const Ends &ends) {
+        orders_.repeats = false;
+        trial = co_await present_watched();
         session_.recording().stop();
-        ending_ = ends.how;
-        return std::nullopt;
     }
+    co_await frames_.until_end(tell_of(*trial, true)); // what was answered is stored all the same
+    if (std::exchange(orders_.repeats, false)) {
+        trial->marks.emplace_back("repeated at the experimenter's wish");
+        trial->is_presented_again = true;
+    }
+    if (plan_.keeps_records) {
+        note_gaps_of_record();
+        trial->record = store_.link_to(session_.recording().file());
+    }
+    const bool counts = state_.marks.empty() && trial->safety_events.empty() &&
+                        !trial->is_presented_again &&
+                        !std::holds_alternative<study::NoResponse>(trial->response);
+    if (planned.is_practice && counts) {
+        practised_.push_back(planned);
+    }
+    has_presented_ = true;
+    ++since_break_;
+    presented_ = std::move(trial);
 }
 
 /// A record that a slow disk has left incomplete is linked all the same.
@@ -307,23 +275,15 @@ void Sitting::note_trials() {
     state_.progress = std::min(1.0, static_cast<double>(state_.trials.size()) / most);
 }
 
-/// For `Conduct::ends`: what is shown before the first trial, and between two.
-std::optional<study::SessionEnding> Sitting::ending_before_next() {
-    if (ending_) {
-        return ending_;
+/// What is shown before the first trial, and between two.
+Course<> Sitting::before_next() {
+    if (!std::exchange(has_begun_, true)) {
+        co_await begin();
+    } else if (has_presented_) {
+        state_.step = SittingStep::after_response;
+        const ParticipantPicture nothing;
+        co_await show_for(plan_.protocol.timing.between_trials_s, nothing);
     }
-    note_trials();
-    try {
-        if (!std::exchange(has_begun_, true)) {
-            begin();
-        } else if (has_presented_) {
-            state_.step = SittingStep::after_response;
-            show_for(plan_.protocol.timing.between_trials_s, {});
-        }
-    } catch (const Ends &ends) {
-        ending_ = ends.how;
-    }
-    return ending_;
 }
 
 /// Who was stopped after the practice is asked then whether it was understood.
@@ -344,30 +304,100 @@ void Sitting::recall_practice() {
     has_trials_left_ = sequence.next().has_value();
 }
 
-study::SessionEnding Sitting::run() {
+void Sitting::start() {
     recall_practice();
     if (plan_.protocol.noise && plan_.plays_noise && has_trials_left_) {
         noise_.emplace(plan_.protocol.noise->level_dBFS); // or there is no session
     }
-    study::Session session = begun();
-    session.id = store_.begin(session);
+    begun_ = begun();
+    begun_.id = store_.begin(begun_);
     state_.participant = plan_.participant;
-    state_.session = session.id;
-    study::Conduct how;
-    how.present = [this](const study::PlannedTrial &planned) { return present(planned); };
-    how.ends = [this] { return ending_before_next(); };
-    how.after_last = [this] { return ask_after_last(); };
-    const study::SessionEnding ending = study::conduct(store_, plan_.protocol, session, how);
+    state_.session = begun_.id;
+    run([this] { frames_.start(course()); });
+}
+
+/// Until the participant is through, or something ends it. @return how
+Course<study::SessionEnding> Sitting::trials() {
+    study::RunningSession running(store_, plan_.protocol, begun_);
+    while (const std::optional<study::PlannedTrial> planned = running.next()) {
+        if (!ending_) {
+            note_trials();
+            co_await frames_.until_end(before_next());
+        }
+        if (ending_) {
+            co_return *ending_;
+        }
+        presented_.reset();
+        const bool is_whole = co_await frames_.until_end(present(*planned));
+        if (!is_whole) {
+            session_.recording().stop();
+            stops_.end_trial(false);
+            note_practice();
+            co_return *ending_;
+        }
+        if (const auto ending = running.add(*std::exchange(presented_, std::nullopt))) {
+            co_return *ending;
+        }
+    }
+    co_return co_await ask_after_last();
+}
+
+Course<> Sitting::course() {
+    stored_ending_ = co_await trials();
+    store_.end(begun_.id, stored_ending_, study::utc_now());
+    const std::optional<study::SessionEnding> wished = std::exchange(ending_, std::nullopt);
     has_trials_left_ = false;
     session_.keep_released(true);
     end_noise();
-    if (ending == study::SessionEnding::completed && !ending_) {
-        say_goodbye();
-    } else if (ending == study::SessionEnding::left || !ending_ ||
-               ending == study::SessionEnding::safety_trip) {
-        let_go(); // by the participant's wish, or by a stopping rule
+    if (stored_ending_ == study::SessionEnding::completed && !wished) {
+        co_await frames_.until_end(say_goodbye());
+    } else if (stored_ending_ == study::SessionEnding::left || !wished ||
+               stored_ending_ == study::SessionEnding::safety_trip) {
+        co_await frames_.until_end(let_go()); // by the participant's wish, or by a stopping rule
     }
-    return ending;
+}
+
+/// How all that is shown ends now, if it does.
+std::optional<study::SessionEnding> Sitting::ending_after_frame() const {
+    const servo::SafetyStatus &safety = session_.latest().safety;
+    if (state_.step == SittingStep::device_stopped && servo::is_final(safety.cause)) {
+        return study::SessionEnding::failed;
+    }
+    if (stops_.count() > plan_.protocol.stopping.most_trips && has_trials_left_) {
+        return study::SessionEnding::safety_trip;
+    }
+    return std::nullopt;
+}
+
+void Sitting::resume(SittingFrame frame) {
+    run([&] {
+        stops_.watch();
+        const ExperimenterOrders &orders = frame.orders;
+        orders_.is_paused = orders.is_paused;
+        orders_.repeats = orders_.repeats || orders.repeats;
+        orders_.skips_to_break = orders_.skips_to_break || orders.skips_to_break;
+        if (orders.resets_device && !orders.stops && !orders.participant_leaves) {
+            stops_.let_go_on();
+        }
+        ending_ = orders.stops                ? study::SessionEnding::stopped
+                  : orders.participant_leaves ? study::SessionEnding::left
+                                              : ending_after_frame();
+        if (ending_) {
+            frames_.end();
+        } else {
+            frames_.resume(std::move(frame));
+        }
+    });
+}
+
+/// An error ends the session.
+void Sitting::run(const std::function<void()> &part) {
+    try {
+        part();
+    } catch (const InputError &) {
+        study::end_as_failed(store_, begun_.id);
+        throw;
+    }
 }
 
 } // namespace springdrive::app::study_screen

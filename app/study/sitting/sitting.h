@@ -1,21 +1,24 @@
 // A person's session of a study, from the first word on the screen to the last: instructions,
-// practice, trials, breaks, and whatever happens in between. Who draws and who types is the port's.
+// practice, trials, breaks, and whatever happens in between; resumed once a frame. Who draws and
+// who types is for the caller.
 //
 // What comes next, what is stored and when the session ends is for engine/study/conduct; the
 // servo's part of a trial for trial_presenter.h.
 #pragma once
 
+#include "app/study/sitting/course.h"
 #include "app/study/sitting/device_stops.h"
-#include "app/study/sitting/sitting_port.h"
 #include "app/study/sitting/sitting_state.h"
 #include "app/study/sitting/trial_presenter.h"
 #include "app/study/sound/masking_noise.h"
 #include "engine/session/session.h"
+#include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/store/study_store.h"
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,59 +43,74 @@ public:
     /// @throw InputError for ways to answer that this program cannot take, and for a participant
     ///        whose former sessions were on another kind of device
     Sitting(study::StudyStore &store, SittingPlan plan, session::Session &session,
-            SittingPort &port);
+            ShowsScene show_scene);
 
-    /// @throw InputError if the masking noise cannot be played: there is then no session; from the
-    ///        store, or for windings that cannot be warmed: it is then ended as failed, if possible
-    study::SessionEnding run();
+    /// Begins the session. @throw InputError if the masking noise cannot be played: there is then
+    /// no session; and as `resume` does
+    void start();
+
+    /// What is to be shown for a frame, in which the session is to be advanced.
+    [[nodiscard]] const ParticipantPicture &picture() const { return frames_.picture(); }
+    [[nodiscard]] const SittingState &state() const { return state_; }
+
+    /// Goes on after that frame. @throw InputError from the store, or for windings that cannot be
+    ///        warmed: the session is then ended as failed, if possible
+    void resume(SittingFrame frame);
+
+    [[nodiscard]] bool is_over() const { return frames_.is_over(); }
+    /// As stored. @pre it is over
+    [[nodiscard]] study::SessionEnding ending() const { return stored_ending_; }
 
 private:
-    struct Ends { ///< thrown out of whatever is shown
-        study::SessionEnding how;
-    };
-
+    void run(const std::function<void()> &part);
     void require_device_of_before() const;
     void recall_practice();
-    SittingFrame show(ParticipantPicture picture);
-    void show_for(double seconds, const ParticipantPicture &picture);
-    void show_until_key(SittingStep step, const ParticipantPicture &picture);
+    [[nodiscard]] Frames::Next show(ParticipantPicture picture);
+    [[nodiscard]] Course<> show_for(double seconds, const ParticipantPicture &picture);
+    [[nodiscard]] Course<> show_until_key(SittingStep step, const ParticipantPicture &picture);
     [[nodiscard]] bool is_answer_key(const std::vector<ParticipantInput> &inputs) const;
 
-    [[nodiscard]] std::optional<study::Trial> present(const study::PlannedTrial &planned);
-    void introduce(const study::PlannedTrial &planned);
-    void end_practice();
-    void practise_again();
+    [[nodiscard]] Course<> course();
+    [[nodiscard]] Course<study::SessionEnding> trials();
+    [[nodiscard]] Course<> before_next();
+    [[nodiscard]] Course<> present(const study::PlannedTrial &planned);
+    [[nodiscard]] Course<> introduce(const study::PlannedTrial &planned);
+    [[nodiscard]] Course<> end_practice();
+    [[nodiscard]] Course<> practise_again();
+    void note_practice();
     void keep_noise();
     void end_noise();
-    void rest(double seconds);
-    void take_break(double seconds);
-    void begin_block();
-    void wait_while_paused();
-    [[nodiscard]] bool warm_up();
-    void begin();
-    [[nodiscard]] std::optional<study::SessionEnding> ask_after_last();
-    void say_goodbye();
-    void let_go();
+    [[nodiscard]] Course<> rest(double seconds);
+    [[nodiscard]] Course<> take_break(double seconds);
+    [[nodiscard]] Course<> begin_block();
+    [[nodiscard]] Course<> wait_while_paused();
+    [[nodiscard]] Course<bool> warm_up();
+    [[nodiscard]] Course<> begin();
+    [[nodiscard]] Course<study::SessionEnding> ask_after_last();
+    [[nodiscard]] Course<> say_goodbye();
+    [[nodiscard]] Course<> let_go();
     [[nodiscard]] std::vector<study::QuestionnaireItem>
     open_questions(study::QuestionnaireTime when) const;
-    void ask_questions(study::QuestionnaireTime when);
-    [[nodiscard]] std::optional<std::string> answer_to(const study::QuestionnaireItem &item);
-    void make_ready(const study::PlannedTrial &planned);
+    [[nodiscard]] Course<> ask_questions(study::QuestionnaireTime when);
+    [[nodiscard]] Course<std::optional<std::string>>
+    answer_to(const study::QuestionnaireItem &item);
+    [[nodiscard]] Course<> make_ready(const study::PlannedTrial &planned);
     void note(const std::string &kind, const std::string &text);
     void note_gaps_of_record();
-    [[nodiscard]] std::optional<study::Trial> present_watched();
-    void tell_of(const study::Trial &trial, bool is_stored);
+    [[nodiscard]] Course<std::optional<study::Trial>> present_watched();
+    [[nodiscard]] Course<> tell_of(const study::Trial &trial, bool is_stored);
     void note_trials();
-    [[nodiscard]] std::optional<study::SessionEnding> ending_before_next();
+    [[nodiscard]] std::optional<study::SessionEnding> ending_after_frame() const;
     [[nodiscard]] study::Session begun() const;
 
     study::StudyStore &store_;
     SittingPlan plan_;
     session::Session &session_;
-    SittingPort &port_;
+    study::Session begun_; ///< in the store
     SittingState state_;
     TrialPresenter presenter_;
-    std::optional<study::SessionEnding> ending_;
+    std::optional<study::SessionEnding> ending_; ///< what is shown is over with it
+    study::SessionEnding stored_ending_ = study::SessionEnding::completed;
     ExperimenterOrders orders_; ///< those that wait to be obeyed
     bool has_begun_ = false;
     bool was_practising_ = false;
@@ -104,6 +122,9 @@ private:
     int noise_gaps_ = 0; ///< of outputs that were in use before
     DeviceStops stops_;
     bool has_trials_left_ = true;
+    std::optional<study::Trial> presented_; ///< the last one, if it was presented to its end
+    std::optional<int> presented_again_;    ///< trials, while the participant practises again
+    Frames frames_;                         ///< last: courses use all the others
 };
 
 } // namespace springdrive::app::study_screen

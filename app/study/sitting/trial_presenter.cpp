@@ -35,8 +35,11 @@ simulated::HandPath path_after_rest(const study::HandCourse &course,
     return simulated::HandPath(std::move(points));
 }
 
+} // namespace
+
 /// A movement that is an answer: from where the tip rested first, and to the side, since a hand
-/// that leaves the surface goes on for a while.
+/// that leaves the surface goes on for a while. Not in the unnamed namespace, as coroutines hold
+/// it.
 class AnswerByGesture {
 public:
     /// @param way_off  unit, or zero: what is moved along it tells nothing
@@ -62,8 +65,6 @@ private:
     double seen_s_;
 };
 
-} // namespace
-
 TrialPresenter::~TrialPresenter() {
     it_.session.servo().follow(nullptr);
     // No thread of the servo may still use the last one.
@@ -85,34 +86,34 @@ ParticipantPicture TrialPresenter::picture(SittingStep step) const {
     return picture;
 }
 
-void TrialPresenter::wait(double seconds, const ParticipantPicture &shown) {
+Course<> TrialPresenter::wait(double seconds, const ParticipantPicture &shown) {
     const double until_s = it_.session.servo().now_s() + seconds;
     while (it_.session.servo().now_s() < until_s) {
-        static_cast<void>(it_.show(shown));
+        static_cast<void>(co_await it_.show(shown));
     }
 }
 
-void TrialPresenter::load(const std::filesystem::path &scene) {
+Course<> TrialPresenter::load(const std::filesystem::path &scene) {
     session::Session &session = it_.session;
     if (session.scenes().now().scene.file == scene) {
-        return;
+        co_return;
     }
     session.request_scene(scene);
     while (session.scenes().now().scene.file != scene) {
         if (!session.scenes().error().empty()) {
             throw InputError(session.scenes().error());
         }
-        static_cast<void>(it_.show(picture(SittingStep::setting_up)));
+        static_cast<void>(co_await it_.show(picture(SittingStep::setting_up)));
     }
 }
 
-void TrialPresenter::set_up(const study::PlannedTrial &planned) {
+Course<> TrialPresenter::set_up(const study::PlannedTrial &planned) {
     trial_ = study::Trial(planned);
     intervals_ = study::intervals_of(it_.protocol, planned);
-    set_up(intervals_.front());
+    co_await set_up(intervals_.front());
 }
 
-void TrialPresenter::set_up(const study::Presented &presented) {
+Course<> TrialPresenter::set_up(const study::Presented &presented) {
     const study::Condition &condition = presented.parameters;
     session::Session &session = it_.session;
     if (session.servo().rate_hz() != condition.servo_hz) {
@@ -128,17 +129,18 @@ void TrialPresenter::set_up(const study::Presented &presented) {
         session.servo().touch_nothing();
         session.tuning().replace(presented.free_space, session.plot_time_s(),
                                  "of an interval in free space");
-        return;
+        co_return;
     }
     if (shown_scene_ != condition.scene) {
-        load(study::scene_file_of(condition, it_.folders));
+        const std::filesystem::path file = study::scene_file_of(condition, it_.folders);
+        co_await load(file);
         shown_scene_ = condition.scene;
         shown_spot_.reset();
     }
     if (!shown_spot_ || shown_spot_->point_m != spot.point_m ||
         shown_spot_->normal != spot.normal) {
         shown_spot_ = spot;
-        it_.port.show_scene(session.scenes().now().scene, spot);
+        it_.show_scene(session.scenes().now().scene, spot);
     }
     session.servo().touch(session.scenes().now().surface, session.scenes().id(),
                           presented.free_space);
@@ -209,8 +211,8 @@ void TrialPresenter::adjust(const std::vector<ParticipantInput> &inputs) {
 }
 
 /// Presents one interval. @return false if the device was lost in the midst of it
-bool TrialPresenter::feel(const study::Presented &presented) {
-    set_up(presented);
+Course<bool> TrialPresenter::feel(const study::Presented &presented) {
+    co_await set_up(presented);
     session::Session &session = it_.session;
     const study::Stimulus stimulus = study::stimulus_of(it_.protocol, it_.setting, presented);
     retired_.push_back(std::move(live_));
@@ -231,14 +233,14 @@ bool TrialPresenter::feel(const study::Presented &presented) {
         if (path && it_.state.phase != study::StimulusPhase::waiting) {
             session.follow_path(*std::exchange(path, std::nullopt));
         }
-        const SittingFrame frame = it_.show(interval_picture(presented));
+        const SittingFrame frame = co_await it_.show(interval_picture(presented));
         if (adjusts) {
             adjust(frame.inputs);
         }
         // An answer may be given before the hand has left.
         early_.insert(early_.end(), frame.inputs.begin(), frame.inputs.end());
         if (is_device_lost()) {
-            return false;
+            co_return false;
         }
     }
     retired_.clear(); // the servo has taken up the last one
@@ -269,7 +271,7 @@ bool TrialPresenter::feel(const study::Presented &presented) {
         trial_.tuning = study::settings_of(presented.parameters);
     }
     trial_.presentations.push_back(std::move(presentation));
-    return true;
+    co_return true;
 }
 
 /// The way off the surface that was touched last; zero in free space.
@@ -280,8 +282,13 @@ Vector3 TrialPresenter::way_off() const {
     return it_.setting.conditions[intervals_.back().condition].spot.normal;
 }
 
+void TrialPresenter::answer(std::size_t alternative, double time_s) {
+    trial_.response = response_of(it_.protocol.task, alternative);
+    trial_.response_time_s = time_s;
+}
+
 /// A stop is stored with the trial, unanswered. @return false if the device was lost meanwhile
-bool TrialPresenter::ask() {
+Course<bool> TrialPresenter::ask() {
     ParticipantPicture shown = picture(SittingStep::response);
     shown.text = it_.protocol.texts.respond;
     shown.choices = choices_of(it_.protocol);
@@ -290,40 +297,37 @@ bool TrialPresenter::ask() {
     // Whoever holds on after the end is asked later, and has as long to answer.
     const double until_s =
         std::max(ended_s_, it_.session.servo().now_s()) + it_.protocol.timing.response_s;
-    const auto answer = [this](std::size_t alternative, double time_s) {
-        trial_.response = response_of(it_.protocol.task, alternative);
-        trial_.response_time_s = time_s;
-        return true;
-    };
     while (true) {
         const double now_s = it_.session.servo().now_s();
         if (is_device_lost()) {
-            return false;
+            co_return false;
         }
         if (const servo::SafetyStatus &safety = it_.session.latest().safety;
             safety.state == servo::SafetyState::tripped) {
             trial_.safety_events.push_back({now_s, servo::description(safety)});
-            return true;
+            co_return true;
         }
         for (const ParticipantInput &input : inputs) {
             const std::optional<std::size_t> given = alternative_of(it_.protocol.responses, input);
             const double after_s = input.clock_s - ended_s_;
             if (given && after_s >= 0.0 && input.clock_s <= until_s) {
-                return answer(*given, after_s);
+                answer(*given, after_s);
+                co_return true;
             }
         }
         if (now_s > until_s) {
-            return true;
+            co_return true;
         }
         const Vector3 moved_m = gesture.moved_m(it_.session.latest(), now_s);
         if (const auto moved = alternative_of(it_.protocol.responses, moved_m)) {
-            return answer(*moved, now_s - ended_s_);
+            answer(*moved, now_s - ended_s_);
+            co_return true;
         }
-        inputs = it_.show(shown).inputs;
+        inputs = (co_await it_.show(shown)).inputs;
     }
 }
 
-std::optional<study::Trial> TrialPresenter::present() {
+Course<std::optional<study::Trial>> TrialPresenter::present() {
     it_.state.trial = trial_;
     it_.state.intervals = intervals_.size();
     it_.state.marks.clear();
@@ -332,13 +336,15 @@ std::optional<study::Trial> TrialPresenter::present() {
     for (std::size_t i = 0; i < intervals_.size(); ++i) {
         it_.state.interval = i;
         if (i > 0) {
-            wait(it_.protocol.timing.pause_s, picture(SittingStep::between_intervals));
+            const ParticipantPicture shown = picture(SittingStep::between_intervals);
+            co_await wait(it_.protocol.timing.pause_s, shown);
         }
-        if (!feel(intervals_[i])) {
-            return std::nullopt;
+        const bool is_felt = co_await feel(intervals_[i]);
+        if (!is_felt) {
+            co_return std::nullopt;
         }
         if (!trial_.safety_events.empty() || !trial_.marks.empty()) {
-            return trial_; // there is nothing to answer to
+            co_return trial_; // there is nothing to answer to
         }
     }
     if (it_.protocol.task.kind == study::TaskKind::adjustment) {
@@ -347,9 +353,10 @@ std::optional<study::Trial> TrialPresenter::present() {
             trial_.tuning = study::settings_of(
                 study::comparison_at(it_.protocol, trial_, *adjusted_).parameters);
         }
-        return trial_;
+        co_return trial_;
     }
-    return ask() ? std::optional(trial_) : std::nullopt;
+    const bool is_asked = co_await ask();
+    co_return is_asked ? std::optional(trial_) : std::nullopt;
 }
 
 } // namespace springdrive::app::study_screen

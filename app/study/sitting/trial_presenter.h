@@ -7,8 +7,9 @@
 // A hand that is simulated is led by the course of a simulated participant's; a person's is not.
 #pragma once
 
-#include "app/study/sitting/sitting_port.h"
+#include "app/study/sitting/course.h"
 #include "app/study/sitting/sitting_state.h"
+#include "engine/scene/scene.h"
 #include "engine/session/session.h"
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/presented.h"
@@ -24,16 +25,19 @@
 
 namespace springdrive::app::study_screen {
 
+/// Takes the scene of the pictures that show one, and the spot marked in it, from now on.
+using ShowsScene = std::function<void(const scene::Scene &, const scene::TouchSpot &)>;
+
 /// What the presenter sits in.
 struct Presenting {
     const study::Protocol &protocol;
     const study::StudySetting &setting;
     study::ProtocolFolders folders;
     session::Session &session;
-    SittingPort &port;
     SittingState &state;
-    /// Shows a picture for a frame; may end the sitting by an exception.
-    std::function<SittingFrame(ParticipantPicture)> show;
+    ShowsScene show_scene;
+    /// To be awaited.
+    std::function<Frames::Next(ParticipantPicture)> show;
 };
 
 class TrialPresenter {
@@ -46,11 +50,11 @@ public:
 
     /// The trial that comes next. Scene, servo rate and delay of its first interval, so that the
     /// device can start.
-    void set_up(const study::PlannedTrial &planned);
+    [[nodiscard]] Course<> set_up(const study::PlannedTrial &planned);
 
     /// The trial that was set up, filled to its response and time. Nothing if the device was lost
     /// in the midst of it. @pre the motors run
-    [[nodiscard]] std::optional<study::Trial> present();
+    [[nodiscard]] Course<std::optional<study::Trial>> present();
 
     /// The standard picture of an interval: scene, or nothing.
     [[nodiscard]] ParticipantPicture picture(SittingStep step) const;
@@ -59,15 +63,16 @@ public:
     void lead_to_start();
 
 private:
-    void load(const std::filesystem::path &scene);
-    void set_up(const study::Presented &presented);
-    [[nodiscard]] bool feel(const study::Presented &presented);
+    [[nodiscard]] Course<> load(const std::filesystem::path &scene);
+    [[nodiscard]] Course<> set_up(const study::Presented &presented);
+    [[nodiscard]] Course<bool> feel(const study::Presented &presented);
     [[nodiscard]] ParticipantPicture interval_picture(const study::Presented &presented) const;
     [[nodiscard]] Vector3 way_off() const;
-    [[nodiscard]] bool ask();
+    [[nodiscard]] Course<bool> ask();
+    void answer(std::size_t alternative, double time_s);
     void adjust(const std::vector<ParticipantInput> &inputs);
     [[nodiscard]] bool is_device_lost() const;
-    void wait(double seconds, const ParticipantPicture &shown);
+    [[nodiscard]] Course<> wait(double seconds, const ParticipantPicture &shown);
 
     Presenting it_;
     study::Trial trial_;                        ///< the present one, so far

@@ -40,14 +40,8 @@ void complete(Trial &trial, const Protocol &protocol, const Session &session, Ut
 
 SessionEnding run_trials(StudyStore &store, const Protocol &protocol, const Session &session,
                          const Conduct &how) {
-    const StudyContents contents = store.contents();
-    Sequence sequence =
-        sequence_after(protocol, participant_of(contents, session.participant).number,
-                       trials_of(contents, session.participant));
-    const std::chrono::duration<double, std::ratio<60>> longest(
-        protocol.stopping.longest_session_min);
-    int trips = 0;
-    while (const std::optional<PlannedTrial> planned = sequence.next()) {
+    RunningSession running(store, protocol, session);
+    while (const std::optional<PlannedTrial> planned = running.next()) {
         if (const std::optional<SessionEnding> ending = how.ends()) {
             return *ending;
         }
@@ -55,22 +49,43 @@ SessionEnding run_trials(StudyStore &store, const Protocol &protocol, const Sess
         if (!trial) {
             return how.ends().value_or(SessionEnding::device_lost);
         }
-        trips += trial->safety_events.empty() ? 0 : 1;
-        const UtcTime at = how.now();
-        complete(*trial, protocol, session, at);
-        store.append(*trial);
-        sequence.add(*trial);
-        if (trips > protocol.stopping.most_trips && sequence.next()) {
-            return SessionEnding::safety_trip;
-        }
-        if (at - session.started > longest && sequence.next()) {
-            return SessionEnding::stopped;
+        if (const auto ending = running.add(*std::move(trial), how.now())) {
+            return *ending;
         }
     }
     return how.after_last().value_or(SessionEnding::completed);
 }
 
 } // namespace
+
+RunningSession::RunningSession(StudyStore &store, const Protocol &protocol, const Session &session)
+    : store_(store), protocol_(protocol), session_(session),
+      sequence_(sequence_after(protocol,
+                               participant_of(store.contents(), session.participant).number,
+                               trials_of(store.contents(), session.participant))) {}
+
+std::optional<SessionEnding> RunningSession::add(Trial trial, UtcTime at) {
+    const std::chrono::duration<double, std::ratio<60>> longest(
+        protocol_.stopping.longest_session_min);
+    trips_ += trial.safety_events.empty() ? 0 : 1;
+    complete(trial, protocol_, session_, at);
+    store_.append(trial);
+    sequence_.add(trial);
+    if (trips_ > protocol_.stopping.most_trips && sequence_.next()) {
+        return SessionEnding::safety_trip;
+    }
+    if (at - session_.started > longest && sequence_.next()) {
+        return SessionEnding::stopped;
+    }
+    return std::nullopt;
+}
+
+void end_as_failed(StudyStore &store, SessionId session, UtcTime at) {
+    try {
+        store.end(session, SessionEnding::failed, at);
+    } catch (const InputError &) { // the store says at the next opening that it was interrupted
+    }
+}
 
 SessionEnding conduct(StudyStore &store, const Protocol &protocol, const Session &session,
                       const Conduct &how) {
@@ -79,10 +94,7 @@ SessionEnding conduct(StudyStore &store, const Protocol &protocol, const Session
         store.end(session.id, ending, how.now());
         return ending;
     } catch (const InputError &) {
-        try {
-            store.end(session.id, SessionEnding::failed, how.now());
-        } catch (const InputError &) { // the store says at the next opening that it was interrupted
-        }
+        end_as_failed(store, session.id, how.now());
         throw;
     }
 }

@@ -13,6 +13,31 @@
 
 namespace springdrive::study {
 
+/// A participant's session, as a whole or from where it was left, trial by trial.
+class RunningSession {
+public:
+    /// @param session  of the store, begun and not ended. All must outlive this
+    RunningSession(StudyStore &store, const Protocol &protocol, const Session &session);
+
+    /// The trial that comes next; nothing when the participant is through.
+    [[nodiscard]] std::optional<PlannedTrial> next() const { return sequence_.next(); }
+
+    /// Completes the trial and stores it: it is on the disk afterwards.
+    /// @return how the session ends: more trips than the protocol bears, or the time over
+    /// @throw InputError from the store, or as `Sequence::add` does
+    std::optional<SessionEnding> add(Trial trial, UtcTime at = utc_now());
+
+private:
+    StudyStore &store_;
+    const Protocol &protocol_;
+    const Session &session_;
+    Sequence sequence_;
+    int trips_ = 0;
+};
+
+/// Ends a session after an error, as failed, if the store can still do that.
+void end_as_failed(StudyStore &store, SessionId session, UtcTime at = utc_now());
+
 struct Conduct {
     /// Presents a trial and takes the answer: the planned trial, filled to its response and time;
     /// with marks besides those of marking.h, and if it is to be presented again whatever the

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -55,12 +56,12 @@ inline Decision decision_of(const study::PlannedTrial &planned) {
 }
 
 /// Two people and two windows that are made up.
-class MadeUpPort final : public SittingPort {
+class MadeUpPort {
 public:
     MadeUpPort(session::Session &session, const study::Protocol &protocol)
         : session_(session), protocol_(protocol) {}
 
-    SittingFrame show(const ParticipantPicture &picture, const SittingState &state) override {
+    SittingFrame show(const ParticipantPicture &picture, const SittingState &state) {
         session_.advance(kMadeUpFrame_s);
         EXPECT_LT(++frames_, 60 * 600) << "stuck: " << description(state.step); // ten minutes
         if (frames_ >= 60 * 600) {
@@ -105,10 +106,16 @@ public:
         return frame;
     }
 
-    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) override {
+    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) {
         if (on_scene) {
             on_scene(scene, spot);
         }
+    }
+
+    [[nodiscard]] ShowsScene scene_shower() {
+        return [this](const scene::Scene &scene, const scene::TouchSpot &spot) {
+            show_scene(scene, spot);
+        };
     }
 
     static ParticipantInput key(const std::string &name, double clock_s) {
@@ -133,6 +140,19 @@ private:
     int frames_ = 0;
 };
 
+/// Shows a course to its end, which awaits the frames.
+inline void show_course(Frames &frames, Course<> course, MadeUpPort &port,
+                        const SittingState &state) {
+    frames.start(std::move(course));
+    while (!frames.is_over()) {
+        frames.resume(port.show(frames.picture(), state));
+    }
+}
+
+inline Course<> present_into(TrialPresenter &presenter, std::optional<study::Trial> &result) {
+    result = co_await presenter.present();
+}
+
 /// Presents a trial by itself, on a device of its own, to a port that `prepare` has seen.
 /// @param before  just before it, when the motors run
 inline void present_alone(const study::Protocol &protocol, const study::ProtocolFolders &folders,
@@ -148,11 +168,12 @@ inline void present_alone(const study::Protocol &protocol, const study::Protocol
     prepare(port);
     SittingState state;
     const study::StudySetting setting = study::study_setting(protocol, folders);
+    Frames frames;
     TrialPresenter presenter(
-        {protocol, setting, folders, session, port, state,
-         [&](const ParticipantPicture &picture) { return port.show(picture, state); }});
+        {protocol, setting, folders, session, state, port.scene_shower(),
+         [&](ParticipantPicture picture) { return frames.show(std::move(picture)); }});
     session.start();
-    presenter.set_up(planned);
+    show_course(frames, presenter.set_up(planned), port, state);
     presenter.lead_to_start();
     while (session.latest().safety.state != servo::SafetyState::running) {
         session.advance(kMadeUpFrame_s);
@@ -160,7 +181,8 @@ inline void present_alone(const study::Protocol &protocol, const study::Protocol
     if (before) {
         before(session);
     }
-    const auto result = presenter.present();
+    std::optional<study::Trial> result;
+    show_course(frames, present_into(presenter, result), port, state);
     EXPECT_TRUE(result && result->marks.empty() && result->safety_events.empty())
         << (result && !result->marks.empty() ? result->marks.front() : "");
 }

@@ -62,10 +62,10 @@ protected:
             prepare(port, session);
         }
         session.start();
-        Sitting sitting(store, plan(), session, port);
-        const study::SessionEnding ending = sitting.run();
+        Sitting sitting(store, plan(), session, port.scene_shower());
+        show_to_end(sitting, port);
         steps_ = port.steps;
-        return ending;
+        return sitting.ending();
     }
 
     /// The same decisions without screens and without a device.

@@ -1,4 +1,4 @@
-// Covers app/visitors/{visits,visitor_port}: whole visits on the simulated device, in
+// Covers app/visitors/{visits,unattended_visit}: whole visits on the simulated device, in
 // lockstep, with visitors and a window that are made up. See visitors_window_test.cpp for the real
 // window.
 #include "app/visitors/visits.h"
@@ -41,13 +41,13 @@ ParticipantInput pressed(const std::string &name, double clock_s) {
 }
 
 /// What visitors do is decided frame by frame: the key that is pressed, or none.
-class MadeUpWindow final : public study_screen::SittingPort {
+class MadeUpWindow {
 public:
     using Act = std::function<std::string(const ParticipantPicture &, const SittingState &)>;
 
     MadeUpWindow(session::Session &session, Act act) : session_(session), act_(std::move(act)) {}
 
-    SittingFrame show(const ParticipantPicture &picture, const SittingState &state) override {
+    SittingFrame show(const ParticipantPicture &picture, const SittingState &state) {
         session_.advance(kFrame_s);
         if (headings.empty() || headings.back() != picture.heading) {
             headings.push_back(picture.heading);
@@ -61,7 +61,6 @@ public:
         EXPECT_LE(frames_, 60 * 900) << "stuck at: " << picture.heading;
         return frame;
     }
-    void show_scene(const scene::Scene &, const scene::TouchSpot &) override {}
 
     [[nodiscard]] bool has_shown(const std::string &heading) const {
         return std::ranges::any_of(headings, [&](const std::string &shown) {
@@ -112,8 +111,8 @@ protected:
                             });
         window_ = &window;
         session.start();
-        Visits visits(plan_, session, window);
-        visits.run();
+        Visits visits(plan_, session, [](const scene::Scene &, const scene::TouchSpot &) {});
+        study_screen::show_to_end(visits, window);
         if (headings != nullptr) {
             *headings = window.headings;
         }
@@ -412,7 +411,7 @@ TEST_F(Visiting, ShowsAMadeUpVisitorAndReckonsTheRest) {
         }
         return {};
     });
-    EXPECT_EQ(shown, static_cast<int>(VisitorPort::kShownTrials));
+    EXPECT_EQ(shown, static_cast<int>(UnattendedVisit::kShownTrials));
     EXPECT_EQ(growing, (std::vector<int>{3, 4, 5, 6}));
     EXPECT_EQ(heading.find("The made-up visitor feels a force that is turned by "), 0U) << heading;
     EXPECT_NE(text.find("In truth it was 25 degrees."), std::string::npos) << text;

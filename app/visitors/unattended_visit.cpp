@@ -1,4 +1,4 @@
-#include "app/visitors/visitor_port.h"
+#include "app/visitors/unattended_visit.h"
 
 #include "engine/study/observers/simulated_answer.h"
 
@@ -57,15 +57,16 @@ bool is_pressed(const std::vector<ParticipantInput> &inputs, std::string_view ke
     });
 }
 
-VisitorPort::VisitorPort(study_screen::SittingPort &window, session::Session &session,
-                         const study::Protocol &protocol,
-                         std::optional<study::SimulatedParticipant> made_up)
-    : window_(window), session_(session), protocol_(protocol), made_up_(made_up),
-      presence_(session.servo().now_s()), stop_(session.servo().inputs().requested_stop),
-      step_since_s_(session.servo().now_s()) {}
+UnattendedVisit::UnattendedVisit(session::Session &session, const study::Protocol &protocol,
+                                 std::optional<study::SimulatedParticipant> made_up)
+    : session_(session), protocol_(protocol), made_up_(made_up), presence_(session.servo().now_s()),
+      stop_(session.servo().inputs().requested_stop), step_since_s_(session.servo().now_s()) {}
 
-/// With a mouse all can be done by its left button.
-ParticipantPicture VisitorPort::for_visitors(ParticipantPicture picture, SittingStep step) const {
+ParticipantPicture UnattendedVisit::for_visitors(ParticipantPicture picture, SittingStep step) {
+    if (std::exchange(step_, step) != step) {
+        step_since_s_ = session_.servo().now_s();
+    }
+    was_asked_ = is_asking();
     picture.choices_take_clicks = true;
     if (waits_for_key(step)) {
         picture.choices = {{"Go on", study_screen::shown_key("enter", false)}};
@@ -75,7 +76,7 @@ ParticipantPicture VisitorPort::for_visitors(ParticipantPicture picture, Sitting
     if (made_up_) {
         picture.footer = "A made-up visitor answers. Escape: back to the start.";
     }
-    if (is_asking()) {
+    if (was_asked_) {
         picture.heading = "Still there?";
         picture.text = "Press any key.";
         picture.is_calm_stop = false;
@@ -84,17 +85,17 @@ ParticipantPicture VisitorPort::for_visitors(ParticipantPicture picture, Sitting
     return picture;
 }
 
-bool VisitorPort::is_asking() const {
+bool UnattendedVisit::is_asking() const {
     return !made_up_ && presence_.away_s(session_.servo().now_s()) > kAskedAfter_s;
 }
 
-void VisitorPort::stop(SittingFrame &frame, VisitEnd why) {
+void UnattendedVisit::stop(SittingFrame &frame, VisitEnd why) {
     frame.orders.stops = true;
     end_ = why;
 }
 
 /// Answers to what the method asks for, not to what was delivered: that is in no picture.
-void VisitorPort::act_made_up(const SittingState &state, SittingFrame &frame) {
+void UnattendedVisit::act_made_up(const SittingState &state, SittingFrame &frame) {
     const double now_s = session_.servo().now_s();
     const double shown_s = now_s - step_since_s_;
     if (waits_for_key(state.step) && shown_s >= kReading_s) {
@@ -111,7 +112,7 @@ void VisitorPort::act_made_up(const SittingState &state, SittingFrame &frame) {
     }
 }
 
-void VisitorPort::watch(SittingFrame &frame) {
+void UnattendedVisit::watch(SittingFrame &frame) {
     const double now_s = session_.servo().now_s();
     const bool is_real = !session_.hand().is_simulated();
     const std::uint32_t requested = session_.servo().inputs().requested_stop; // no input's key
@@ -123,21 +124,12 @@ void VisitorPort::watch(SittingFrame &frame) {
     }
 }
 
-SittingFrame VisitorPort::show(const ParticipantPicture &picture, const SittingState &state) {
-    if (std::exchange(step_, state.step) != state.step) {
-        step_since_s_ = session_.servo().now_s();
-    }
-    const bool was_asking = is_asking();
-    SittingFrame frame = window_.show(for_visitors(picture, state.step), state);
-    if (frame.orders.stops) {
-        end_ = VisitEnd::asked;
-        return frame;
-    }
+SittingFrame UnattendedVisit::for_sitting(SittingFrame frame, const SittingState &state) {
     watch(frame);
     if (is_pressed(frame.inputs, "escape", SIZE_MAX)) {
         stop(frame, VisitEnd::left);
     }
-    if (was_asking) { // it answers that, and nothing that was behind it
+    if (was_asked_) { // it answers that, and nothing that was behind it
         frame.inputs.clear();
     }
     if (state.step == SittingStep::device_stopped && is_pressed(frame.inputs, "enter", 0)) {

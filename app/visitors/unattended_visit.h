@@ -1,11 +1,13 @@
-// A visitor's sitting is a participant's in which nobody looks after the visitor. This stands
-// between the sitting and the window, and does what an experimenter would:
+// A visitor's sitting is a participant's in which nobody looks after the visitor. This is what is
+// done between the sitting and the window in place of an experimenter:
 //
 //   sitting ──picture──► buttons, "Still there?" ──► window
 //   sitting ◄──inputs── answers of a visitor who is made up ◄── window
 #pragma once
 
-#include "app/study/sitting/sitting_port.h"
+#include "app/study/participant/participant_picture.h"
+#include "app/study/sitting/sitting_frame.h"
+#include "app/study/sitting/sitting_state.h"
 #include "base/vector.h"
 #include "engine/session/session.h"
 #include "engine/study/observers/simulated_sitting.h"
@@ -46,41 +48,38 @@ private:
 /// Why a sitting was ended from here.
 enum class VisitEnd : std::uint8_t {
     none,
-    asked,      ///< the window was closed, or the program is to end
     gone,       ///< nobody was there any more
     left,       ///< by Escape
     seen_enough ///< of a visitor who is made up
 };
 
-class VisitorPort final : public study_screen::SittingPort {
+class UnattendedVisit {
 public:
     /// A visitor who is made up is shown for so many trials.
     static constexpr std::size_t kShownTrials = 3;
 
-    /// @param window  and the others: must outlive this
+    /// @param session  and the protocol: must outlive this
     /// @param made_up  answers in the visitor's place; nothing: a visitor does
-    VisitorPort(study_screen::SittingPort &window, session::Session &session,
-                const study::Protocol &protocol,
-                std::optional<study::SimulatedParticipant> made_up);
+    UnattendedVisit(session::Session &session, const study::Protocol &protocol,
+                    std::optional<study::SimulatedParticipant> made_up);
 
-    study_screen::SittingFrame show(const study_screen::ParticipantPicture &picture,
-                                    const study_screen::SittingState &state) override;
-    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) override {
-        window_.show_scene(scene, spot);
-    }
+    /// What is shown of a sitting's picture. With a mouse all can be done by its left button.
+    [[nodiscard]] study_screen::ParticipantPicture
+    for_visitors(study_screen::ParticipantPicture picture, study_screen::SittingStep step);
+
+    /// What a sitting gets of the frame in which that was shown.
+    [[nodiscard]] study_screen::SittingFrame for_sitting(study_screen::SittingFrame frame,
+                                                         const study_screen::SittingState &state);
 
     [[nodiscard]] VisitEnd end() const { return end_; }
 
 private:
-    [[nodiscard]] study_screen::ParticipantPicture
-    for_visitors(study_screen::ParticipantPicture picture, study_screen::SittingStep step) const;
     /// Whether a visitor who may have gone is asked so.
     [[nodiscard]] bool is_asking() const;
     void act_made_up(const study_screen::SittingState &state, study_screen::SittingFrame &frame);
     void watch(study_screen::SittingFrame &frame);
     void stop(study_screen::SittingFrame &frame, VisitEnd why);
 
-    study_screen::SittingPort &window_;
     session::Session &session_;
     const study::Protocol &protocol_;
     std::optional<study::SimulatedParticipant> made_up_;
@@ -88,6 +87,7 @@ private:
     std::uint32_t stop_;        ///< the last one requested here
     double step_since_s_ = 0.0; ///< since when the present step is shown
     study_screen::SittingStep step_ = study_screen::SittingStep::instructions;
+    bool was_asked_ = false; ///< in the present frame, whether somebody is still there
     VisitEnd end_ = VisitEnd::none;
 };
 
