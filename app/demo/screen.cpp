@@ -15,7 +15,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <filesystem>
 #include <iostream>
 #include <limits>
@@ -85,7 +84,7 @@ Window::Wish wish_of(const DemoOptions &options, const Settings &settings) {
 Screen::Screen(const DemoOptions &options, session::Session &session)
     : habits_(options.settings), window_("springdrive", wish_of(options, habits_.settings())),
       session_(session), renderer_(Window::draws_in_software() ? 0 : kSamples), desk_(session),
-      keeps_frames_(!options.screenshot.empty()), reports_(options.reports) {
+      keeps_frames_(!options.screenshot.empty()), requests_(options.reports) {
     habits_.update(window_); // its panels
     scene_panel_.files = offered_scenes(options.session.scene);
     scene_panel_.plant.draw_assistant_offer = [this] { offer_assistant(session_, assistant_); };
@@ -286,13 +285,7 @@ bool Screen::waits_for_request() {
 }
 
 void Screen::draw_frame() {
-    const auto start = std::chrono::steady_clock::now();
-    if (reports_) {
-        // Before the events, so that the answer follows all that came before it.
-        requests_.poll(window_.has_waiting_input());
-    }
-    const bool is_reported = requests_.is_due();
-    ui::report().begin(is_reported);
+    requests_.begin_frame(window_.has_waiting_input());
     window_.begin_frame();
     const auto [view, state] = draw_contents();
     const std::optional<std::filesystem::path> picture = keeper_.take_picture();
@@ -310,12 +303,8 @@ void Screen::draw_frame() {
                 Existing::keep);
         }));
     }
-    ++frame_;
-    const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
-    frame_durations_.add(duration.count());
-    if (is_reported) {
-        requests_.answer(report_line());
-    }
+    const Window::Size size = window_.size();
+    requests_.end_frame(size.width, size.height, window_.scale(), session_.latest());
 }
 
 void Screen::write_pictures(const std::optional<std::filesystem::path> &of_session) {
@@ -348,13 +337,6 @@ std::string Screen::finish() {
     log_.update(session_);
     keeper_.finish(session_, log_);
     return keeper_.folder().empty() ? std::string() : keeper_.error();
-}
-
-std::string Screen::report_line() const {
-    const Window::Size size = window_.size();
-    return json_line(ui::report(),
-                     facts_of(frame_, size.width, size.height, window_.scale(), frame_durations_),
-                     session_.latest());
 }
 
 /// All but the scene itself, which is drawn once it is known whether the frame is kept.

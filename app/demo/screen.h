@@ -51,10 +51,9 @@ public:
     /// Null unless this is a kiosk.
     [[nodiscard]] exhibit::Kiosk *kiosk() { return kiosk_ ? &*kiosk_ : nullptr; }
 
-    /// Time to compute, draw and show a frame; a display with vertical synchronisation adds its
-    /// wait.
+    /// See ReportRequests.
     [[nodiscard]] const servo::DurationHistogram &frame_durations() const {
-        return frame_durations_;
+        return requests_.durations();
     }
     /// Of the view.
     [[nodiscard]] const FrameLoad &frame_load() const { return renderer_.load(); }
@@ -80,7 +79,6 @@ private:
     [[nodiscard]] Rectangle free_part(const Rectangle &view) const;
     void draw_over_kiosk(const Rectangle &view, bool is_inside);
     void draw_start(const Rectangle &place);
-    [[nodiscard]] std::string report_line() const;
     void take_orders();
     void obey(const KeyPress &key);
     void obey_plain(const std::string &key);
@@ -129,10 +127,7 @@ private:
     std::uint32_t shown_scene_ = 0;
     std::filesystem::path noted_record_; ///< the last that was noted among recent files
     bool keeps_frames_;
-    bool reports_;
     ReportRequests requests_;
-    std::uint64_t frame_ = 0;
-    servo::DurationHistogram frame_durations_;
 };
 
 } // namespace springdrive::app

@@ -2,14 +2,12 @@
 
 #include "app/host/ending_signal.h"
 #include "app/stage/open_session.h"
-#include "app/study/participant/input_times.h"
 #include "app/widgets/widgets.h"
 #include "app/window/frame_pace.h"
 #include "base/complaint.h"
 
 #include <fmt/core.h>
 
-#include <chrono>
 #include <iostream>
 
 namespace springdrive::app::visitors {
@@ -32,20 +30,11 @@ Window::Wish hidden() {
 } // namespace
 
 VisitorWindow::VisitorWindow(const VisitorWindowOptions &options, session::Session &session)
-    : session_(session), hidden_("springdrive", hidden()),
-      view_(Window::draws_in_software() ? 0 : 4), window_(hidden_, options.window),
-      reports_(options.reports) {}
+    : session_(session), hidden_("springdrive", hidden()), window_(hidden_, options.window),
+      requests_(options.reports) {}
 
 void VisitorWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) {
-    const device::Workspace &workspace = session_.description().workspace;
-    view_.set_scene(scene, {spot.point_m, spot.normal},
-                    workspace.centre_m.y() - 0.5 * workspace.size_m.y());
-}
-
-std::vector<ParticipantInput> VisitorWindow::taken_inputs() {
-    std::vector<ParticipantInput> inputs = window_.take_inputs();
-    study_screen::tell_by_servo(inputs, session_.servo());
-    return inputs;
+    window_.show_scene(scene, spot, session_.description().workspace);
 }
 
 void VisitorWindow::obey_staff(const std::vector<ParticipantInput> &inputs) {
@@ -73,7 +62,7 @@ void VisitorWindow::obey_staff(const std::vector<ParticipantInput> &inputs) {
 }
 
 void VisitorWindow::report(const ParticipantPicture &picture, const SittingState &state) const {
-    const study_screen::ParticipantLayout &layout = view_.layout();
+    const study_screen::ParticipantLayout &layout = window_.layout();
     ui::enter_at(layout.heading.box, "visitor/heading", "text", picture.heading);
     ui::enter_at(layout.text.box, "visitor/text", "text", picture.text);
     ui::enter_at(layout.footer.box, "visitor/footer", "text", picture.footer);
@@ -88,34 +77,23 @@ void VisitorWindow::report(const ParticipantPicture &picture, const SittingState
 }
 
 SittingFrame VisitorWindow::show(const ParticipantPicture &picture, const SittingState &state) {
-    const auto start = std::chrono::steady_clock::now();
-    if (reports_) {
-        requests_.poll(hidden_.has_waiting_input());
-    }
-    const bool is_reported = requests_.is_due();
-    ui::report().begin(is_reported);
+    requests_.begin_frame(hidden_.has_waiting_input());
     session_.advance(kFrame_s);
     print_new_remarks(session_);
     hidden_.begin_frame();
     static_cast<void>(hidden_.take_keys());
     static_cast<void>(hidden_.take_dropped_files());
-    window_.show(view_, picture);
+    window_.show(picture);
     report(picture, state);
     hidden_.end_frame();
     if (window_.take_emergency_stop()) {
         session_.emergency_stop();
     }
-    SittingFrame frame{taken_inputs(), {}};
+    SittingFrame frame{window_.take_inputs(session_.servo()), {}};
     obey_staff(frame.inputs);
     frame.orders.stops = is_asked_to_end_ || hidden_.is_closing() || asked_to_end();
-    ++frame_;
-    durations_.add(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    if (is_reported) {
-        const Window::Size size = window_.framebuffer();
-        requests_.answer(json_line(
-            ui::report(), facts_of(frame_, size.width, size.height, hidden_.scale(), durations_),
-            session_.latest()));
-    }
+    const Window::Size size = window_.framebuffer();
+    requests_.end_frame(size.width, size.height, hidden_.scale(), session_.latest());
     return frame;
 }
 

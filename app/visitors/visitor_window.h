@@ -1,16 +1,13 @@
 // The one window of the visitors' task: the participant's, on whatever screen visitors have.
 #pragma once
 
-#include "app/study/participant/participant_view.h"
 #include "app/study/participant/participant_window.h"
 #include "app/study/sitting/sitting_frame.h"
 #include "app/study/sitting/sitting_state.h"
 #include "app/window/report_requests.h"
 #include "app/window/window.h"
-#include "engine/servo/duration_histogram.h"
 #include "engine/session/session.h"
 
-#include <cstdint>
 #include <set>
 #include <string>
 #include <vector>
@@ -36,21 +33,16 @@ public:
     void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot);
 
 private:
-    [[nodiscard]] std::vector<study_screen::ParticipantInput> taken_inputs();
     void obey_staff(const std::vector<study_screen::ParticipantInput> &inputs);
     void report(const study_screen::ParticipantPicture &picture,
                 const study_screen::SittingState &state) const;
 
     session::Session &session_;
     Window hidden_; ///< whose context draws
-    study_screen::ParticipantView view_;
     study_screen::ParticipantWindow window_;
     ReportRequests requests_;
-    bool reports_;
-    std::uint64_t frame_ = 0;
     std::set<std::string> held_keys_; ///< ctrl and alt
     bool is_asked_to_end_ = false;
-    servo::DurationHistogram durations_;
 };
 
 } // namespace springdrive::app::visitors

@@ -1,5 +1,7 @@
 #include "app/window/report_requests.h"
 
+#include "app/widgets/widgets.h"
+
 #include <array>
 #include <iostream>
 #include <poll.h>
@@ -25,9 +27,17 @@ bool ReportRequests::wait() {
     return asked_ > 0;
 }
 
-void ReportRequests::poll(bool has_input) {
-    take_in(0);
+void ReportRequests::begin_frame(bool has_input) {
+    begun_ = std::chrono::steady_clock::now();
+    if (are_read_) {
+        take_in(0);
+    }
     frames_ = asked_ > 0 && !has_input ? frames_ + 1 : 0;
+    ui::report().begin(asked_ > 0 && frames_ >= kFrames);
+}
+
+double ReportRequests::frame_s() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
 }
 
 void ReportRequests::take_in(int wait_ms) {
@@ -52,7 +62,15 @@ void ReportRequests::take_in(int wait_ms) {
     }
 }
 
-void ReportRequests::answer(const std::string &line) {
+void ReportRequests::end_frame(int width, int height, float scale,
+                               const servo::ServoSample &latest) {
+    ++frame_;
+    durations_.add(frame_s());
+    if (!ui::report().is_wanted()) {
+        return;
+    }
+    const std::string line =
+        json_line(ui::report(), facts_of(frame_, width, height, scale, durations_), latest);
     for (; asked_ > 0; --asked_) {
         std::cout << line << '\n';
     }

@@ -3,13 +3,21 @@
 // shows the consequences of all input events up to the request.
 #pragma once
 
+#include "engine/servo/duration_histogram.h"
+#include "engine/servo/servo_sample.h"
+
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 namespace springdrive::app {
 
 class ReportRequests {
 public:
+    /// @param are_read  else there are none
+    explicit ReportRequests(bool are_read) : are_read_(are_read) {}
+
     /// Waits for a request, at most a tenth of a second, unless there is one already.
     /// @return whether frames are asked for
     [[nodiscard]] bool wait();
@@ -17,21 +25,32 @@ public:
     /// Whether nobody can ask any more.
     [[nodiscard]] bool has_ended() const { return has_ended_ && asked_ == 0; }
 
-    /// Reads what is there, without waiting. Anything but a request is complained of on standard
-    /// error. Call once per frame. @param has_input  events still wait for a frame
-    void poll(bool has_input);
+    /// Before a frame takes its events, so that the answer follows all that came before it. Reads
+    /// what is there, without waiting, and complains of anything but a request on standard error.
+    /// `ui::report()` is wanted afterwards if the frame will be reported.
+    /// @param has_input  events still wait for a frame
+    void begin_frame(bool has_input);
 
-    /// Whether the frame that begins now will be reported.
-    [[nodiscard]] bool is_due() const { return asked_ > 0 && frames_ >= kFrames; }
+    /// Since the frame began.
+    [[nodiscard]] double frame_s() const;
 
-    /// Call after the frame; prints an answer for each request if it was due.
-    void answer(const std::string &line);
+    /// After the frame; prints an answer for each request if it was due.
+    /// @param width  and the others: see WindowFacts
+    void end_frame(int width, int height, float scale, const servo::ServoSample &latest);
+
+    /// Time to compute, draw and show a frame; a display with vertical synchronisation adds its
+    /// wait.
+    [[nodiscard]] const servo::DurationHistogram &durations() const { return durations_; }
 
 private:
     void take_in(int wait_ms);
 
     static constexpr int kFrames = 2;
 
+    bool are_read_;
+    std::uint64_t frame_ = 0;
+    std::chrono::steady_clock::time_point begun_; ///< the frame
+    servo::DurationHistogram durations_;
     std::string read_; ///< incomplete line
     std::size_t asked_ = 0;
     int frames_ = 0; ///< begun since the last request

@@ -10,7 +10,6 @@
 #include "engine/study/conduct/presentation.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <utility>
 
@@ -29,9 +28,8 @@ StudyWindow::StudyWindow(const StudyWindowOptions &options, session::Session &se
     : session_(session), store_(store), protocol_(protocol),
       window_("springdrive: experimenter", {options.size, {}, options.scale}),
       renderer_(Window::draws_in_software() ? 0 : 4),
-      participant_view_(Window::draws_in_software() ? 0 : 4),
-      participant_window_(window_, options.participant), fit_(protocol), reports_(options.reports) {
-}
+      participant_window_(window_, options.participant), fit_(protocol),
+      requests_(options.reports) {}
 
 std::vector<study::Setting> StudyWindow::facts() const {
     const Window::Size pixels = participant_window_.framebuffer();
@@ -53,16 +51,8 @@ std::vector<study::Setting> StudyWindow::facts() const {
 }
 
 void StudyWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) {
-    const device::Workspace &workspace = session_.description().workspace;
     spot_m_ = spot.point_m;
-    participant_view_.set_scene(scene, {spot.point_m, spot.normal},
-                                workspace.centre_m.y() - 0.5 * workspace.size_m.y());
-}
-
-std::vector<ParticipantInput> StudyWindow::taken_inputs() {
-    std::vector<ParticipantInput> inputs = participant_window_.take_inputs();
-    tell_by_servo(inputs, session_.servo());
-    return inputs;
+    participant_window_.show_scene(scene, spot, session_.description().workspace);
 }
 
 /// There is one keyboard: a click of the experimenter takes it, and what the participant then
@@ -146,19 +136,14 @@ void StudyWindow::report_participant(const SittingState &state, const Participan
     enter("interval", "", static_cast<double>(state.interval + 1));
     enter("servo_ahead_s", "", servo_ahead_s(session_.servo()));
     enter("longest_frame_s", "", std::exchange(longest_frame_s_, 0.0));
-    const std::vector<PlacedChoice> &plates = participant_view_.layout().choices;
+    const std::vector<PlacedChoice> &plates = participant_window_.layout().choices;
     for (std::size_t i = 0; i < plates.size(); ++i) {
         enter("choice", picture.choices.at(i).text, {}, plates[i].plate);
     }
 }
 
 SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingState &state) {
-    const auto start = std::chrono::steady_clock::now();
-    if (reports_) {
-        requests_.poll(window_.has_waiting_input());
-    }
-    const bool is_reported = requests_.is_due();
-    ui::report().begin(is_reported);
+    requests_.begin_frame(window_.has_waiting_input());
     session_.advance(kFrame_s);
     print_new_remarks(session_);
     window_.begin_frame();
@@ -170,7 +155,7 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
     draw_experimenter(state, acts);
     give_keys_back();
     window_.end_frame();
-    participant_window_.show(participant_view_, picture);
+    participant_window_.show(picture);
     const bool by_experimenter = window_.take_emergency_stop();
     const bool by_participant = participant_window_.take_emergency_stop();
     if (acts.emergency_stop || by_experimenter || by_participant) {
@@ -184,20 +169,14 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
         panel_.notes_of_today.push_back(complaint.empty() ? *acts.note
                                                           : "not stored: " + complaint);
     }
-    SittingFrame frame{taken_inputs(), acts.orders};
+    SittingFrame frame{participant_window_.take_inputs(session_.servo()), acts.orders};
     frame.orders.stops = frame.orders.stops || window_.is_closing() || asked_to_end();
-    ++frame_;
-    const double frame_s =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    durations_.add(frame_s);
-    longest_frame_s_ = std::max(longest_frame_s_, frame_s);
-    if (is_reported) {
+    longest_frame_s_ = std::max(longest_frame_s_, requests_.frame_s());
+    if (ui::report().is_wanted()) {
         report_participant(state, picture);
-        const Window::Size size = window_.size();
-        requests_.answer(json_line(
-            ui::report(), facts_of(frame_, size.width, size.height, window_.scale(), durations_),
-            session_.latest()));
     }
+    const Window::Size size = window_.size();
+    requests_.end_frame(size.width, size.height, window_.scale(), session_.latest());
     return frame;
 }
 

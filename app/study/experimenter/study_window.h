@@ -5,7 +5,6 @@
 #include "app/stage/view_control.h"
 #include "app/study/experimenter/experimenter_panel.h"
 #include "app/study/experimenter/live_fit.h"
-#include "app/study/participant/participant_view.h"
 #include "app/study/participant/participant_window.h"
 #include "app/study/sitting/sitting_frame.h"
 #include "app/study/sitting/sitting_state.h"
@@ -13,7 +12,6 @@
 #include "app/window/frame_pace.h"
 #include "app/window/report_requests.h"
 #include "app/window/window.h"
-#include "engine/servo/duration_histogram.h"
 #include "engine/session/session.h"
 #include "engine/study/store/study_store.h"
 
@@ -45,15 +43,11 @@ public:
     /// What a session should keep of its screens.
     [[nodiscard]] std::vector<study::Setting> facts() const;
 
-    /// Time to compute, draw and show a frame.
-    [[nodiscard]] const servo::DurationHistogram &frame_durations() const { return durations_; }
-
 private:
     void draw_experimenter(const SittingState &state, ExperimenterActs &acts);
     void report_participant(const SittingState &state, const ParticipantPicture &picture);
     void draw_view(const Rectangle &place);
     void renew_fit(const SittingState &state);
-    [[nodiscard]] std::vector<ParticipantInput> taken_inputs();
     void give_keys_back();
     void store_note(const SittingState &state, const std::string &text);
 
@@ -63,18 +57,14 @@ private:
     Window window_;
     Renderer renderer_;
     ViewControl view_control_;
-    ParticipantView participant_view_;
     ParticipantWindow participant_window_;
     ExperimenterPanelState panel_;
     LiveFit fit_;
     ReportRequests requests_;
-    bool reports_;
-    std::uint64_t frame_ = 0;
     double longest_frame_s_ = 0.0; ///< since the last report
     std::size_t fitted_trials_ = 0;
     std::uint32_t shown_scene_ = 0;
     std::optional<Vector3> spot_m_; ///< that is touched
-    servo::DurationHistogram durations_;
 };
 
 } // namespace springdrive::app::study_screen

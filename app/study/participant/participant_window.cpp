@@ -100,7 +100,8 @@ struct ParticipantWindow::Presenter {
 };
 
 ParticipantWindow::ParticipantWindow(Window &main, const Wish &wish)
-    : main_(main), size_(wish.size), monitor_(chosen_monitor(wish)) {
+    : main_(main), view_(Window::draws_in_software() ? 0 : 4), size_(wish.size),
+      monitor_(chosen_monitor(wish)) {
     glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
     glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE); // it stays when the experimenter clicks
     window_ = glfwCreateWindow(size_.width, size_.height, "springdrive", nullptr, main.glfw());
@@ -160,13 +161,25 @@ void ParticipantWindow::follow_monitor() {
     }
 }
 
-void ParticipantWindow::show(ParticipantView &view, const ParticipantPicture &picture) {
+std::vector<ParticipantInput> ParticipantWindow::take_inputs(const session::ServoRun &servo) {
+    std::vector<ParticipantInput> inputs = take_inputs();
+    tell_by_servo(inputs, servo);
+    return inputs;
+}
+
+void ParticipantWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &spot,
+                                   const device::Workspace &workspace) {
+    view_.set_scene(scene, {spot.point_m, spot.normal},
+                    workspace.centre_m.y() - 0.5 * workspace.size_m.y());
+}
+
+void ParticipantWindow::show(const ParticipantPicture &picture) {
     follow_monitor();
     const Window::Size pixels = framebuffer();
     if (pixels.width > 0 && pixels.height > 0) { // not of a window without a screen
-        view.draw(picture, pixels.width, pixels.height);
+        view_.draw(picture, pixels.width, pixels.height);
     }
-    events_->shows(picture, view.layout());
+    events_->shows(picture, view_.layout());
     glfwSetInputMode(window_, GLFW_CURSOR,
                      picture.choices_take_clicks ? GLFW_CURSOR_NORMAL : GLFW_CURSOR_HIDDEN);
     const Fence drawn;
@@ -177,7 +190,7 @@ void ParticipantWindow::show(ParticipantView &view, const ParticipantPicture &pi
         presenter_->program.use();
         presenter_->program.set("picture", 0);
         glActiveTexture(GL_TEXTURE0);
-        glBindTexture(GL_TEXTURE_2D, view.texture());
+        glBindTexture(GL_TEXTURE_2D, view_.texture());
         glBindVertexArray(presenter_->no_vertices.name());
         draw_arrays(GL_TRIANGLES, 3);
         auto taken = std::make_unique<Fence>();

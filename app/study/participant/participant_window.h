@@ -17,6 +17,7 @@
 #include "app/study/participant/participant_events.h"
 #include "app/study/participant/participant_view.h"
 #include "app/window/window.h"
+#include "engine/session/servo_run.h"
 
 #include <memory>
 #include <string>
@@ -48,15 +49,22 @@ public:
     /// Those there are now, such as "2: HDMI-1 1920×1080". @pre there is a main window
     [[nodiscard]] static std::vector<std::string> monitors();
 
+    /// The scene of the pictures that show one, and the spot marked in it, from now on.
+    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot,
+                    const device::Workspace &workspace);
+
     /// Draws the picture in the window's pixels and shows it: once a frame, after the main window's
     /// `end_frame`. Waits for the display, and meanwhile takes the events of both windows: ImGui
     /// would lose letters that arrive within a frame of its own.
-    /// @param view  must outlive the window, or the next call with another one
-    void show(ParticipantView &view, const ParticipantPicture &picture);
+    void show(const ParticipantPicture &picture);
+    /// Of the last picture.
+    [[nodiscard]] const ParticipantLayout &layout() const { return view_.layout(); }
 
     /// Since the last call, in order. Letters only while the picture has a text field, and then no
     /// presses of keys that type one.
     [[nodiscard]] std::vector<ParticipantInput> take_inputs() { return events_->take(); }
+    /// The same, with times by the servo's clock.
+    [[nodiscard]] std::vector<ParticipantInput> take_inputs(const session::ServoRun &servo);
 
     /// True once for every press of F12, and of the space bar unless a free text is being typed.
     [[nodiscard]] bool take_emergency_stop() { return events_->take_emergency_stop(); }
@@ -80,7 +88,8 @@ private:
     void follow_monitor();
 
     Window &main_;
-    Window::Size size_; ///< where it is not full screen
+    ParticipantView view_; ///< of the main window's context
+    Window::Size size_;    ///< where it is not full screen
     std::string monitor_;
     GLFWwindow *window_ = nullptr;
     std::unique_ptr<ParticipantEvents> events_;

@@ -26,7 +26,6 @@ protected:
     ParticipantsWindow() {
         setenv("DISPLAY", display_.name().c_str(), 1);
         main_ = std::make_unique<Window>("main", Window::Wish{{640, 400}, {}, 0.0, 1.0, false});
-        view_ = std::make_unique<ParticipantView>(0);
         window_ = std::make_unique<ParticipantWindow>(
             *main_, ParticipantWindow::Wish{{}, true, {640, 360}});
         keys_ = std::make_unique<testing::PressedKeys>(display_.name());
@@ -44,7 +43,7 @@ protected:
             ImGui::Begin("panel");
             ImGui::End();
             main_->end_frame();
-            window_->show(*view_, picture_);
+            window_->show(picture_);
         }
     }
 
@@ -61,7 +60,6 @@ protected:
 
     testing::VirtualDisplay display_{800, 600};
     std::unique_ptr<Window> main_;
-    std::unique_ptr<ParticipantView> view_;
     std::unique_ptr<ParticipantWindow> window_;
     std::unique_ptr<testing::PressedKeys> keys_;
     ParticipantPicture picture_;
@@ -117,7 +115,7 @@ TEST_F(ParticipantsWindow, ReportsClicksOnChoicesOrMouseButtonsAsThePictureSays)
     EXPECT_EQ(pressed(), std::vector<std::string>{"right"});
     picture_.choices_take_clicks = true;
     show(1);
-    const Rectangle plate = view_->layout().choices.at(1).plate;
+    const Rectangle plate = window_->layout().choices.at(1).plate;
     keys_->click(static_cast<int>(plate.corner.x + 0.5F * plate.size.x),
                  static_cast<int>(plate.corner.y + 0.5F * plate.size.y));
     show(2);

@@ -97,13 +97,13 @@ void PluggedMonitors::set(const std::string &arguments) const {
     }
 }
 
-void show_for(double duration_s, Window &main, ParticipantView &view, ParticipantWindow &window) {
+void show_for(double duration_s, Window &main, ParticipantWindow &window) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(duration_s);
     while (std::chrono::steady_clock::now() < end) {
         main.begin_frame();
         main.clear();
         main.end_frame();
-        window.show(view, {});
+        window.show({});
     }
 }
 
@@ -119,20 +119,19 @@ TEST(TwoMonitors, AreToldApartAndFollowedWhenOneGoesAndComesBack) {
     Window main("main", Window::Wish{{640, 400}, {}, 0.0, 1.0, false});
     EXPECT_EQ(ParticipantWindow::monitors(),
               (std::vector<std::string>{"1: DUMMY0 1024×768", "2: DUMMY1 2560×1440"}));
-    ParticipantView view(0);
     ParticipantWindow window(main, {"", false, {640, 360}}); // the second by itself
-    show_for(1.0, main, view, window);
+    show_for(1.0, main, window);
     EXPECT_EQ(window.monitor(), "DUMMY1");
     EXPECT_TRUE(window.is_full_screen());
     EXPECT_EQ(window.framebuffer().width, 2560);
 
     monitors->pull(1);
-    show_for(2.0, main, view, window);
+    show_for(2.0, main, window);
     EXPECT_TRUE(window.has_lost_monitor());
     EXPECT_EQ(ParticipantWindow::monitors().size(), 1U);
 
     monitors->plug(1, 800, 600); // another one, on the same cable
-    show_for(2.0, main, view, window);
+    show_for(2.0, main, window);
     EXPECT_FALSE(window.has_lost_monitor());
     EXPECT_TRUE(window.is_full_screen());
     EXPECT_EQ(window.framebuffer().width, 800);
