@@ -81,6 +81,38 @@ std::string any_of(std::span<const std::string_view> names) {
     return list;
 }
 
+const toml::node &present(const StrictTomlTable &table, const toml::node *node,
+                          std::string_view key, const std::string &expected) {
+    if (node == nullptr) {
+        table.refuse(key, "is missing; it must be " + expected);
+    }
+    return *node;
+}
+
+[[noreturn]] void refuse_value(const StrictTomlTable &table, std::string_view key,
+                               const toml::node &node, const std::string &expected) {
+    table.refuse(key, "is " + as_written(node) + "; it must be " + expected);
+}
+
+/// A list of that many values.
+const toml::array &list_of(const StrictTomlTable &table, const toml::node *found,
+                           std::string_view key, std::size_t fewest, std::size_t most,
+                           const std::string &expected) {
+    const toml::node &node = present(table, found, key, expected);
+    const toml::array *array = node.as_array();
+    if (array == nullptr || array->size() < fewest || array->size() > most) {
+        refuse_value(table, key, node, expected);
+    }
+    return *array;
+}
+
+/// The number of a name; as many as there are if it is none of them.
+std::size_t number_of(const toml::node &node, std::span<const std::string_view> names) {
+    const auto name = node.value_exact<std::string>();
+    const auto found = name ? std::ranges::find(names, *name) : names.end();
+    return static_cast<std::size_t>(found - names.begin());
+}
+
 } // namespace
 
 StrictTomlTable::StrictTomlTable(std::unique_ptr<Contents> contents)
@@ -128,14 +160,11 @@ bool StrictTomlTable::has(std::string_view key) const {
 bool StrictTomlTable::has_optional(std::string_view key) { return contents_->find(key) != nullptr; }
 
 std::string StrictTomlTable::text(std::string_view key, NumberRange bytes) {
-    const toml::node *node = contents_->find(key);
-    if (node == nullptr) {
-        refuse(key, "is missing; it must be a text");
+    const toml::node &node = present(*this, contents_->find(key), key, "a text");
+    if (!node.is_string()) {
+        refuse_value(*this, key, node, "a text");
     }
-    if (!node->is_string()) {
-        refuse(key, "is " + as_written(*node) + "; it must be a text");
-    }
-    std::string text = node->value<std::string>().value_or("");
+    std::string text = node.value<std::string>().value_or("");
     const bool is_blank = std::ranges::all_of(text, [](char c) { return c >= 0 && c <= ' '; });
     if ((is_blank && bytes.minimum >= 1.0) || !lies_in(static_cast<double>(text.size()), bytes)) {
         refuse(key, fmt::format("has {} bytes; it must be a text that can be read, of {:g} to {:g}",
@@ -145,13 +174,10 @@ std::string StrictTomlTable::text(std::string_view key, NumberRange bytes) {
 }
 
 double StrictTomlTable::number(std::string_view key, NumberRange range) {
-    const toml::node *node = contents_->find(key);
-    if (node == nullptr) {
-        refuse(key, "is missing; it must be " + allowed(range));
-    }
-    const double value = as_number(*node);
+    const toml::node &node = present(*this, contents_->find(key), key, allowed(range));
+    const double value = as_number(node);
     if (!lies_in(value, range)) {
-        refuse(key, "is " + as_written(*node) + "; it must be " + allowed(range));
+        refuse_value(*this, key, node, allowed(range));
     }
     return value;
 }
@@ -165,49 +191,34 @@ int StrictTomlTable::integer(std::string_view key, int minimum, int maximum) {
 }
 
 bool StrictTomlTable::flag(std::string_view key) {
-    const toml::node *node = contents_->find(key);
-    if (node == nullptr) {
-        refuse(key, "is missing; it must be true or false");
+    const toml::node &node = present(*this, contents_->find(key), key, "true or false");
+    if (!node.is_boolean()) {
+        refuse_value(*this, key, node, "true or false");
     }
-    if (!node->is_boolean()) {
-        refuse(key, "is " + as_written(*node) + "; it must be true or false");
-    }
-    return node->value<bool>().value_or(false);
+    return node.value<bool>().value_or(false);
 }
 
 std::size_t StrictTomlTable::choice(std::string_view key, std::span<const std::string_view> names) {
-    const toml::node *node = contents_->find(key);
-    const std::string expected = "it must be " + any_of(names);
-    if (node == nullptr) {
-        refuse(key, "is missing; " + expected);
+    const toml::node &node = present(*this, contents_->find(key), key, any_of(names));
+    const std::size_t number = number_of(node, names);
+    if (number == names.size()) {
+        const auto name = node.value_exact<std::string>();
+        refuse(key, "is " + (name ? '"' + *name + '"' : as_written(node)) + "; it must be " +
+                        any_of(names));
     }
-    const auto name = node->value_exact<std::string>();
-    const auto found = name ? std::ranges::find(names, *name) : names.end();
-    if (found == names.end()) {
-        refuse(key, "is " + (name ? '"' + *name + '"' : as_written(*node)) + "; " + expected);
-    }
-    return static_cast<std::size_t>(found - names.begin());
+    return number;
 }
 
 std::vector<std::size_t> StrictTomlTable::choices(std::string_view key,
                                                   std::span<const std::string_view> names) {
-    const std::string expected = "it must be a list, each of it " + any_of(names);
-    const toml::node *node = contents_->find(key);
-    if (node == nullptr) {
-        refuse(key, "is missing; " + expected);
-    }
-    const toml::array *array = node->as_array();
-    if (array == nullptr) {
-        refuse(key, "is " + as_written(*node) + "; " + expected);
-    }
+    const std::string expected = "a list, each of it " + any_of(names);
     std::vector<std::size_t> chosen;
-    for (const toml::node &one : *array) {
-        const auto name = one.value_exact<std::string>();
-        const auto found = name ? std::ranges::find(names, *name) : names.end();
-        if (found == names.end()) {
-            refuse(key, "has " + as_written(one) + "; " + expected);
+    for (const toml::node &one :
+         list_of(*this, contents_->find(key), key, 0, std::string::npos, expected)) {
+        chosen.push_back(number_of(one, names));
+        if (chosen.back() == names.size()) {
+            refuse(key, "has " + as_written(one) + "; it must be " + expected);
         }
-        chosen.push_back(static_cast<std::size_t>(found - names.begin()));
     }
     return chosen;
 }
@@ -216,16 +227,8 @@ std::vector<double> StrictTomlTable::numbers(std::string_view key, NumberRange r
                                              std::size_t most) {
     const std::string expected =
         fmt::format("1 to {} numbers in brackets, each {}", most, allowed(range_of_each));
-    const toml::node *node = contents_->find(key);
-    if (node == nullptr) {
-        refuse(key, "is missing; it must be " + expected);
-    }
-    const toml::array *array = node->as_array();
-    if (array == nullptr || array->empty() || array->size() > most) {
-        refuse(key, "is " + as_written(*node) + "; it must be " + expected);
-    }
     std::vector<double> values;
-    for (const toml::node &one : *array) {
+    for (const toml::node &one : list_of(*this, contents_->find(key), key, 1, most, expected)) {
         values.push_back(as_number(one));
         if (!lies_in(values.back(), range_of_each)) {
             refuse(key, "has " + as_written(one) + "; it must be " + expected);
@@ -236,17 +239,12 @@ std::vector<double> StrictTomlTable::numbers(std::string_view key, NumberRange r
 
 std::vector<std::string> StrictTomlTable::texts(std::string_view key, std::size_t most) {
     const std::string expected = fmt::format("1 to {} texts in brackets", most);
-    const toml::node *node = contents_->find(key);
-    if (node == nullptr) {
-        refuse(key, "is missing; it must be " + expected);
-    }
-    const toml::array *array = node->as_array();
-    if (array == nullptr || array->empty() || array->size() > most ||
-        !array->is_homogeneous(toml::node_type::string)) {
-        refuse(key, "is " + as_written(*node) + "; it must be " + expected);
+    const toml::array &array = list_of(*this, contents_->find(key), key, 1, most, expected);
+    if (!array.is_homogeneous(toml::node_type::string)) {
+        refuse_value(*this, key, array, expected);
     }
     std::vector<std::string> values;
-    for (const toml::node &one : *array) {
+    for (const toml::node &one : array) {
         values.push_back(one.value<std::string>().value_or(""));
     }
     return values;
@@ -254,19 +252,13 @@ std::vector<std::string> StrictTomlTable::texts(std::string_view key, std::size_
 
 Vector3 StrictTomlTable::vector(std::string_view key, NumberRange range_of_each) {
     const std::string expected = "three numbers in brackets, each " + allowed(range_of_each);
-    const toml::node *node = contents_->find(key);
-    if (node == nullptr) {
-        refuse(key, "is missing; it must be " + expected);
-    }
-    const toml::array *array = node->as_array();
-    Vector3 values = Vector3::Zero();
-    bool good = array != nullptr && array->size() == 3;
-    for (int i = 0; good && i < 3; ++i) {
-        values[i] = as_number((*array)[static_cast<std::size_t>(i)]);
-        good = lies_in(values[i], range_of_each);
-    }
-    if (!good) {
-        refuse(key, "is " + as_written(*node) + "; it must be " + expected);
+    const toml::array &array = list_of(*this, contents_->find(key), key, 3, 3, expected);
+    Vector3 values;
+    for (int i = 0; i < 3; ++i) {
+        values[i] = as_number(array[static_cast<std::size_t>(i)]);
+        if (!lies_in(values[i], range_of_each)) {
+            refuse_value(*this, key, array, expected);
+        }
     }
     return values;
 }
