@@ -61,19 +61,15 @@ bool acts_in(StimulusForm form, std::string_view parameter) {
 
 std::string wrong_variable(const Protocol &protocol) {
     const Variable &variable = protocol.variable;
-    const ParameterFacts *const parameter = condition_parameter_named(variable.parameter);
-    if (parameter == nullptr) {
-        return fmt::format("variable.parameter is \"{}\"; it must be one of {}", variable.parameter,
-                           names_of(condition_parameters()));
-    }
+    const ParameterFacts &parameter = variable_of(protocol);
     if (std::string wrong = unless_from_to("variable.standard", variable.standard,
-                                           parameter->minimum, parameter->maximum);
+                                           parameter.minimum, parameter.maximum);
         !wrong.empty()) {
         return wrong;
     }
-    if (!acts_in(protocol.stimulus, parameter->name)) {
+    if (!acts_in(protocol.stimulus, parameter.name)) {
         return fmt::format("variable.parameter is {}; it must be one that is felt in a {}",
-                           parameter->name,
+                           parameter.name,
                            kStimulusFormNames[static_cast<std::size_t>(protocol.stimulus)]);
     }
     if (!variable.standard_condition.empty() && !standard_condition_of(protocol)) {
@@ -82,18 +78,17 @@ std::string wrong_variable(const Protocol &protocol) {
             variable.standard_condition, names_of(protocol.conditions));
     }
     if (protocol.task.kind == TaskKind::forced_choice_by_place &&
-        parameter->of_condition != &Condition::turn_deg) {
+        parameter.of_condition != &Condition::turn_deg) {
         return fmt::format("variable.parameter is {}; it must be turn_deg, as the places of this "
                            "task are directions",
-                           parameter->name);
+                           parameter.name);
     }
     for (const double level : presentable_levels(protocol)) {
         const double value = value_at(protocol, level);
-        if (!(value >= parameter->minimum && value <= parameter->maximum)) {
+        if (!(value >= parameter.minimum && value <= parameter.maximum)) {
             return fmt::format("method presents level {:g}, where {} is {:g}; it must be from {:g} "
                                "to {:g}",
-                               level, parameter->name, value, parameter->minimum,
-                               parameter->maximum);
+                               level, parameter.name, value, parameter.minimum, parameter.maximum);
         }
     }
     return {};

@@ -5,6 +5,7 @@
 #include "base/field.h"
 #include "engine/study/protocol/protocol.h"
 
+#include <algorithm>
 #include <array>
 #include <iosfwd>
 
@@ -44,8 +45,26 @@ inline constexpr auto kFreeSpaceFields = std::to_array<Field<FreeSpaceTuning>>({
      range_of(&control::Tuning::lambda_rad_per_s), "rad/s"},
 });
 
+/// Of `condition_parameters()`.
+inline constexpr auto kParameterNames = [] {
+    std::array<std::string_view, control::kParameters.size() + kConditionParameters.size()> names;
+    const auto gains =
+        std::ranges::transform(control::kParameters, names.begin(), &control::Parameter::name);
+    std::ranges::transform(kConditionParameters, gains.out, &Field<Condition>::name);
+    return names;
+}();
+
 inline constexpr auto kVariableFields = std::to_array<Field<Variable>>({
-    {"parameter", &Variable::parameter, "of conditions, the one that the method varies", kRequired},
+    {"parameter",
+     Choice<Variable>{kParameterNames,
+                      [](const Variable &variable) {
+                          const auto found = std::ranges::find(kParameterNames, variable.parameter);
+                          return static_cast<std::size_t>(found - kParameterNames.begin());
+                      },
+                      [](Variable &variable, std::size_t number) {
+                          variable.parameter = kParameterNames[number];
+                      }},
+     "of conditions, the one that the method varies", kRequired},
     {"level", choice_of<&Variable::level>(kLevelMeaningNames),
      "what a level of the method is: the parameter's value, what is added to the standard's, or "
      "what is taken off it"},
