@@ -2,12 +2,12 @@
 
 #include "app/host/user_folder.h"
 #include "base/complaint.h"
+#include "base/field_toml.h"
 #include "base/file_names.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/one_line.h"
 #include "base/quoting.h"
-#include "base/strict_toml.h"
 
 #include <fmt/format.h>
 
@@ -35,31 +35,25 @@ constexpr auto kThingWords = [] {
     return words;
 }();
 
-/// Each flag by its key.
-struct SettingsFlag {
-    const char *key;
-    bool Settings::*value;
-};
-constexpr std::array<SettingsFlag, 3> kSettingsFlags{{
-    {"hides_panels", &Settings::hides_panels},
-    {"dismissed_start", &Settings::dismissed_start},
-    {"opens_legend", &Settings::opens_legend},
-}};
+constexpr auto kSettingsFields = std::to_array<Field<Settings>>({
+    {"text_size", &Settings::text_size, "of text and panels, times the display's scale",
+     kLeastTextSize, kGreatestTextSize},
+    {"hides_panels", &Settings::hides_panels, "scene and read-outs only"},
+    {"dismissed_start", &Settings::dismissed_start, "the plate of the first minute"},
+    {"opens_legend", &Settings::opens_legend, "what is drawn in the scene, by name"},
+});
+
+constexpr auto kWindowFields = std::to_array<Field<Settings>>({
+    {"width", &Settings::width, "of the window in pixels", 320.0, 16'384.0, "", kRequired},
+    {"height", &Settings::height, "of the window in pixels", 240.0, 16'384.0, "", kRequired},
+});
 
 /// Every key may be missing, but of width and height none or both.
 Settings read_all(StrictTomlTable table) {
     Settings settings;
-    if (table.has_optional("text_size")) {
-        settings.text_size = table.number("text_size", {kLeastTextSize, kGreatestTextSize});
-    }
+    read(table, kSettingsFields, settings);
     if (table.has_optional("width") || table.has_optional("height")) {
-        settings.width = table.integer("width", 320, 16384);
-        settings.height = table.integer("height", 240, 16384);
-    }
-    for (const SettingsFlag &flag : kSettingsFlags) {
-        if (table.has_optional(flag.key)) {
-            settings.*flag.value = table.flag(flag.key);
-        }
+        read(table, kWindowFields, settings);
     }
     if (table.has_optional("drawn")) {
         const std::vector<std::size_t> drawn = table.choices("drawn", kThingWords);
@@ -116,14 +110,9 @@ void write_settings(const fs::path &file, const Settings &settings) {
     write_file(
         file,
         [&](std::ostream &out) {
-            out << "text_size = " << toml_number(settings.text_size) << '\n';
+            write(out, kSettingsFields, settings);
             if (settings.width > 0) {
-                out << "width = " << settings.width << "\nheight = " << settings.height << '\n';
-            }
-            for (const SettingsFlag &flag : kSettingsFlags) {
-                if (settings.*flag.value) {
-                    out << flag.key << " = true\n";
-                }
+                write(out, kWindowFields, settings);
             }
             if (settings.shown != ShownThings()) {
                 std::vector<std::string_view> drawn;

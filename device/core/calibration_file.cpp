@@ -159,16 +159,13 @@ Calibration read_calibration(StrictTomlTable table, const DeviceDescription &dev
 
 std::string what_is_wrong_with(const Calibration &calibration, const DeviceDescription &device) {
     const auto check = [](const std::string &name, double value, NumberRange range) {
-        const bool is_possible = value >= range.minimum && value <= range.maximum;
-        return is_possible ? ""
-                           : fmt::format("{} is {:g}; it must be a number from {:g} to {:g}", name,
-                                         value, range.minimum, range.maximum);
+        return unless_from_to(name, value, range.minimum, range.maximum);
     };
     std::string wrong = check("air_C", calibration.air_C, kAir_C);
     if (wrong.empty()) {
         wrong = check("air_error_K", calibration.air_error_K, kAirError_K);
     }
-    for (std::size_t j = 0; j < 3 && wrong.empty(); ++j) {
+    for (std::size_t j = 0; j < 3; ++j) {
         for (const CalibrationField &field :
              calibration_fields(device, j, calibration.air_error_K)) {
             if (wrong.empty()) {

@@ -1,6 +1,6 @@
 #include "engine/control/tuning.h"
 
-#include <fmt/core.h>
+#include "base/field.h"
 
 #include <algorithm>
 
@@ -31,9 +31,10 @@ bool is_valid(const Tuning &tuning) noexcept {
 
 std::string what_is_wrong_with(const Tuning &tuning) {
     for (const Parameter &parameter : kParameters) {
-        if (!lies_in_range(parameter, tuning)) {
-            return fmt::format("{} is {:g}; it must be from {:g} to {:g}", parameter.name,
-                               tuning.*parameter.value, parameter.minimum, parameter.maximum);
+        if (std::string wrong = unless_from_to(parameter.name, tuning.*parameter.value,
+                                               parameter.minimum, parameter.maximum);
+            !wrong.empty()) {
+            return wrong;
         }
     }
     return {};

@@ -1,10 +1,10 @@
 #include "engine/control/tuning_file.h"
 
-#include "base/quoting.h"
-#include "base/strict_toml.h"
+#include "base/field_toml.h"
 #include "engine/control/tuning.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -12,31 +12,38 @@ namespace springdrive::control {
 
 namespace {
 
-/// The key of a delay in this file: `key`, or its name from when d was a whole number.
-std::string_view delay_key(StrictTomlTable &table, std::string_view key, std::string_view before) {
-    if (!table.has(before)) {
-        return key;
-    }
-    if (table.has(key)) {
-        table.refuse(before, "is the old name of " + std::string(key) + "; keep only one of them");
-    }
-    return before;
-}
+constexpr double kMaxRate_hz = 1e6;
+constexpr double kLongest_periods = 100.0;
+constexpr double kAny = std::numeric_limits<double>::max();
+
+constexpr auto kMarginFields = std::to_array<Field<TuningMargins>>({
+    {"servo_hz", &TuningMargins::servo_hz, "", 1.0, kMaxRate_hz, "Hz", kRequired},
+    {"delay_periods", &TuningMargins::delay_periods, "", 0.0, kLongest_periods, "", kRequired},
+    {"gain", &TuningMargins::gain, "", 1.0, kAny, "", kRequired},
+    {"more_delay_periods", &TuningMargins::more_delay_periods, "", 0.0, kLongest_periods, "",
+     kRequired},
+    {"least_dR_Ohm", &TuningMargins::min_dR_Ohm, "", 0.0, kAny, "Ω", kRequired},
+    {"K_DC_Nm_per_rad", &TuningMargins::K_DC_Nm_per_rad, "", 0.0, kAny, "N·m/rad", kRequired},
+    {"worst_hand", &TuningMargins::worst_hand, "", kRequired},
+    {"worst_eta", &TuningMargins::worst_eta, "", 0.0, 1.0, "", kRequired},
+});
 
 TuningMargins read_margins(StrictTomlTable table) {
-    constexpr double kMaxRate_hz = 1e6;
-    constexpr int kLongest_periods = 100;
+    auto fields = kMarginFields;
+    for (auto &field : fields) { // the names from when d was a whole number
+        const std::string_view before = field.name == "delay_periods"        ? "delay_samples"
+                                        : field.name == "more_delay_periods" ? "more_delay_samples"
+                                                                             : field.name;
+        if (before != field.name && table.has(before)) {
+            if (table.has(field.name)) {
+                table.refuse(before, "is the old name of " + std::string(field.name) +
+                                         "; keep only one of them");
+            }
+            field.name = before;
+        }
+    }
     TuningMargins margins;
-    margins.servo_hz = table.number("servo_hz", {1.0, kMaxRate_hz});
-    margins.delay_periods =
-        table.number(delay_key(table, "delay_periods", "delay_samples"), {0.0, kLongest_periods});
-    margins.gain = table.number("gain", {1.0});
-    margins.more_delay_periods = table.integer(
-        delay_key(table, "more_delay_periods", "more_delay_samples"), 0, kLongest_periods);
-    margins.min_dR_Ohm = table.number("least_dR_Ohm", {0.0});
-    margins.K_DC_Nm_per_rad = table.number("K_DC_Nm_per_rad", {0.0});
-    margins.worst_hand = table.text("worst_hand");
-    margins.worst_eta = table.number("worst_eta", {0.0, 1.0});
+    read(table, fields, margins);
     table.refuse_unknown_keys();
     return margins;
 }
@@ -77,16 +84,8 @@ void write_tuning_file(std::ostream &out, const TuningFile &file) {
     if (!file.margins) {
         return;
     }
-    const TuningMargins &margins = *file.margins;
     out << "\n# How far it is from where it fails, one thing changed at a time.\n[margins]\n";
-    out << "servo_hz = " << toml_number(margins.servo_hz) << '\n';
-    out << "delay_periods = " << toml_number(margins.delay_periods) << '\n';
-    out << "gain = " << toml_number(margins.gain) << '\n';
-    out << "more_delay_periods = " << margins.more_delay_periods << '\n';
-    out << "least_dR_Ohm = " << toml_number(margins.min_dR_Ohm) << '\n';
-    out << "K_DC_Nm_per_rad = " << toml_number(margins.K_DC_Nm_per_rad) << '\n';
-    out << "worst_hand = " << toml_string(margins.worst_hand) << '\n';
-    out << "worst_eta = " << toml_number(margins.worst_eta) << '\n';
+    write(out, kMarginFields, *file.margins);
 }
 
 } // namespace springdrive::control
