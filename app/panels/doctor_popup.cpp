@@ -1,6 +1,6 @@
 #include "app/panels/doctor_popup.h"
 
-#include "app/doctor/second_opinion.h"
+#include "app/doctor/doctor_report.h"
 #include "app/widgets/widgets.h"
 #include "base/complaint.h"
 

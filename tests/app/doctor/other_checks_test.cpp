@@ -1,9 +1,7 @@
-// Covers app/doctor/picture_checks.cpp, disk_check.cpp, disk_trial.cpp, package_checks.cpp and
-// doctor_report.cpp.
+// Covers app/doctor/checks.cpp, picture_checks.cpp, disk_check.cpp and doctor_report.cpp.
 #include "tests/app/doctor/laid_out_computer.h"
 
 #include "app/doctor/doctor_report.h"
-#include "app/doctor/second_opinion.h"
 #include "app/doctor/trial.h"
 #include "base/input_error.h"
 
