@@ -5,7 +5,6 @@
 #include "app/commands/progress_line.h"
 #include "app/commands/typed_board.h"
 #include "app/figures/gnuplot.h"
-#include "app/host/asset_folder.h"
 #include "app/host/ending_signal.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
@@ -108,27 +107,18 @@ Table sweep_table(const SweepReport &report) {
     return table;
 }
 
-/// The chart's numbers, written beside it.
-std::filesystem::path numbers_of_sweep(std::filesystem::path svg) {
-    return svg.replace_extension(".csv");
-}
-
 /// @throw InputError as `draw` and `write_output` do
 void draw_sweep(const std::filesystem::path &svg, const std::string &device_text,
                 const SweepOptions &options, const SweepReport &report, Existing existing) {
-    const std::filesystem::path csv = numbers_of_sweep(svg);
     write_output(
-        csv.string(), [&](std::ostream &out) { write_csv(out, sweep_table(report)); }, existing);
+        numbers_of(svg).string(), [&](std::ostream &out) { write_csv(out, sweep_table(report)); },
+        existing);
     ChartMarks marks;
     marks.add("heading", "Rendered stiffness K_θ by sine sweep, " + device_text);
     marks.add("setting",
               settings_text(options) +
                   fmt::format(", d {:.3f}", report.motors.front().points.front().delay_periods));
-    const std::filesystem::path folder =
-        svg.parent_path().empty() ? std::filesystem::path(".") : svg.parent_path();
-    draw({asset_folder() / "figures" / "device_sweep.gnuplot", marks.assignments(), folder,
-          csv.filename().string(), svg.filename().string()},
-         existing);
+    draw_numbers(svg, "device_sweep", marks, existing);
 }
 
 struct TypedSweep {
@@ -181,7 +171,7 @@ void check_files(const TypedSweep &typed) {
             throw InputError("--svg " + typed.svg.string() + ": must be a file that ends in .svg");
         }
         files.written.push_back(typed.svg);
-        files.written.push_back(numbers_of_sweep(typed.svg));
+        files.written.push_back(numbers_of(typed.svg));
     }
     check_outputs(files, typed.existing);
 }
@@ -195,12 +185,10 @@ void run_to_end(StiffnessSweep &sweep) {
             sweep.stop();
             return;
         }
-        const std::string instruction = sweep.instruction();
         if (sweep.stage() == SweepStage::measuring) {
-            line.show(instruction, sweep.share());
-        } else if (instruction != said && !instruction.empty()) {
-            print(std::cerr, "{}\n", instruction);
-            said = instruction;
+            line.show(sweep.instruction(), sweep.share());
+        } else {
+            instruct(sweep.instruction(), "", said);
         }
     }
 }

@@ -1,5 +1,6 @@
 #include "app/figures/gnuplot.h"
 
+#include "app/host/asset_folder.h"
 #include "app/host/child_program.h"
 #include "base/input_error.h"
 #include "base/quoting.h"
@@ -98,6 +99,18 @@ void draw(const Chart &chart, FilePolicy policy) {
                                         "or gnuplot built without SVG?");
     }
     drawn.publish(policy.existing);
+}
+
+std::filesystem::path numbers_of(std::filesystem::path svg) {
+    return svg.replace_extension(".csv");
+}
+
+void draw_numbers(const std::filesystem::path &svg, const std::string &script,
+                  const ChartMarks &marks, FilePolicy policy) {
+    draw({asset_folder() / "figures" / (script + ".gnuplot"), marks.assignments(),
+          svg.parent_path().empty() ? "." : svg.parent_path(), numbers_of(svg).filename().string(),
+          svg.filename().string()},
+         policy);
 }
 
 } // namespace springdrive::app

@@ -37,4 +37,13 @@ struct Chart {
 ///        last message, or if there is a chart of that name that is to be kept.
 void draw(const Chart &chart, FilePolicy policy);
 
+/// The file of a chart's numbers: "map.csv" for "map.svg".
+[[nodiscard]] std::filesystem::path numbers_of(std::filesystem::path svg);
+
+/// Draws `svg` by one of the program's scripts, from the numbers beside it.
+/// @param script  its name without ".gnuplot"
+/// @throw InputError as `draw` does
+void draw_numbers(const std::filesystem::path &svg, const std::string &script,
+                  const ChartMarks &marks, FilePolicy policy);
+
 } // namespace springdrive::app

@@ -1,4 +1,4 @@
-// Covers app/commands/inspect_command.cpp and inspect_report.cpp, from outside.
+// Covers app/commands/inspect_command.cpp, from outside.
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 

@@ -1,5 +1,5 @@
-// Covers app/commands/stability_command.cpp, stability_options.cpp, stability_report.cpp and
-// stability_map_chart.cpp, from outside.
+// Covers app/commands/stability_command.cpp, stability_options.cpp and stability_report.cpp, from
+// outside.
 #include "engine/lab/limits/stability_limits.h"
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
