@@ -163,14 +163,12 @@ private:
             }
             stylus_.go(target_m, kStroke_m_per_s);
         };
-        for (long step = 1; step <= steps; ++step) {
-            go_to(step);
-        }
-        for (long step = steps - 1; step >= -steps; --step) {
-            go_to(step);
-        }
-        for (long step = -steps + 1; step <= 0; ++step) {
-            go_to(step);
+        long step = 0;
+        for (const long end : {steps, -steps, 0L}) {
+            while (step != end) {
+                step += step < end ? 1 : -1;
+                go_to(step);
+            }
         }
         lift(Vector3::UnitY());
     }
