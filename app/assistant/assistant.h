@@ -61,12 +61,16 @@ public:
         return progress_.failed.test(index_of(step));
     }
     [[nodiscard]] bool can_go_to(StepName step) const;
-    [[nodiscard]] bool can_go_on(const session::Session &session) const;
     [[nodiscard]] bool is_complete() const { return progress_.done.all(); }
 
-    /// Of the present step, with what stops the device. @pre it is open
+    // Of the present step, while it is open:
+
+    [[nodiscard]] bool can_go_on(const session::Session &session) const;
+    /// With what stops the device.
     [[nodiscard]] StepReport report(const session::Session &session) const;
     [[nodiscard]] std::vector<Offer> offers(session::Session &session);
+
+    /// See Step; none while it is closed.
     [[nodiscard]] std::optional<Vector3> theta_rad() const;
 
     /// Why the progress could not be read or kept; else empty.

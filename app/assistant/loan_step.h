@@ -19,7 +19,7 @@
 
 namespace springdrive::app::assistant {
 
-/// @tparam View     what is seen of it meanwhile, with `theta_rad`
+/// @tparam View     what is seen of it meanwhile, with `theta_rad` and whether that `has_theta`
 /// @tparam Outcome  what came of it
 template <typename View, typename Outcome> struct LoanTalk {
     // The window's:

@@ -3,7 +3,6 @@
 #include "base/complaint.h"
 #include "device/core/calibration_file.h"
 #include "device/core/phantom/kinematics.h"
-#include "device/simulated/stop_tour.h"
 #include "engine/commissioning/self_test.h"
 #include "engine/session/servo_run.h"
 #include "tests/engine/session/session_fixture.h"
@@ -274,20 +273,8 @@ TEST(LentDevice, PassesASelfTestInTheSimulatedHand) {
     Session session(emulated(true));
     session.start();
     testing::run(session, 0.1);
-    commissioning::SelfTest test(session.device().device());
-    double ends_s = 0.0;
-    session.lend_device([&] {
-        emulator::EmulatedBoard &board = board_of(session);
-        if (test.stage() == commissioning::SelfTestStage::motion && ends_s == 0.0) {
-            const simulated::HandPath path =
-                simulated::stop_tour(session.description(), board.phantom().truth().tip_m);
-            ends_s = board.time_s() + path.end_s();
-            session.device().hand()->follow(path);
-        } else if (ends_s > 0.0 && board.time_s() > ends_s) {
-            test.finish_motion();
-        }
-        return test.step();
-    });
+    commissioning::SelfTest test(session.device().device(), {}, session.device().hand());
+    session.lend_device([&] { return test.step(); });
     ASSERT_TRUE(testing::run_until(
         session, [&] { return !session.is_lent(); }, 60.0));
     EXPECT_EQ(session.loan_complaint(), "");
