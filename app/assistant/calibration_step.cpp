@@ -10,6 +10,7 @@
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
 #include "device/core/forwarding_device.h"
+#include "device/simulated/calibration_tour.h"
 
 #include <array>
 #include <fstream>
@@ -85,8 +86,10 @@ public:
     /// @throw InputError for a device of which nothing can be learned
     CalibrationLoan(factory::OpenDevice &device, std::shared_ptr<CalibrationTalk> talk)
         : talk_(std::move(talk)), device_(device.device()) {
-        run_.emplace(device_, commissioning::CalibrationOptions{},
-                     device.emulated() != nullptr ? device.hand() : nullptr);
+        run_.emplace(
+            device_, commissioning::CalibrationOptions{},
+            simulated::calibration_tour_of(device.emulated() != nullptr ? device.hand() : nullptr,
+                                           device_.description()));
     }
 
     /// One tick, CalibrationRun::kRate_hz times a second. @return whether there is more to do

@@ -1,8 +1,7 @@
 #include "app/assistant/findings.h"
 #include "app/assistant/loan_step.h"
+#include "device/simulated/stop_tour.h"
 #include "engine/commissioning/self_test.h"
-
-#include <algorithm>
 
 namespace springdrive::app::assistant {
 
@@ -86,9 +85,10 @@ private:
     [[nodiscard]] std::function<bool()> tick_of(const std::shared_ptr<Talk> &talk) const {
         factory::OpenDevice &device = session().device();
         const bool is_by_person = device.emulated() == nullptr;
-        const auto test =
-            std::make_shared<SelfTest>(device.device(), commissioning::SelfTestOptions{},
-                                       is_by_person ? nullptr : device.hand());
+        const auto test = std::make_shared<SelfTest>(
+            device.device(), commissioning::SelfTestOptions{},
+            simulated::stop_tour_of(is_by_person ? nullptr : device.hand(),
+                                    device.device().description()));
         return [talk, test, is_by_person] {
             if (talk->wants_end || (is_by_person && test->has_reached_all())) {
                 test->finish_motion();

@@ -11,6 +11,7 @@
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
 #include "device/core/motor/winding_guard.h"
+#include "device/simulated/calibration_tour.h"
 #include "engine/commissioning/calibration_run.h"
 
 #include <fmt/format.h>
@@ -152,8 +153,10 @@ void calibrate(const TypedCalibration &typed) {
         throw InputError("hold the device in its zero pose, upper arm level, forearm hanging, tip "
                          "at the origin, and add --at-zero: its motors must know where it is");
     }
-    CalibrationRun run(*board.device, typed.options,
-                       board.emulated ? &board.emulated->phantom() : nullptr);
+    CalibrationRun run(
+        *board.device, typed.options,
+        simulated::calibration_tour_of(board.emulated ? &board.emulated->phantom() : nullptr,
+                                       board.device->description()));
     carry_out(run, !board.emulated);
     const CalibrationReport report = run.report();
     if (!report.is_complete) {

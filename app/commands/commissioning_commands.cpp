@@ -8,6 +8,7 @@
 #include "base/one_line.h"
 #include "base/print.h"
 #include "device/factory/board_factory.h"
+#include "device/simulated/stop_tour.h"
 #include "engine/commissioning/self_test.h"
 
 #include <fmt/format.h>
@@ -135,7 +136,8 @@ void self_test(const TypedSelfTest &typed) {
     }
     note_ending_signals();
     SelfTest test(*board.device, typed.options,
-                  board.emulated ? &board.emulated->phantom() : nullptr);
+                  simulated::stop_tour_of(board.emulated ? &board.emulated->phantom() : nullptr,
+                                          board.device->description()));
     Person person(test);
     std::string said;
     while (!asked_to_end() && test.step()) {

@@ -29,4 +29,15 @@ HandPath calibration_tour(const device::DeviceDescription &device, const Vector3
     return HandPath(std::move(points));
 }
 
+std::function<double(double)> calibration_tour_of(HandControl *hand,
+                                                  const device::DeviceDescription &device) {
+    if (hand == nullptr) {
+        return {};
+    }
+    return [hand, &device](double longest_s) {
+        hand->follow(calibration_tour(device, hand->hand_m(), longest_s));
+        return longest_s;
+    };
+}
+
 } // namespace springdrive::simulated

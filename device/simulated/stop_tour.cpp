@@ -62,4 +62,16 @@ HandPath stop_tour(const device::DeviceDescription &device, const Vector3 &start
     return HandPath(std::move(points));
 }
 
+std::function<double(double)> stop_tour_of(HandControl *hand,
+                                           const device::DeviceDescription &device) {
+    if (hand == nullptr) {
+        return {};
+    }
+    return [hand, &device](double /*longest_s*/) {
+        const HandPath tour = stop_tour(device, hand->hand_m());
+        hand->follow(tour);
+        return tour.end_s();
+    };
+}
+
 } // namespace springdrive::simulated

@@ -3,7 +3,9 @@
 #pragma once
 
 #include "device/core/device_description.h"
-#include "device/simulated/hand_path.h"
+#include "device/simulated/hand_control.h"
+
+#include <functional>
 
 namespace springdrive::simulated {
 
@@ -13,5 +15,11 @@ namespace springdrive::simulated {
 /// @param rest_s   how long it stays there
 [[nodiscard]] HandPath stop_tour(const device::DeviceDescription &device, const Vector3 &start_m,
                                  double rest_s = 0.0);
+
+/// What begins it: given the longest that it may last, returns how long it lasts [s].
+/// @param hand    null: empty
+/// @param device  like the hand, outlives what is returned
+[[nodiscard]] std::function<double(double)> stop_tour_of(HandControl *hand,
+                                                         const device::DeviceDescription &device);
 
 } // namespace springdrive::simulated

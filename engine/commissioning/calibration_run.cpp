@@ -4,7 +4,6 @@
 #include "base/input_error.h"
 #include "device/core/calibration_file.h"
 #include "device/core/motor/winding_guard.h"
-#include "device/simulated/calibration_tour.h"
 
 #include <fmt/format.h>
 
@@ -12,6 +11,7 @@
 #include <cmath>
 #include <ctime>
 #include <numbers>
+#include <utility>
 
 namespace springdrive::commissioning {
 
@@ -72,8 +72,8 @@ Cancellable cancellable(const device::MotorParameters &file, control::ObservedMo
 } // namespace
 
 CalibrationRun::CalibrationRun(device::HapticDevice &device, const CalibrationOptions &options,
-                               simulated::HandControl *hand)
-    : device_(device), options_(options), hand_(hand), reset_(options.lets_go_on) {
+                               Mover mover)
+    : device_(device), options_(options), mover_(std::move(mover)), reset_(options.lets_go_on) {
     const device::DeviceDescription &file = device.description();
     SPRINGDRIVE_ASSERT(!file.calibration); // what was known before would be part of the result
     if (!file.current_sensing.is_shared) {
@@ -162,9 +162,8 @@ void CalibrationRun::tick() {
             stage_ = CalibrationStage::motion;
             ticks_ = 0;
             lowest_rad_ = highest_rad_ = sample_.theta_rad;
-            if (hand_ != nullptr) {
-                hand_->follow(simulated::calibration_tour(device_.description(), hand_->hand_m(),
-                                                          motion_left_s()));
+            if (mover_) {
+                mover_(motion_left_s());
             }
         } else if (ticks_ >= kLongestStart_ticks) {
             stop_for(CalibrationProblem::never_at_rest,

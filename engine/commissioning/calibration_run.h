@@ -18,7 +18,7 @@
 #include "device/core/board_reset.h"
 #include "device/core/calibration.h"
 #include "device/core/haptic_device.h"
-#include "device/simulated/hand_control.h"
+#include "engine/commissioning/mover.h"
 #include "engine/servo/servo.h"
 
 #include <array>
@@ -89,11 +89,10 @@ class CalibrationRun {
 public:
     /// @param device  zeroed, and read and written by nobody else, at a rate of kRate_hz; outlives
     ///                this
-    /// @param hand    a simulated one that holds it, and does as a person is asked to, also after
-    ///                the end; null: a person does
+    /// @param mover   in place of a person; not told when the motion is ended before its time
     /// @throw InputError for a device of which nothing can be learned, or options out of range
     explicit CalibrationRun(device::HapticDevice &device, const CalibrationOptions &options = {},
-                            simulated::HandControl *hand = nullptr);
+                            Mover mover = {});
 
     static constexpr double kRate_hz = 1000.0;
 
@@ -143,7 +142,7 @@ private:
 
     device::HapticDevice &device_;
     CalibrationOptions options_;
-    simulated::HandControl *hand_;
+    Mover mover_;
     device::BoardReset reset_;
     Vector3 drag_A_; ///< I
     CalibrationStage stage_ = CalibrationStage::rest;

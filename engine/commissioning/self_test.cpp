@@ -3,12 +3,12 @@
 #include "base/assertions.h"
 #include "base/input_error.h"
 #include "device/core/board_faults.h"
-#include "device/simulated/stop_tour.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 namespace springdrive::commissioning {
 
@@ -31,9 +31,8 @@ device::Bench &bench_of(device::HapticDevice &device) {
 
 } // namespace
 
-SelfTest::SelfTest(device::HapticDevice &device, const SelfTestOptions &options,
-                   simulated::HandControl *hand)
-    : device_(device), bench_(bench_of(device)), options_(options), hand_(hand),
+SelfTest::SelfTest(device::HapticDevice &device, const SelfTestOptions &options, Mover mover)
+    : device_(device), bench_(bench_of(device)), options_(options), mover_(std::move(mover)),
       reset_(options.lets_go_on), motion_(device.description()) {
     SPRINGDRIVE_ASSERT(options.repeats >= 1);
     options_.pulse.duration_s = std::max(options.pulse.duration_s, bench_.shortest_pulse_s());
@@ -150,11 +149,9 @@ void SelfTest::pulse() {
     is_complete_ = !options_.has_motion;
     stage_ = options_.has_motion ? SelfTestStage::motion : SelfTestStage::done;
     stage_began_s_ = now_s_;
-    if (hand_ != nullptr && options_.has_motion) {
-        const simulated::HandPath tour =
-            simulated::stop_tour(device_.description(), hand_->hand_m());
-        options_.longest_motion_s = std::min(options_.longest_motion_s, tour.end_s());
-        hand_->follow(tour);
+    if (mover_ && options_.has_motion) {
+        options_.longest_motion_s =
+            std::min(options_.longest_motion_s, mover_(options_.longest_motion_s));
     }
 }
 

@@ -8,8 +8,8 @@
 
 #include "device/core/board_reset.h"
 #include "device/core/haptic_device.h"
-#include "device/simulated/hand_control.h"
 #include "engine/commissioning/motion_check.h"
+#include "engine/commissioning/mover.h"
 #include "engine/commissioning/winding_check.h"
 
 #include <array>
@@ -46,10 +46,9 @@ struct SelfTestReport {
 class SelfTest {
 public:
     /// @param device  has a bench, and is read and written by nobody else; outlives this
-    /// @param hand    a simulated one that holds it, and does as a person is asked to; null: a
-    ///                person does
+    /// @param mover   in place of a person
     explicit SelfTest(device::HapticDevice &device, const SelfTestOptions &options = {},
-                      simulated::HandControl *hand = nullptr);
+                      Mover mover = {});
 
     /// One tick: reads a measurement, answers by braking. The first ones reset what the board has
     /// latched before, as BoardReset permits. @return whether there is more to do
@@ -81,7 +80,7 @@ private:
     device::HapticDevice &device_;
     device::Bench &bench_;
     SelfTestOptions options_;
-    simulated::HandControl *hand_;
+    Mover mover_;
     std::array<std::int32_t, 3> counts_{}; ///< of the last tick
     SelfTestStage stage_ = SelfTestStage::rest;
     double stage_began_s_ = -1.0; ///< by the device's time; before the first measurement

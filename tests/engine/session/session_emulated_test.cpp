@@ -3,6 +3,7 @@
 #include "base/complaint.h"
 #include "device/core/calibration_file.h"
 #include "device/core/phantom/kinematics.h"
+#include "device/simulated/stop_tour.h"
 #include "engine/commissioning/self_test.h"
 #include "engine/session/servo_run.h"
 #include "tests/engine/session/session_fixture.h"
@@ -273,7 +274,9 @@ TEST(LentDevice, PassesASelfTestInTheSimulatedHand) {
     Session session(emulated(true));
     session.start();
     testing::run(session, 0.1);
-    commissioning::SelfTest test(session.device().device(), {}, session.device().hand());
+    commissioning::SelfTest test(
+        session.device().device(), {},
+        simulated::stop_tour_of(session.device().hand(), session.description()));
     session.lend_device([&] { return test.step(); });
     ASSERT_TRUE(testing::run_until(
         session, [&] { return !session.is_lent(); }, 60.0));
