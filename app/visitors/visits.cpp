@@ -66,8 +66,10 @@ study_screen::Frames::Next Visits::show(ParticipantPicture picture, SittingStep 
     return frames_.show(std::move(picture));
 }
 
-void Visits::resume(SittingFrame frame) {
+void Visits::resume(const study_screen::ShowsFrame &show_frame) {
+    SittingFrame frame = show_frame();
     if (frame.orders.stops) {
+        session_.keep_released(true);
         frames_.end();
     } else {
         frames_.resume(std::move(frame));
@@ -131,7 +133,7 @@ Course<VisitEnd> Visits::sit(study::StudyStore &store, Visitor visitor) {
         state_ = sitting.state();
         SittingFrame frame =
             co_await frames_.show(visit.for_visitors(sitting.picture(), state_.step));
-        sitting.resume(visit.for_sitting(std::move(frame), state_));
+        sitting.resume([&] { return visit.for_sitting(std::move(frame), state_); });
     }
     if (sitting.ending() == study::SessionEnding::failed) {
         throw InputError("the device has failed for good: " +

@@ -55,8 +55,8 @@ public:
     [[nodiscard]] const study_screen::SittingState &state() const { return state_; }
     /// Until a frame says that everything is to end.
     [[nodiscard]] bool is_over() const { return frames_.is_over(); }
-    /// @throw InputError if the device has failed for good
-    void resume(study_screen::SittingFrame frame);
+    /// @throw InputError from the window, or if the device has failed for good
+    void resume(const study_screen::ShowsFrame &show_frame);
 
     /// Visits that were begun.
     [[nodiscard]] int begun() const { return begun_; }

@@ -35,7 +35,7 @@ public:
                 study::StudyStore &store, const study::Protocol &protocol);
 
     /// Shows this for a frame, and advances the session by it.
-    /// @throw InputError if a note cannot be stored
+    /// @throw InputError if there are no letters for it
     SittingFrame show(const ParticipantPicture &picture, const SittingState &state);
     /// See ShowsScene.
     void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot);

@@ -4,13 +4,15 @@
 //
 //   what shows frames ──frame──► Frames::resume ──► the course that awaits it ──► next picture
 //
-// Courses await each other. One that is awaited as `frames.until_end(course)` is over at the latest
-// with `Frames::end`: it is destroyed where it waits, with all that it has on its stack. What they
-// take by reference must be a variable of who awaits them: GCC 12 destroys some temporaries twice.
+// Courses await each other. `Frames::end` ends the innermost one that is awaited as
+// `frames.until_end(course)`: it is destroyed where it waits, with all that it has on its stack.
+// What they take by reference must be a variable of who awaits them: GCC 12 destroys some
+// temporaries twice.
 #pragma once
 
 #include "app/study/participant/participant_picture.h"
 #include "app/study/sitting/sitting_frame.h"
+#include "base/assertions.h"
 
 #include <coroutine>
 #include <exception>
@@ -93,6 +95,11 @@ private:
 /// What is shown at present, and the course that waits for its frame.
 class Frames {
 public:
+    Frames() = default;
+    ~Frames() = default;
+    Frames(const Frames &) = delete;
+    Frames &operator=(const Frames &) = delete;
+
     class Next {
     public:
         explicit Next(Frames &frames) : frames_(frames) {}
@@ -146,15 +153,17 @@ public:
     [[nodiscard]] UntilEnd until_end(Course<> course) { return {*this, std::move(course)}; }
 
     [[nodiscard]] const ParticipantPicture &picture() const { return picture_; }
+    /// @pre it was started
     [[nodiscard]] bool is_over() const { return course_.handle().done(); }
 
-    /// Goes on to the next picture, or to the end. Throws what the course does.
+    /// Goes on to the next picture, or to the end. Throws what the course does. @pre it is not over
     void resume(SittingFrame frame) {
         frame_ = std::move(frame);
         go_on(waiting_);
     }
     /// Ends the innermost course that has to be over then, and goes on after it.
     void end() {
+        SPRINGDRIVE_ASSERT(innermost_ != nullptr); // all that is shown is in such a course
         innermost_->course_.reset();
         go_on(innermost_->awaiter_);
     }
@@ -179,7 +188,7 @@ template <typename Activity, typename ItsWindow>
 void show_to_end(Activity &activity, ItsWindow &window) {
     activity.start();
     while (!activity.is_over()) {
-        activity.resume(window.show(activity.picture(), activity.state()));
+        activity.resume([&] { return window.show(activity.picture(), activity.state()); });
     }
 }
 

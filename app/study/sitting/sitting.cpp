@@ -369,8 +369,9 @@ std::optional<study::SessionEnding> Sitting::ending_after_frame() const {
     return std::nullopt;
 }
 
-void Sitting::resume(SittingFrame frame) {
+void Sitting::resume(const ShowsFrame &show_frame) {
     run([&] {
+        SittingFrame frame = show_frame();
         stops_.watch();
         const ExperimenterOrders &orders = frame.orders;
         orders_.is_paused = orders.is_paused;

@@ -53,9 +53,10 @@ public:
     [[nodiscard]] const ParticipantPicture &picture() const { return frames_.picture(); }
     [[nodiscard]] const SittingState &state() const { return state_; }
 
-    /// Goes on after that frame. @throw InputError from the store, or for windings that cannot be
-    ///        warmed: the session is then ended as failed, if possible
-    void resume(SittingFrame frame);
+    /// Has that frame shown, and goes on after it. @throw InputError from the window or the store,
+    ///        for a scene, or for windings that cannot be warmed: the session is then ended as
+    ///        failed, if possible
+    void resume(const ShowsFrame &show_frame);
 
     [[nodiscard]] bool is_over() const { return frames_.is_over(); }
     /// As stored. @pre it is over

@@ -3,6 +3,7 @@
 
 #include "app/study/participant/participant_input.h"
 
+#include <functional>
 #include <vector>
 
 namespace springdrive::app::study_screen {
@@ -21,5 +22,8 @@ struct SittingFrame {
     std::vector<ParticipantInput> inputs; ///< in order; times by `ServoRun::now_s`
     ExperimenterOrders orders;
 };
+
+/// Shows what is to be shown for a frame.
+using ShowsFrame = std::function<SittingFrame()>;
 
 } // namespace springdrive::app::study_screen

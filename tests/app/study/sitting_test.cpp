@@ -209,6 +209,19 @@ TEST_F(StudySitting, AnswersAreStoredWhateverEndsTheSessionInTheFeedback) {
 }
 
 /// From when the question is seen, if the hand held on after the end.
+TEST_F(StudySitting, AnErrorOfTheWindowEndsItAsFailed) {
+    EXPECT_THROW(run([](MadeUpPort &port, session::Session &) {
+                     port.on_frame = [](const ParticipantPicture &, const SittingState &state) {
+                         if (state.step == SittingStep::response) {
+                             throw InputError("no letters");
+                         }
+                     };
+                 }),
+                 InputError);
+    EXPECT_EQ(study::StudyStore(file()).contents().sessions.front().ending,
+              study::SessionEnding::failed);
+}
+
 TEST_F(StudySitting, TheTimeToAnswerBeginsWithTheQuestion) {
     protocol_.timing.response_s = 0.35; // 0.3 s after the question; the hand leaves for longer
     const SessionEnding ending = run();
