@@ -1,6 +1,6 @@
 // A session of a study: trial after trial is presented, answered and stored, until the participant
-// is through or something ends it. Who presents and who answers is the caller's: a simulated hand
-// and observer, or a person at the screens.
+// is through or something ends it. Who presents and who answers is the caller's: a person at the
+// screens takes a RunningSession from trial to trial, a simulated hand and observer are conducted.
 #pragma once
 
 #include "engine/study/conduct/sequence.h"
@@ -48,9 +48,6 @@ struct Conduct {
     /// Before each trial: nothing to go on, or how the session ends. Also asked after `present`
     /// gave nothing; without an answer the device is lost.
     std::function<std::optional<SessionEnding>()> ends;
-    /// After the last trial, before the session is complete, such as questions: nothing, or how the
-    /// session ends instead. It comes again in the next session then, which has no trials.
-    std::function<std::optional<SessionEnding>()> after_last = [] { return std::nullopt; };
     std::function<UtcTime()> now = utc_now;
 };
 

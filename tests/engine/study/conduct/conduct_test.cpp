@@ -148,49 +148,6 @@ TEST_F(StudyConduct, GoesOnAfterItWasKilledAtAnyMoment) {
     }
 }
 
-/// Of what follows the last trial, such as questions: whatever ends a session in it, the next one
-/// has only that.
-TEST_F(StudyConduct, IsCompleteAfterWhatFollowsTheLastTrial) {
-    struct Killed : std::runtime_error {
-        using std::runtime_error::runtime_error;
-    };
-    const std::vector<Trial> expected = undisturbed("P01");
-    const fs::path file = new_study("after");
-    Conduct how = plain_conduct(protocol_, now_);
-    {
-        StudyStore store = quick_store(file);
-        how.after_last = [&]() -> std::optional<SessionEnding> {
-            EXPECT_EQ(store.contents().trials.size(), expected.size());
-            EXPECT_FALSE(store.contents().sessions.back().ending) << "before the end";
-            throw Killed("");
-        };
-        EXPECT_THROW(run(store, "P01", how), Killed);
-    }
-    StudyStore store = quick_store(file);
-    EXPECT_EQ(store.contents().sessions.back().ending, SessionEnding::interrupted);
-    how.present = [](const PlannedTrial &) -> std::optional<Trial> {
-        ADD_FAILURE() << "a trial after the last one";
-        return std::nullopt;
-    };
-    how.after_last = [] { return SessionEnding::left; };
-    EXPECT_EQ(run(store, "P01", how), SessionEnding::left);
-    EXPECT_EQ(store.contents().sessions.back().ending, SessionEnding::left);
-    how.after_last = [] { return std::nullopt; };
-    EXPECT_EQ(run(store, "P01", how), SessionEnding::completed);
-    expect_same_trials(store.contents().trials, expected);
-
-    how = plain_conduct(protocol_, now_);
-    int trials = 0;
-    how.ends = [&trials]() -> std::optional<SessionEnding> {
-        return trials++ < 3 ? std::nullopt : std::optional(SessionEnding::stopped);
-    };
-    how.after_last = []() -> std::optional<SessionEnding> {
-        ADD_FAILURE() << "there are trials left";
-        return std::nullopt;
-    };
-    EXPECT_EQ(run(store, "P02", how), SessionEnding::stopped);
-}
-
 TEST_F(StudyConduct, ALostDeviceEndsTheSessionAndItsTrialComesAgain) {
     const std::vector<Trial> expected = undisturbed("P01");
     const fs::path file = new_study("lost");
