@@ -187,7 +187,8 @@ public:
         }
         use_if_possible();
         if (is_over && session().device().emulated() != nullptr) {
-            static_cast<void>(complaint_of([&] { hold_zero_pose(session()); })); // or it rests here
+            static_cast<void>(
+                complaint_of([&] { hold_zero_pose(session()); })); // else its tour ends by itself
         }
     }
 

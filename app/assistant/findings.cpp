@@ -161,7 +161,13 @@ void judge(const CalibrationReport &found, StepReport &report) {
         remedy = "or look whether the right device file is used: its name is shown in Identity";
         break;
     case CalibrationProblem::stopped:
-        remedy = remedy_of_cause(found.trip) + "; then start again";
+        if (const std::string of_cause = remedy_of_cause(found.trip); servo::is_final(found.trip)) {
+            remedy = of_cause;
+        } else if (of_cause == kRemoveCause && found.trip != TripCause::board_fault) {
+            remedy += "; if it happens again, go back to Self-test";
+        } else {
+            remedy = of_cause + "; then start again";
+        }
         break;
     case CalibrationProblem::little_motion:
         remedy += ", and move each bar to its end: all ways, without haste, until the step ends by "
