@@ -50,9 +50,8 @@ TEST(WindowHabits, KeysHidePanelsAndChangeTheTextWhichIsRemembered) {
         EXPECT_EQ(window.program().end(SIGTERM).exit_status, 0);
     }
     const std::string kept = testing::contents_of(settings);
-    EXPECT_NE(kept.find("text_size = 1.5\nwidth = 1100\nheight = 700\nhides_panels = true\n"),
-              std::string::npos)
-        << kept;
+    EXPECT_NE(kept.find("text_size = 1.5\nhides_panels = true\n"), std::string::npos) << kept;
+    EXPECT_NE(kept.find("width = 1100\nheight = 700\n"), std::string::npos) << kept;
     ShownWindow again({"--settings", settings}, kOwnSize);
     again.wait_until([](const Report &report) { return report.find("read-outs/force") != nullptr; },
                      "without panels");
