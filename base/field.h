@@ -47,8 +47,13 @@ template <auto member, auto... inner>
         }};
 }
 
-enum class Presence : std::uint8_t { optional, required };
-inline constexpr Presence kRequired = Presence::required; ///< a file must have it
+enum class Presence : std::uint8_t {
+    optional,
+    derived, ///< optional; what holds without it is not the struct's default: its help says it
+    required ///< a file must have it
+};
+inline constexpr Presence kDerived = Presence::derived;
+inline constexpr Presence kRequired = Presence::required;
 
 /// The range of a text of which something can be seen [bytes].
 inline constexpr NumberRange kReadable{1.0, 10'000.0};

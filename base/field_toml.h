@@ -22,7 +22,7 @@ namespace springdrive {
 template <typename Fields, typename Struct>
 void read(StrictTomlTable &table, const Fields &fields, Struct &value) {
     for (const Field<Struct> &field : fields) {
-        if (!table.has_optional(field.name) && field.presence == Presence::optional) {
+        if (!table.has_optional(field.name) && field.presence != kRequired) {
             continue;
         }
         const auto [minimum, maximum] = field.range;
@@ -106,10 +106,12 @@ template <typename Struct> [[nodiscard]] std::string allowed(const Field<Struct>
 template <typename... Lists> [[nodiscard]] Table reference(const Lists &...lists) {
     Table table = Table::with_columns("key,unit,allowed,default,meaning");
     const auto add = [&table]<typename Struct>(const Field<Struct> &field) {
-        table.rows.push_back(
-            {fmt::format("`{}`", field.name), field.unit.empty() ? Cell() : field.unit,
-             allowed(field), field.presence == kRequired ? "required" : toml_value(field, Struct()),
-             field.help});
+        table.rows.push_back({fmt::format("`{}`", field.name),
+                              field.unit.empty() ? Cell() : field.unit, allowed(field),
+                              field.presence == kRequired  ? "required"
+                              : field.presence == kDerived ? "–"
+                                                           : toml_value(field, Struct()),
+                              field.help});
     };
     (std::ranges::for_each(lists, add), ...);
     return table;

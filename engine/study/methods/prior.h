@@ -32,10 +32,14 @@ struct Prior {
 
 inline constexpr auto kPriorFields = std::to_array<Field<Prior>>({
     {"scale", choice_of<&Prior::scale>(kScaleNames),
-     "on which the density is one; without it the method's, of the slope logarithmic"},
+     "on which the density is one; without it the method's, of the slope logarithmic", kDerived},
     {"density", choice_of<&Prior::density>(kDensityNames), "of what is thought likely"},
-    {"minimum", &Prior::minimum, "of what is thought possible", kTypedLevel},
-    {"maximum", &Prior::maximum, "the same as `minimum` if it is known", kTypedLevel},
+    {"minimum", &Prior::minimum,
+     "of what is thought possible; without it 0, of guess the task's, of lapse 0.02", kTypedLevel,
+     "", kDerived},
+    {"maximum", &Prior::maximum,
+     "the same as `minimum` if it is known; without it 1, of guess and lapse as there", kTypedLevel,
+     "", kDerived},
     {"mean", &Prior::mean, "of a normal density before it is cut to the range", kTypedLevel},
     {"deviation", &Prior::deviation,
      "of a normal density; on a logarithmic scale that of the logarithm", 0.0, kLargestTyped},

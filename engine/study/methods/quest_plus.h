@@ -40,7 +40,9 @@ struct QuestPlus {
 };
 
 inline constexpr auto kPriorAxisFields = std::to_array<Field<PriorAxis>>({
-    {"points", &PriorAxis::points, "of the grid over the range", 1.0, 1000.0},
+    {"points", &PriorAxis::points,
+     "of the grid over the range; without it 1, of a guess that is not known 5", 1.0, 1000.0, "",
+     kDerived},
 });
 
 inline constexpr auto kQuestPlusFields = std::to_array<Field<QuestPlus>>({

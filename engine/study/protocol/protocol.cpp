@@ -1,5 +1,6 @@
 #include "engine/study/protocol/protocol.h"
 
+#include "base/assertions.h"
 #include "engine/control/coupling.h"
 #include "engine/study/methods/wrong_value.h"
 #include "engine/study/protocol/analysis_plan.h"
@@ -159,7 +160,9 @@ std::string wrong_responses(const Protocol &protocol) {
 } // namespace
 
 const ParameterFacts &variable_of(const Protocol &protocol) {
-    return *condition_parameter_named(protocol.variable.parameter);
+    const ParameterFacts *const parameter = condition_parameter_named(protocol.variable.parameter);
+    SPRINGDRIVE_ASSERT(parameter != nullptr);
+    return *parameter;
 }
 
 double value_at(const Protocol &protocol, double level) {

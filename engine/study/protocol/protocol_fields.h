@@ -72,7 +72,8 @@ inline constexpr auto kVariableFields = std::to_array<Field<Variable>>({
      "the parameter's value in the stimulus that is compared with, within its range", kTypedLevel,
      "", kRequired},
     {"standard_condition", &Variable::standard_condition,
-     "the condition that all are compared with; without it each with itself"},
+     "the condition that all are compared with; without it each with itself", kReadable, "",
+     kDerived},
     {"shows_standard", &Variable::shows_standard,
      "yes/no and adjustment: the standard is presented before the comparison"},
 });

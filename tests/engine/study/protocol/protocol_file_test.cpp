@@ -142,6 +142,14 @@ TEST(ProtocolFile, ReadsEveryMethod) {
     EXPECT_EQ(std::get<Adjustment>(adjusted.method).settings, 5);
 }
 
+std::string repeated(int times, const std::string &text) {
+    std::string all;
+    while (times-- > 0) {
+        all += text;
+    }
+    return all;
+}
+
 /// A fault, and what the line about it must say.
 struct Malformed {
     std::string from;
@@ -170,6 +178,9 @@ const std::vector<Malformed> &malformed() {
         {"stimulus = \"press\"\n", "", {"stimulus is missing", "press, blow, pulse or stroke"}},
         {"[variable]\nparameter = \"eta\"", "[variable]", {"variable.parameter is missing"}},
         {"standard = 0.4\n", "", {"variable.standard is missing", "a number"}},
+        {"standard = 0.4\n",
+         "standard = 0.4\nstandard_condition = \"\"\n",
+         {"variable.standard_condition"}},
         {"kind = \"forced_choice_by_interval\"", "", {"task.kind is missing"}},
         {"kind = \"constant_stimuli\"", "", {"method.kind is missing", "quest_plus"}},
         {"levels = [0.1, 0.2, 0.3]", "", {"method.levels is missing"}},
@@ -223,6 +234,12 @@ const std::vector<Malformed> &malformed() {
         {"text = \"Which hand?\"\n", "", {"questions[1].text is missing", "a text"}},
         {"kind = \"choice\"\n", "", {"questions[1].kind is missing", "text, scale or choice"}},
         {"choices = [\"right\", \"left\"]\n", "", {"questions[1].choices is missing", "1 to 20"}},
+        {"choices = [\"right\", \"left\"]",
+         "choices = [\"right\"" + repeated(20, ", \"left\"") + "]",
+         {"questions[1].choices is", "1 to 20 texts"}},
+        {"[[questions]]",
+         repeated(98, "[[questions]]\n") + "[[questions]]",
+         {"questions appears 101 times", "1 to 100"}},
         {"lowest = 1\n", "", {"questions[2].lowest is missing", "-1000 to 1000"}},
         {"highest = 5\n", "", {"questions[2].highest is missing", "-1000 to 1000"}},
         {"lowest_label = \"not\"\n", "", {"questions[2].lowest_label is missing", "a text"}},
