@@ -33,14 +33,16 @@ CurveChart chart_in(const Rectangle &box, float text_px) {
     return arranged(sample_curve(), box, letters.font(text_px), text_px);
 }
 
+constexpr double kRoundOff_px = 1e-4; ///< three of a float below 1024, of 3e-5 each
+
 TEST(CurveChart, PutsLevelsOnALogarithmicAxisAndSharesOnALinearOne) {
     const OwnCurve curve = sample_curve();
     const CurveChart chart = chart_in({{100, 50}, {800, 400}}, 20.0F);
     const Rectangle &plot = chart.plot;
     // 10 is the geometric mean of 5 and 20, and of 2 and 50.
     const float x = chart.x_px(curve, 10.0);
-    EXPECT_NEAR(x, 0.5F * (chart.x_px(curve, 5.0) + chart.x_px(curve, 20.0)), 1e-3);
-    EXPECT_NEAR(x, 0.5F * (chart.x_px(curve, 2.0) + chart.x_px(curve, 50.0)), 1e-3);
+    EXPECT_NEAR(x, 0.5F * (chart.x_px(curve, 5.0) + chart.x_px(curve, 20.0)), kRoundOff_px);
+    EXPECT_NEAR(x, 0.5F * (chart.x_px(curve, 2.0) + chart.x_px(curve, 50.0)), kRoundOff_px);
     EXPECT_FLOAT_EQ(chart.y_px(0.5), plot.corner.y + 0.5F * plot.size.y);
     EXPECT_FLOAT_EQ(chart.y_px(1.0), plot.corner.y);
     EXPECT_GT(chart.x_px(curve, 2.0), plot.corner.x);
@@ -48,7 +50,8 @@ TEST(CurveChart, PutsLevelsOnALogarithmicAxisAndSharesOnALinearOne) {
 }
 
 TEST(CurveChart, AreaOfADotIsItsNumberOfAnswers) {
-    EXPECT_NEAR(std::pow(dot_radius_px(8, 400.0F) / dot_radius_px(2, 400.0F), 2.0), 4.0, 1e-6);
+    EXPECT_NEAR(std::pow(dot_radius_px(8, 400.0F) / dot_radius_px(2, 400.0F), 2.0), 4.0,
+                1e-6); // four roundings of a float, of 6e-8 each, of 4
     EXPECT_EQ(dot_radius_px(kFullTrials, 400.0F), dot_radius_px(5 * kFullTrials, 400.0F));
     EXPECT_GT(dot_radius_px(1, 374.0F), 4.0F) << "one answer on a small screen has to be seen";
 }
