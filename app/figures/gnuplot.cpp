@@ -11,7 +11,9 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <list>
 #include <sys/wait.h>
+#include <utility>
 
 namespace springdrive::app {
 
@@ -68,14 +70,16 @@ void ChartMarks::add(std::string_view name, std::string_view text) {
 void draw(const Chart &chart, FilePolicy policy) {
     const std::filesystem::path svg = chart.folder / chart.svg;
     NewFile drawn(svg, policy.readers);
-    const std::filesystem::path csv = chart.folder / chart.csv;
-    const std::filesystem::path second_csv =
-        chart.folder / (chart.second_csv.empty() ? chart.csv : chart.second_csv);
-    const NewFile copy(csv, policy.readers);
-    const NewFile second_copy(second_csv, policy.readers);
-    const std::string files = "csv = " + without_quoted(csv, copy.temporary()) + "; second_csv = " +
-                              without_quoted(second_csv, second_copy.temporary()) +
-                              "; svg = " + gnuplot_string(drawn.temporary().string()) + "; ";
+    std::string files = "svg = " + gnuplot_string(drawn.temporary().string()) + "; ";
+    std::list<NewFile> copies; // gone at the end
+    for (const auto &[variable, name] :
+         {std::pair("csv", &chart.csv), std::pair("second_csv", &chart.second_csv)}) {
+        if (!name->empty()) {
+            const std::filesystem::path csv = chart.folder / *name;
+            const NewFile &copy = copies.emplace_back(csv, policy.readers);
+            files += fmt::format("{} = {}; ", variable, without_quoted(csv, copy.temporary()));
+        }
+    }
     // -d: ignore the user's gnuplot settings.
     const std::filesystem::path script = std::filesystem::absolute(chart.script);
     const ProgramEnding ending = run_program({"gnuplot", "-d", "-e", files + chart.assignments,
