@@ -10,6 +10,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace springdrive::app {
 namespace {
@@ -84,27 +85,32 @@ TEST(Program, SaysWhatIsWrongWithASceneInOneLine) {
 }
 
 TEST(Program, SaysWhatIsWrongWithAnOptionInOneLine) {
-    expect_one_clear_line(testing::run_program({"--frams", "3"}), "frams");
-    expect_one_clear_line(testing::run_program({"--servo-hz", "99"}), "250");
-    expect_one_clear_line(testing::run_program({"--servo-hz", "fast"}), "fast");
-    expect_one_clear_line(testing::run_program({"--dR", "0"}), "--dR");
-    expect_one_clear_line(testing::run_program({"--kp", "nan"}), "K_P");
-    expect_one_clear_line(testing::run_program({"--map", "sideways"}), "sideways");
-    expect_one_clear_line(testing::run_program({"--map", "0"}), "transpose");
-    expect_one_clear_line(testing::run_program({"--alpha-mode", "often"}), "by_hand");
-    expect_one_clear_line(testing::run_program({"--servo-hz", "nan"}), "10000");
-    expect_one_clear_line(testing::run_program({"--servo-hz", "-5"}), "10000");
-    expect_one_clear_line(testing::run_program({"--servo-hz", "inf"}), "10000");
-    expect_one_clear_line(testing::run_program({"--delay", "-1"}), "delay");
-    expect_one_clear_line(testing::run_program({"--device", "usb:none such"}), "USB");
-    expect_one_clear_line(testing::run_program({"--device", "serial"}), "serial");
-    expect_one_clear_line(testing::run_program({"--device", "usb", "--delay", "1"}), "--delay");
-    expect_one_clear_line(testing::run_program({"--device-file", "none.toml"}), "none.toml");
-    expect_one_clear_line(testing::run_program({"--tuning-file", "none.toml"}), "none.toml");
-    expect_one_clear_line(testing::run_program({"--path", "none.csv"}), "none.csv");
-    expect_one_clear_line(testing::run_program({"--lockstep"}), "--frames");
-    expect_one_clear_line(testing::run_program({"--frames", "-3"}), "frames");
-    expect_one_clear_line(testing::run_program({"record", "/no/such/folder/t.rec"}), "/no/such");
+    // A scene that is ready before any computer would tell how far it is with loading.
+    const auto expect_refusal = [](std::vector<std::string> typed, const std::string &names) {
+        typed.insert(typed.end(), {"--scene", testing::assets() / "scenes/plate.gltf"});
+        expect_one_clear_line(testing::run_program(typed), names);
+    };
+    expect_refusal({"--frams", "3"}, "frams");
+    expect_refusal({"--servo-hz", "99"}, "250");
+    expect_refusal({"--servo-hz", "fast"}, "fast");
+    expect_refusal({"--dR", "0"}, "--dR");
+    expect_refusal({"--kp", "nan"}, "K_P");
+    expect_refusal({"--map", "sideways"}, "sideways");
+    expect_refusal({"--map", "0"}, "transpose");
+    expect_refusal({"--alpha-mode", "often"}, "by_hand");
+    expect_refusal({"--servo-hz", "nan"}, "10000");
+    expect_refusal({"--servo-hz", "-5"}, "10000");
+    expect_refusal({"--servo-hz", "inf"}, "10000");
+    expect_refusal({"--delay", "-1"}, "delay");
+    expect_refusal({"--device", "usb:none such"}, "USB");
+    expect_refusal({"--device", "serial"}, "serial");
+    expect_refusal({"--device", "usb", "--delay", "1"}, "--delay");
+    expect_refusal({"--device-file", "none.toml"}, "none.toml");
+    expect_refusal({"--tuning-file", "none.toml"}, "none.toml");
+    expect_refusal({"--path", "none.csv"}, "none.csv");
+    expect_refusal({"--lockstep"}, "--frames");
+    expect_refusal({"--frames", "-3"}, "frames");
+    expect_refusal({"record", "/no/such/folder/t.rec"}, "/no/such");
 }
 
 TEST(Program, HelpAndVersionSucceed) {
@@ -192,8 +198,9 @@ TEST_F(Demo, ASignalEndsItProperly) {
 }
 
 TEST_F(Demo, AScreenshotThatCannotBeWrittenIsSaid) {
-    const testing::Ending ending = testing::run_program(
-        {"--lockstep", "--frames", "2", "--screenshot", "/no/such/folder/s.png"});
+    const testing::Ending ending = testing::run_program({"--lockstep", "--frames", "2", "--scene",
+                                                         testing::assets() / "scenes/plate.gltf",
+                                                         "--screenshot", "/no/such/folder/s.png"});
     expect_one_clear_line(ending, "/no/such/folder/s.png");
 }
 
