@@ -8,7 +8,9 @@
 #
 # A place is a folder or a header, by its path from the top folder; default: the current folder.
 # Headers of PUBLIC_LIBRARIES are also visible to users of the room. OPENS names the libraries of
-# the list below that the room itself may include.
+# the list below that the room itself may include. What each room is, uses and opens is written to
+# rooms.txt in the build tree: NAME | place... | room... | closed...
+file(WRITE ${PROJECT_BINARY_DIR}/rooms.txt "")
 
 # External headers are in /usr/include, which every compiler searches. For a library that a room
 # does not open, headers of the same names with an #error directive therefore precede them.
@@ -40,6 +42,10 @@ function(room name)
         cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR}
             OUTPUT_VARIABLE ROOM_PLACES)
     endif()
+    list(JOIN ROOM_PLACES " " places)
+    list(JOIN ROOM_USES " " uses)
+    list(JOIN ROOM_OPENS " " opens)
+    file(APPEND ${PROJECT_BINARY_DIR}/rooms.txt "${name} | ${places} | ${uses} | ${opens}\n")
     set(headers ${PROJECT_BINARY_DIR}/rooms/${name})
     file(REMOVE_RECURSE ${headers}) # links only
     foreach(place IN LISTS ROOM_PLACES)
