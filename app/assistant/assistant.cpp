@@ -1,7 +1,7 @@
 #include "app/assistant/assistant.h"
 
 #include "app/assistant/findings.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 
 #include <utility>
 
@@ -46,7 +46,7 @@ void Assistant::watch_device(session::Session &session) {
     }
     device_ = device;
     progress_ = {};
-    complaint_ = complaint_of([this] { progress_ = read_progress(file()); });
+    error_ = error_text_of([this] { progress_ = read_progress(file()); });
     is_device_new_ = !device.empty();
     if (is_open()) {
         enter(session, StepName::link);
@@ -111,7 +111,7 @@ void Assistant::void_from(std::size_t step) {
 
 void Assistant::keep(const Progress &before) {
     if (progress_ != before && !file().empty()) {
-        complaint_ = complaint_of([this] { write_progress(file(), progress_); });
+        error_ = error_text_of([this] { write_progress(file(), progress_); });
     }
 }
 

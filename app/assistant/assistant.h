@@ -74,7 +74,7 @@ public:
     [[nodiscard]] std::optional<Vector3> theta_rad() const;
 
     /// Why the progress could not be read or kept; else empty.
-    [[nodiscard]] const std::string &complaint() const { return complaint_; }
+    [[nodiscard]] const std::string &error() const { return error_; }
     /// With which the device is held braking after the assistant was left; else empty.
     [[nodiscard]] const std::string &holds_back() const { return holds_back_; }
 
@@ -97,7 +97,7 @@ private:
     Progress progress_;
     std::string device_; ///< whose progress it is; empty: the plain simulation
     bool is_device_new_ = false;
-    std::string complaint_;
+    std::string error_;
     std::string holds_back_;
 };
 

@@ -201,9 +201,9 @@ void draw_step(session::Session &session, Assistant &assistant, DoctorPopup &doc
             assistant.continue_all_the_same(session);
         }
     }
-    if (!assistant.complaint().empty()) {
-        const ui::Scope complaint("complaint");
-        ui::wrapped(kWarning, "Progress is not kept: {}", assistant.complaint());
+    if (!assistant.error().empty()) {
+        const ui::Scope error("complaint");
+        ui::wrapped(kWarning, "Progress is not kept: {}", assistant.error());
     }
 }
 

@@ -40,7 +40,7 @@ constexpr double kWaitingShare = 0.5;
 /// Whether the device file has one of its own, which comes before a board's.
 bool has_own_calibration(const std::filesystem::path &device_file) {
     bool has_one = false;
-    static_cast<void>(complaint_of([&] { // one that cannot be read any more has none to come first
+    static_cast<void>(error_text_of([&] { // one that cannot be read any more has none to come first
         has_one = device::read_device_file(device_file).calibration.has_value();
     }));
     return has_one;
@@ -59,7 +59,7 @@ struct CalibrationView {
 struct CalibrationOutcome {
     commissioning::CalibrationReport report;
     std::optional<device::Calibration> kept; ///< by the board, as it will be read from there
-    std::string storing_complaint;           ///< why the board does not keep it
+    std::string storing_error;               ///< why the board does not keep it
 };
 
 using CalibrationTalk = LoanTalk<CalibrationView, CalibrationOutcome>;
@@ -133,7 +133,7 @@ private:
         run_.reset(); // brakes
         if (outcome_.report.is_complete) {
             device::Bench &bench = *device_.bench();
-            outcome_.storing_complaint = complaint_of([&] {
+            outcome_.storing_error = error_text_of([&] {
                 bench.store(outcome_.report.calibration);
                 outcome_.kept = bench.stored_calibration();
             });
@@ -188,7 +188,7 @@ public:
         use_if_possible();
         if (is_over && session().device().emulated() != nullptr) {
             static_cast<void>(
-                complaint_of([&] { hold_zero_pose(session()); })); // else its tour ends by itself
+                error_text_of([&] { hold_zero_pose(session()); })); // else its tour ends by itself
         }
     }
 
@@ -196,7 +196,7 @@ public:
         StepReport report;
         if (is_running()) {
             report_progress(report);
-        } else if (const std::string problem = complaint() + later_complaint_; !problem.empty()) {
+        } else if (const std::string problem = error() + later_error_; !problem.empty()) {
             report.to_do = "The device is not calibrated. It can be touched all the same.";
             report.verdict = Verdict::doubtful;
             report.unchecked = kUnchecked;
@@ -238,8 +238,8 @@ private:
         "it until a touch has told them";
 
     void begin() {
-        later_complaint_.clear();
-        save_complaint_.clear();
+        later_error_.clear();
+        save_error_.clear();
         saved_.clear();
         is_skipped_ = false;
         start([this](const std::shared_ptr<Talk> &talk) {
@@ -271,14 +271,14 @@ private:
         const servo::ServoSample &now = session().latest();
         if (memory_->to_use && now.safety.state != servo::SafetyState::tripped &&
             now.health != device::DeviceHealth::lost && !session().is_exchanging()) {
-            later_complaint_ = complaint_of([&] { session().use_calibration(*memory_->to_use); });
+            later_error_ = error_text_of([&] { session().use_calibration(*memory_->to_use); });
             memory_->to_use.reset();
         }
     }
 
     void return_to_rate() {
         if (const std::optional<double> before = std::exchange(rate_before_hz_, std::nullopt)) {
-            later_complaint_ += complaint_of([&] { session().set_servo_rate(*before); });
+            later_error_ += error_text_of([&] { session().set_servo_rate(*before); });
         }
     }
 
@@ -288,14 +288,14 @@ private:
                 .lexically_normal();
         std::ifstream stream(session().device_choice().file, std::ios::binary);
         const std::string text{std::istreambuf_iterator<char>(stream), {}};
-        save_complaint_ = complaint_of([&] {
+        save_error_ = error_text_of([&] {
             const std::string calibrated =
                 device::with_calibration(text, outcome()->report.calibration);
             static_cast<void>(device::read_device_text(calibrated, file)); // as it will be read
             write_file(
                 file, [&](std::ostream &out) { out << calibrated; }, Existing::keep);
         });
-        saved_ = save_complaint_.empty() ? file.string() : "";
+        saved_ = save_error_.empty() ? file.string() : "";
         if (!saved_.empty()) {
             memory_->unkept_made_at_s = -1;
         }
@@ -386,12 +386,12 @@ private:
 
     /// Where the calibration is after the end of the program.
     void report_keeping(StepReport &report) const {
-        const std::string &refused = outcome()->storing_complaint;
+        const std::string &refused = outcome()->storing_error;
         if (refused.empty()) {
             report.see("kept by the board, which every start asks for it");
         }
-        if (!save_complaint_.empty()) {
-            report.troubles.push_back({save_complaint_, "make room, and save it again"});
+        if (!save_error_.empty()) {
+            report.troubles.push_back({save_error_, "make room, and save it again"});
         }
         if (!saved_.empty()) {
             report.see("saved: start with --device-file {}", saved_);
@@ -415,8 +415,8 @@ private:
 
     std::shared_ptr<Memory> memory_;
     std::optional<double> rate_before_hz_; ///< of the servo
-    std::string later_complaint_;          ///< of what came after the loan
-    std::string save_complaint_;
+    std::string later_error_;              ///< of what came after the loan
+    std::string save_error_;
     std::string saved_; ///< as this file
     bool is_skipped_ = false;
     bool file_comes_first_;

@@ -1,5 +1,5 @@
 #include "app/assistant/findings.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "base/one_line.h"
 #include "device/core/board_faults.h"
 
@@ -26,8 +26,7 @@ public:
             session().latest().health == device::DeviceHealth::lost) {
             return;
         }
-        complaint_ =
-            complaint_of([&] { session().servo().paused([&] { facts_ = bench->facts(); }); });
+        error_ = error_text_of([&] { session().servo().paused([&] { facts_ = bench->facts(); }); });
         is_asked_ = true;
     }
 
@@ -46,8 +45,8 @@ public:
                    device.motor[0].supply_V, device.motor[0].peak_current_A,
                    device.amplifier.max_cancelled_Ohm);
         const device::BoardFaults faults{session().latest().board_faults};
-        if (!complaint_.empty()) {
-            report.troubles.push_back({complaint_, "plug the board in again, then press Again"});
+        if (!error_.empty()) {
+            report.troubles.push_back({error_, "plug the board in again, then press Again"});
         } else if (is_asked_ && faults.any()) {
             report.troubles.push_back({"the board reports " + device::names_of(faults),
                                        remedy_of(faults) + "; then press Again"});
@@ -60,7 +59,7 @@ public:
 
 private:
     std::vector<device::Fact> facts_;
-    std::string complaint_;
+    std::string error_;
     bool is_asked_ = false;
 };
 

@@ -1,7 +1,7 @@
 #include "app/assistant/step.h"
 
 #include "app/panels/doctor_popup.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 
 #include <algorithm>
 
@@ -47,8 +47,8 @@ public:
         } else {
             report_link(report);
         }
-        if (!complaint_.empty()) {
-            report.troubles.push_back({complaint_, "ask the doctor, then try again"});
+        if (!error_.empty()) {
+            report.troubles.push_back({error_, "ask the doctor, then try again"});
         }
         return report;
     }
@@ -74,7 +74,7 @@ private:
         session::DeviceChoice choice = session().device_choice();
         choice.kind = device.kind;
         choice.serial = device.serial;
-        complaint_ = complaint_of([&] { session().exchange_device(choice); });
+        error_ = error_text_of([&] { session().exchange_device(choice); });
     }
 
     void report_choice(StepReport &report) const {
@@ -138,7 +138,7 @@ private:
     }
 
     std::vector<factory::PresentDevice> present_ = factory::devices_present();
-    std::string complaint_;
+    std::string error_;
     std::uint64_t reports_before_ = 0;
     std::uint64_t faulty_before_ = 0;
 };

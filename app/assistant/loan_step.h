@@ -6,7 +6,7 @@
 #pragma once
 
 #include "app/assistant/step.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "base/latest_value.h"
 
 #include <atomic>
@@ -44,9 +44,9 @@ public:
         if (session().is_lent()) {
             return;
         }
-        complaint_ = session().loan_complaint();
+        error_ = session().loan_error();
         outcome_ = std::move(talk_->outcome);
-        was_stopped_ = complaint_.empty() && !outcome_;
+        was_stopped_ = error_.empty() && !outcome_;
         talk_.reset();
     }
 
@@ -61,7 +61,7 @@ protected:
     [[nodiscard]] const View &view() const { return view_; }
     [[nodiscard]] const std::optional<Outcome> &outcome() const { return outcome_; }
     /// Why it could not begin or did not come to its end; else empty.
-    [[nodiscard]] const std::string &complaint() const { return complaint_; }
+    [[nodiscard]] const std::string &error() const { return error_; }
     [[nodiscard]] bool was_stopped() const { return was_stopped_; } ///< by a person
 
     /// @param make_tick  of the talk: makes what `Session::lend_device` takes; may throw InputError
@@ -70,10 +70,10 @@ protected:
         outcome_.reset();
         was_stopped_ = false;
         view_ = {};
-        complaint_ = session().device().device().bench() == nullptr
-                         ? "this device has no board"
-                         : complaint_of([&] { session().lend_device(make_tick(talk)); });
-        if (complaint_.empty()) {
+        error_ = session().device().device().bench() == nullptr
+                     ? "this device has no board"
+                     : error_text_of([&] { session().lend_device(make_tick(talk)); });
+        if (error_.empty()) {
             talk_ = std::move(talk);
         }
     }
@@ -108,7 +108,7 @@ private:
     std::shared_ptr<Talk> talk_; ///< while it runs
     View view_;
     std::optional<Outcome> outcome_;
-    std::string complaint_;
+    std::string error_;
     bool was_stopped_ = false;
 };
 

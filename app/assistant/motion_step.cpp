@@ -127,8 +127,8 @@ public:
             report.see("the picture moved another joint, the {}, by {:.0f}°. Did the device?",
                        kMotions[*other].name, std::abs(in_degrees(farthest_rad_, *other)));
         }
-        if (!complaint_.empty()) {
-            report.troubles.push_back({complaint_, "move it yourself"});
+        if (!error_.empty()) {
+            report.troubles.push_back({error_, "move it yourself"});
         }
         return report;
     }
@@ -149,7 +149,7 @@ public:
         };
         offer_hand(
             session(), "its hand moves this joint, and back",
-            [this] { move_joint(session(), joint_, kRehearsed_rad); }, complaint_, offers);
+            [this] { move_joint(session(), joint_, kRehearsed_rad); }, error_, offers);
         return offers;
     }
 
@@ -179,7 +179,7 @@ private:
     void start() {
         q_rad_ = from_rad_ = joints_rad();
         farthest_rad_ = Vector3::Zero();
-        complaint_.clear();
+        error_.clear();
     }
     void confirm() {
         ++joint_;
@@ -191,7 +191,7 @@ private:
     Vector3 q_rad_{Vector3::Zero()};
     Vector3 from_rad_{Vector3::Zero()};
     Vector3 farthest_rad_{Vector3::Zero()};
-    std::string complaint_;
+    std::string error_;
 };
 
 } // namespace

@@ -1,15 +1,15 @@
 #include "app/assistant/rehearsal.h"
 
-#include "base/complaint.h"
+#include "base/error_text.h"
 
 namespace springdrive::app::assistant {
 
 void offer_hand(session::Session &session, const char *what, std::function<void()> act,
-                std::string &complaint, std::vector<Offer> &offers) {
+                std::string &error, std::vector<Offer> &offers) {
     if (session.device().emulated() != nullptr) {
         offers.push_back({"let the simulated hand do it",
                           std::string("an emulated device: ") + what,
-                          [act = std::move(act), &complaint] { complaint = complaint_of(act); },
+                          [act = std::move(act), &error] { error = error_text_of(act); },
                           !session.hand().follows_path()});
     }
 }

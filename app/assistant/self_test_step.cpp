@@ -55,8 +55,8 @@ public:
             "Short pulses on each winding, then you move the device from stop to stop: "
             "hold the stylus loosely in the zero pose, and press \"start\". F12 ends it at "
             "any time.";
-        if (!complaint().empty()) {
-            report.troubles.push_back({complaint(), "press Again"});
+        if (!error().empty()) {
+            report.troubles.push_back({error(), "press Again"});
         } else if (was_stopped()) {
             report.troubles.push_back({"the self-test was stopped before its end", "press Again"});
         } else if (outcome()) {
@@ -72,7 +72,7 @@ public:
                 view().stage == SelfTestStage::motion && session().device().emulated() == nullptr,
                 "it was everywhere", "ends the motion; stops that were not reached are named");
         }
-        if (outcome() || !complaint().empty()) {
+        if (outcome() || !error().empty()) {
             return {};
         }
         return {{"start", "no motor is driven but for pulses of some milliseconds",

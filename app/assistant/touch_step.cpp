@@ -1,7 +1,7 @@
 #include "app/assistant/rehearsal.h"
 #include "app/assistant/step.h"
 #include "app/host/asset_folder.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "engine/control/tuning_file.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ class TouchStep final : public Step {
 public:
     explicit TouchStep(session::Session &session)
         : Step(session), last_s_(session.latest().time_s) {
-        complaint_ = complaint_of([&] {
+        error_ = error_text_of([&] {
             const control::Tuning soft =
                 control::read_tuning_file(asset_folder() / "tunings" / "soft.toml");
             const std::filesystem::path plate = asset_folder() / "scenes" / "plate.gltf";
@@ -40,7 +40,7 @@ public:
             session.tuning().replace(soft, session.plot_time_s(), "for the first touch");
             session.servo().lower_limits(gentle);
         });
-        session.keep_released(!complaint_.empty());
+        session.keep_released(!error_.empty());
     }
 
     void update() override {
@@ -48,7 +48,7 @@ public:
         if (presses_next_ && now.safety.state == servo::SafetyState::running &&
             !session().hand().follows_path()) {
             presses_next_ = false; // before, it would press on a device that only brakes
-            complaint_ = complaint_of([&] { press_and_lift(); });
+            error_ = error_text_of([&] { press_and_lift(); });
         }
         const double passed_s = std::max(0.0, now.time_s - last_s_);
         last_s_ = now.time_s;
@@ -84,8 +84,8 @@ public:
         report.see("tuning soft, force limited to {:.0f} N; both return to what they were "
                    "afterwards",
                    kGentleForce_N);
-        if (!complaint_.empty()) {
-            report.troubles.push_back({complaint_, "reinstall springdrive, then press Again"});
+        if (!error_.empty()) {
+            report.troubles.push_back({error_, "reinstall springdrive, then press Again"});
             report.verdict = Verdict::bad;
         } else if (felt_s_ >= kFelt_s) {
             report.verdict = Verdict::good;
@@ -100,7 +100,7 @@ public:
             const Vector3 there_m = above_the_middle(kAbove_m);
             session().follow_path(HandPath({{0.0, there_m}, {0.5, there_m}}));
         };
-        offer_hand(session(), "its hand presses and lifts", act, complaint_, offers);
+        offer_hand(session(), "its hand presses and lifts", act, error_, offers);
         for (Offer &offer : offers) {
             offer.is_enabled =
                 offer.is_enabled && !presses_next_ && !session().scenes().is_loading();
@@ -151,7 +151,7 @@ private:
     double felt_s_ = 0.0;
     double peak_N_ = 0.0;
     double last_s_ = 0.0;
-    std::string complaint_;
+    std::string error_;
 };
 
 } // namespace

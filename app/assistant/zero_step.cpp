@@ -1,6 +1,6 @@
 #include "app/assistant/rehearsal.h"
 #include "app/assistant/step.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 
 #include <cstdlib>
 
@@ -47,8 +47,8 @@ public:
         } else if (was_zeroed_) {
             report.see("it is zeroed already; the self-test checks how well");
         }
-        if (!complaint_.empty()) {
-            report.troubles.push_back({complaint_, "hold it still, and try again"});
+        if (!error_.empty()) {
+            report.troubles.push_back({error_, "hold it still, and try again"});
         }
         report.verdict = is_zeroed_here_ || was_zeroed_ ? Verdict::good : Verdict::open;
         return report;
@@ -59,7 +59,7 @@ public:
             {"zero here", "all angles are zero from now on", [this] { zero(); }, is_still()}};
         offer_hand(
             session(), "its hand holds the zero pose", [this] { hold_zero_pose(session()); },
-            complaint_, offers);
+            error_, offers);
         return offers;
     }
 
@@ -71,8 +71,8 @@ private:
         still_s_ = 0.0;
     }
     void zero() {
-        complaint_ = complaint_of([&] { session().zero_device(Vector3::Zero()); });
-        is_zeroed_here_ = complaint_.empty();
+        error_ = error_text_of([&] { session().zero_device(Vector3::Zero()); });
+        is_zeroed_here_ = error_.empty();
     }
 
     std::array<std::int32_t, 3> counts_{};
@@ -80,7 +80,7 @@ private:
     double still_s_ = 0.0;
     bool was_zeroed_ = false;
     bool is_zeroed_here_ = false;
-    std::string complaint_;
+    std::string error_;
 };
 
 } // namespace

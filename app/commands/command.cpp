@@ -45,8 +45,8 @@ Option Option::in_range(int minimum, int maximum, InHelp help) {
     return Option(option_->check(described(CLI::Range(minimum, maximum), help)));
 }
 
-Option Option::check(const std::function<std::string(const std::string &)> &complaint) {
-    return Option(option_->check(complaint));
+Option Option::check(const std::function<std::string(const std::string &)> &error) {
+    return Option(option_->check(error));
 }
 
 bool Option::is_given() const { return option_->count() > 0; }

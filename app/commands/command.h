@@ -33,8 +33,8 @@ public:
     Option one_of(const std::vector<std::string> &values, InHelp help = InHelp::listed);
     Option one_of_numbers(const std::vector<int> &values);
     Option in_range(int minimum, int maximum, InHelp help = InHelp::listed);
-    /// @param complaint  of a typed value; empty: none
-    Option check(const std::function<std::string(const std::string &)> &complaint);
+    /// @param error  of a typed value; empty: none
+    Option check(const std::function<std::string(const std::string &)> &error);
 
     [[nodiscard]] bool is_given() const;
     [[nodiscard]] std::string name() const;

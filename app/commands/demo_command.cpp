@@ -96,10 +96,10 @@ void choose_settings(DemoOptions &options, bool resets) {
     const std::filesystem::path usual = settings_file();
     if (resets) {
         SettingsKeeper keeper(options.settings.empty() ? usual : options.settings);
-        (void)keeper.take_complaint(); // of a file that is damaged, which is removed
+        (void)keeper.take_error(); // of a file that is damaged, which is removed
         keeper.reset();
-        if (const std::string complaint = keeper.take_complaint(); !complaint.empty()) {
-            throw InputError(complaint);
+        if (const std::string error = keeper.take_error(); !error.empty()) {
+            throw InputError(error);
         }
     }
     if (options.settings.empty() && !is_script && !options.kiosk) {

@@ -4,7 +4,7 @@
 #include "app/doctor/checks.h"
 #include "app/doctor/doctor_report.h"
 #include "app/host/asset_folder.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "base/machine_name.h"
 #include "engine/servo/servo.h"
 
@@ -60,12 +60,12 @@ void add_doctor_command(Command &app) {
         .type_name("sim|usb[:SERIAL]")
         .check([](const std::string &text) {
             const bool is_device =
-                complaint_of([&] { static_cast<void>(device_named(text)); }).empty();
+                error_text_of([&] { static_cast<void>(device_named(text)); }).empty();
             return is_device ? std::string() : text + " is not sim, usb or usb:SERIAL";
         });
     add_servo_hz_option(doctor, typed->purpose.servo_hz).check([](const std::string &text) {
         const double servo_hz = static_cast<double>(std::strtold(text.c_str(), nullptr));
-        return complaint_of([&] { static_cast<void>(servo::servo_period_s(servo_hz)); });
+        return error_text_of([&] { static_cast<void>(servo::servo_period_s(servo_hz)); });
     });
     doctor
         .add_option("--folder", typed->purpose.folder,

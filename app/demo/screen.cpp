@@ -7,7 +7,7 @@
 #include "app/view/pick.h"
 #include "app/widgets/widgets.h"
 #include "app/window/frame_pace.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
 
@@ -297,7 +297,7 @@ void Screen::draw_frame() {
     window_.end_frame();
     write_pictures(picture);
     if (asked) {
-        habits_.note_picture(*asked, complaint_of([&] {
+        habits_.note_picture(*asked, error_text_of([&] {
             write_file(
                 *asked, [this](std::ostream &out) { window_.write_screenshot(out); },
                 Existing::keep);
@@ -316,12 +316,12 @@ void Screen::write_pictures(const std::optional<std::filesystem::path> &of_sessi
         plot_panel_.message = save_as(file, picture_of(where));
     }
     if (of_session) {
-        const std::string complaint = complaint_of([&] {
+        const std::string error = error_text_of([&] {
             write_file(*of_session, picture_of({}), Existing::keep);
             keeper_.note_picture(*of_session, session_, log_);
         });
-        if (!complaint.empty()) {
-            keeper_.fail(complaint);
+        if (!error.empty()) {
+            keeper_.fail(error);
         }
     }
 }

@@ -4,7 +4,7 @@
 
 #include "app/host/asset_folder.h"
 #include "app/panels/legend.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 
 #include <iostream>
 
@@ -30,10 +30,10 @@ void Screen::obey(SceneAction action) {
         opened_.view = RecordView::present;
         return;
     case SceneAction::zero:
-        if (const std::string complaint =
-                complaint_of([this] { session_.zero_device(Vector3::Zero()); });
-            !complaint.empty()) {
-            habits_.say(complaint, true);
+        if (const std::string error =
+                error_text_of([this] { session_.zero_device(Vector3::Zero()); });
+            !error.empty()) {
+            habits_.say(error, true);
         }
         return;
     case SceneAction::lift_hand:
@@ -75,8 +75,8 @@ void Screen::draw_over_kiosk(const Rectangle &view, bool is_inside) {
     draw_captions(session_, view_control_.camera(), view, window_.scale(), exhibit::kArrow);
     kiosk_->update({{session_, desk_, lift_}, view_control_, ImGui::GetIO().DeltaTime, is_inside},
                    view, window_.large_text());
-    if (const std::string complaint = kiosk_->take_complaint(); !complaint.empty()) {
-        std::cerr << "springdrive: " << complaint << '\n';
+    if (const std::string error = kiosk_->take_error(); !error.empty()) {
+        std::cerr << "springdrive: " << error << '\n';
     }
     if (view_control_.holds_hand()) {
         lift_.stop();

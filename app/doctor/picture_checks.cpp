@@ -114,12 +114,12 @@ Finding if_window(const Evidence &evidence, Finding finding) {
 constexpr unsigned kRenderer = 0x1F01;
 constexpr unsigned kVersion = 0x1F02;
 
-std::string &last_complaint() {
-    static std::string complaint;
-    return complaint;
+std::string &last_error() {
+    static std::string error;
+    return error;
 }
 
-void note_complaint(int /*code*/, const char *text) { last_complaint() = text; }
+void note_error(int /*code*/, const char *text) { last_error() = text; }
 
 std::string text_of_context(unsigned name) {
     using GetString = const unsigned char *(*)(unsigned);
@@ -144,14 +144,14 @@ GLFWwindow *open_hidden(bool is_as_in_demo) {
 
 PictureTrial try_picture() {
     PictureTrial trial;
-    glfwSetErrorCallback(note_complaint);
+    glfwSetErrorCallback(note_error);
     if (glfwInit() == GLFW_FALSE) {
-        trial.display_problem = last_complaint();
+        trial.display_problem = last_error();
         return trial;
     }
     GLFWwindow *window = open_hidden(true);
     if (window == nullptr) {
-        trial.window_problem = last_complaint();
+        trial.window_problem = last_error();
         window = open_hidden(false); // any, to name its version
     }
     if (window != nullptr) {

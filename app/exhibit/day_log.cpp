@@ -69,9 +69,9 @@ void DayLog::note(std::string_view event, std::chrono::system_clock::time_point 
         return;
     }
     ++missing_;
-    if (!std::exchange(has_complained_, true)) {
-        complaint_ = file_.string() + ": the log cannot be written; is the disk full, or the "
-                                      "folder read-only? The exhibit goes on without it";
+    if (!std::exchange(has_failed_, true)) {
+        error_ = file_.string() + ": the log cannot be written; is the disk full, or the "
+                                  "folder read-only? The exhibit goes on without it";
     }
 }
 
@@ -86,7 +86,7 @@ bool DayLog::append(const std::string &text) const {
     return static_cast<bool>(out);
 }
 
-std::string DayLog::take_complaint() { return std::exchange(complaint_, {}); }
+std::string DayLog::take_error() { return std::exchange(error_, {}); }
 
 void DayWatch::watch_safety(const servo::SafetyStatus &safety, double time_s, DayFigures &figures,
                             std::vector<std::string> &events) {

@@ -47,7 +47,7 @@ public:
               std::chrono::system_clock::time_point when = std::chrono::system_clock::now());
 
     /// Why a line is missing, once; else empty.
-    [[nodiscard]] std::string take_complaint();
+    [[nodiscard]] std::string take_error();
 
     [[nodiscard]] const std::filesystem::path &file() const { return file_; }
 
@@ -56,8 +56,8 @@ private:
 
     std::filesystem::path file_;
     std::uint64_t missing_ = 0;
-    bool has_complained_ = false;
-    std::string complaint_;
+    bool has_failed_ = false;
+    std::string error_;
 };
 
 /// Watches the servo's telemetry for what the log reports: peaks, stops, a lost device.

@@ -2,7 +2,7 @@
 
 #include "app/exhibit/kiosk_limits.h"
 #include "app/view/view_state.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "engine/session/telemetry_history.h"
 
 #include <fmt/format.h>
@@ -92,8 +92,8 @@ void Kiosk::update(const KioskParts &parts, const Rectangle &view, const Window:
     }
     heal(parts);
     carry_out(course_.update(now_), parts);
-    if (const std::string complaint = performer_.take_complaint(); !complaint.empty()) {
-        log_.note(complaint);
+    if (const std::string error = performer_.take_error(); !error.empty()) {
+        log_.note(error);
     }
 }
 
@@ -175,8 +175,8 @@ void Kiosk::zero(session::Session &session) {
     if (session.is_zeroed()) {
         return;
     }
-    const std::string complaint = complaint_of([&] { session.zero_device(Vector3::Zero()); });
-    log_.note(complaint.empty() ? "zeroed by hand" : complaint);
+    const std::string error = error_text_of([&] { session.zero_device(Vector3::Zero()); });
+    log_.note(error.empty() ? "zeroed by hand" : error);
 }
 
 void Kiosk::carry_out(const CourseOrders &orders, const KioskParts &parts) {

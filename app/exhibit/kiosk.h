@@ -51,7 +51,7 @@ public:
     void finish(const std::string &why);
 
     [[nodiscard]] KioskEnding ending() const { return ending_; }
-    [[nodiscard]] std::string take_complaint() { return log_.take_complaint(); } ///< of the log
+    [[nodiscard]] std::string take_error() { return log_.take_error(); } ///< of the log
 
 private:
     [[nodiscard]] KioskShown shown(const KioskParts &parts) const;

@@ -1,6 +1,6 @@
 #include "app/exhibit/performer.h"
 
-#include "base/complaint.h"
+#include "base/error_text.h"
 
 #include <utility>
 
@@ -71,10 +71,10 @@ void Performer::perform(const Stagecraft &stage, const TourStop &stop, double ti
     std::optional<Showing> showing = showing_of(session.description(), scene.scene, scene.surface,
                                                 stop.gesture, session.hand().target_m());
     if (!showing) {
-        complaint_ = std::string(stop.scene) + ": the scripted hand does not reach it";
+        error_ = std::string(stop.scene) + ": the scripted hand does not reach it";
         return;
     }
-    complaint_ = complaint_of([&] {
+    error_ = error_text_of([&] {
         session.follow_path(showing->path);
         began_s_ = session.latest().time_s + kPathBegins_s;
         showing_ = std::move(showing);

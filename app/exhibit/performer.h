@@ -49,7 +49,7 @@ public:
     void restore_gains(const Stagecraft &stage) const;
 
     /// Why the hand did not act; else empty.
-    [[nodiscard]] std::string take_complaint() { return std::exchange(complaint_, {}); }
+    [[nodiscard]] std::string take_error() { return std::exchange(error_, {}); }
 
 private:
     void perform(const Stagecraft &stage, const TourStop &stop, double time_s);
@@ -61,7 +61,7 @@ private:
     double began_s_ = 0.0;       ///< by the session's time
     double words_until_s_ = 0.0; ///< without a scripted hand
     std::size_t switched_ = 0;   ///< maps, in this showing
-    std::string complaint_;
+    std::string error_;
 };
 
 /// The tour in the ordinary window: the scripted hand goes through all scenes once, until Escape.

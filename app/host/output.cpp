@@ -1,6 +1,6 @@
 #include "app/host/output.h"
 
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "base/input_error.h"
 
 #include <fstream>
@@ -47,8 +47,8 @@ void write_output(const std::string &where, const Writer &write, FilePolicy poli
 }
 
 std::string save_as(const std::filesystem::path &file, const Writer &write) {
-    const std::string complaint = complaint_of([&] { write_file(file, write, Existing::keep); });
-    return complaint.empty() ? "saved as " + file.string() : complaint;
+    const std::string error = error_text_of([&] { write_file(file, write, Existing::keep); });
+    return error.empty() ? "saved as " + file.string() : error;
 }
 
 } // namespace springdrive::app

@@ -120,8 +120,8 @@ void draw_compare_tab(session::Session &session, TuningDesk &desk, TuningPanelSt
     draw_differences(session, other.tuning);
     ImGui::Separator();
     draw_files(session, state, other.file);
-    if (!desk.complaint().empty()) {
-        ui::wrapped(kDanger, "{}", desk.complaint());
+    if (!desk.error().empty()) {
+        ui::wrapped(kDanger, "{}", desk.error());
     }
     ImGui::Separator();
     draw_steps(session);

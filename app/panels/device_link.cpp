@@ -2,7 +2,7 @@
 #include "app/host/asset_folder.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -57,7 +57,7 @@ std::vector<DeviceOffer> simulated_offers() {
 
 /// Adds the boards on USB, which are taken to be what the present file says, once they answered.
 void take_survey(const session::Session &session, PlantTabState &state) {
-    state.complaint = complaint_of([&] {
+    state.error = error_text_of([&] {
         if (const auto present = state.survey.take()) {
             for (const factory::PresentDevice &device : *present) {
                 if (device.kind == DeviceKind::usb) {
@@ -83,7 +83,7 @@ void draw_offers(session::Session &session, PlantTabState &state) {
         const ui::Disabled disabled(!offer.problem.empty());
         const std::string name = name_of_offer(offer.choice);
         if (ui::selectable(name.c_str(), name == present) && name != present) {
-            state.complaint = complaint_of([&] { session.exchange_device(offer.choice); });
+            state.error = error_text_of([&] { session.exchange_device(offer.choice); });
         }
         if (!offer.problem.empty()) {
             ui::explain(offer.problem);
@@ -114,7 +114,7 @@ void draw_zeroing(session::Session &session, PlantTabState &state) {
     ui::wrapped(kWarning, "The board does not know where the device is. Hold the upper arm level "
                           "and the forearm hanging, then:");
     if (ui::button("zero here")) {
-        state.complaint = complaint_of([&] { session.zero_device(Vector3::Zero()); });
+        state.error = error_text_of([&] { session.zero_device(Vector3::Zero()); });
     }
     ui::explain("declares all angles zero: links square to each other, tip at the origin. No motor "
                 "is driven before");
@@ -130,7 +130,7 @@ void draw_cable(session::Session &session, PlantTabState &state) {
     const bool is_plugged = emulated->is_plugged();
     if (ui::button(is_plugged ? "pull its cable###cable" : "plug it in###cable")) {
         session.servo().paused([&] { emulated->set_plugged(!is_plugged); });
-        state.complaint.clear();
+        state.error.clear();
     }
     ui::explain("of the emulated board, to see what happens then");
 }

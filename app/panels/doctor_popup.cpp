@@ -2,7 +2,7 @@
 
 #include "app/doctor/doctor_report.h"
 #include "app/widgets/widgets.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 
 #include <algorithm>
 
@@ -71,7 +71,7 @@ void DoctorPopup::offer(const std::string &device, double servo_hz) {
 
 void DoctorPopup::ask(const std::string &device, double servo_hz) {
     checks_.reset();
-    complaint_.clear();
+    error_.clear();
     opens_ = true;
     asking_.start(
         [device, servo_hz](BackgroundTalk &) { return doctor::ask_doctor(device, servo_hz); });
@@ -82,7 +82,7 @@ void DoctorPopup::draw() {
         ImGui::OpenPopup(kTitle);
         opens_ = false;
     }
-    complaint_ += complaint_of([&] {
+    error_ += error_text_of([&] {
         if (auto answer = asking_.take()) {
             checks_ = std::move(answer);
         }
@@ -99,8 +99,8 @@ void DoctorPopup::draw() {
         if (ui::small_button("close")) {
             ImGui::CloseCurrentPopup();
         }
-        if (!complaint_.empty()) {
-            ui::wrapped(kDanger, "{}", complaint_);
+        if (!error_.empty()) {
+            ui::wrapped(kDanger, "{}", error_);
         } else if (checks_) {
             show_checks(*checks_);
         } else {

@@ -17,7 +17,7 @@ namespace springdrive::app {
 /// Asks in the background, so that frames go on.
 class DoctorPopup {
 public:
-    /// A small button beside a complaint, which asks.
+    /// A small button beside a error, which asks.
     /// @param device  what is to be used, as --device names it
     void offer(const std::string &device, double servo_hz);
 
@@ -30,7 +30,7 @@ public:
 private:
     Background<std::vector<doctor::Check>> asking_;
     std::optional<std::vector<doctor::Check>> checks_;
-    std::string complaint_;
+    std::string error_;
     bool opens_ = false;
 };
 

@@ -1,7 +1,7 @@
 #include "app/panels/panels.h"
 #include "app/panels/tuning_consequences.h"
 #include "app/widgets/widgets.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "engine/lab/loops/hand_family.h"
 #include "engine/session/telemetry_history.h"
 
@@ -109,7 +109,7 @@ void draw_grip(session::Session &session, HandTabState &state) {
         const ui::DropDown list("##grip", grip != kGrips.end() ? grip->name : "other hand");
         for (const Grip &some : kGrips) {
             if (list && ui::selectable(some.name, &some == grip)) {
-                state.complaint = complaint_of([&] { session.set_hand(hand_of(now, some)); });
+                state.error = error_text_of([&] { session.set_hand(hand_of(now, some)); });
             }
         }
     }
@@ -129,7 +129,7 @@ void draw_paths(session::Session &session, HandTabState &state) {
         return;
     }
     if (ui::button("scripted touch")) {
-        state.complaint = complaint_of([&] { session.follow_script(); });
+        state.error = error_text_of([&] { session.follow_script(); });
     }
     ui::explain(
         "the hand moves above the scene, presses and strokes it as `springdrive touch` does");
@@ -145,8 +145,7 @@ void draw_paths(session::Session &session, HandTabState &state) {
 void follow_path_file(session::Session &session, HandTabState &state,
                       const std::filesystem::path &file) {
     state.path = file.string();
-    state.complaint =
-        complaint_of([&] { session.follow_path(simulated::HandPath::read_csv(file)); });
+    state.error = error_text_of([&] { session.follow_path(simulated::HandPath::read_csv(file)); });
 }
 
 StiffnessMeasured measured_stiffness(const record::ChannelStore &store, double from_s,
@@ -223,8 +222,8 @@ void draw_hand_tab(session::Session &session, HandTabState &state) {
         edit("##to", stimulus.to_Hz, 1.0, 0.2, 100.0, "to %.1f Hz");
     }
     show_result(session, state);
-    if (!state.complaint.empty()) {
-        ui::wrapped(kDanger, "{}", state.complaint);
+    if (!state.error.empty()) {
+        ui::wrapped(kDanger, "{}", state.error);
     }
 }
 

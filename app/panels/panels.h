@@ -93,8 +93,8 @@ struct HandTabState {
     double started_s = 0.0;
     double predicted_N_per_m = 0.0; ///< when it began
     std::optional<StiffnessMeasured> measured;
-    std::string path;      ///< file being typed
-    std::string complaint; ///< why a path cannot be followed
+    std::string path;  ///< file being typed
+    std::string error; ///< why a path cannot be followed
 };
 
 /// The simulated hand follows the path of a CSV file, `t,x,y,z`; what is wrong with it is shown in
@@ -119,7 +119,7 @@ struct PlantTabState {
     Background<std::vector<factory::PresentDevice>> survey;
     bool dragging_delay = false;
     double delay_periods = 0.0;
-    std::string complaint; ///< why the last change was refused
+    std::string error; ///< why the last change was refused
     DoctorPopup doctor;
     std::function<void()> draw_assistant_offer; ///< below the device; empty: there is none
 };

@@ -1,6 +1,6 @@
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 
 #include <algorithm>
 #include <string>
@@ -13,7 +13,7 @@ void draw_rate(session::Session &session, PlantTabState &state) {
     double rate_hz = session.servo().rate_hz();
     ImGui::SetNextItemWidth(4.5F * ImGui::GetFontSize());
     if (ui::number_field("##rate", rate_hz, "%.0f") && rate_hz != session.servo().rate_hz()) {
-        state.complaint = complaint_of([&] { session.set_servo_rate(rate_hz); });
+        state.error = error_text_of([&] { session.set_servo_rate(rate_hz); });
     }
     ui::explain("rate of the servo, from the next tick on; a record goes on in its file");
     ImGui::SameLine();
@@ -30,7 +30,7 @@ void draw_delay(session::Session &session, PlantTabState &state) {
                            simulated::SimulationOptions::kLongestDelay, "delay %.2f periods");
     state.dragging_delay = ImGui::IsItemActive();
     if (ImGui::IsItemDeactivatedAfterEdit() && state.delay_periods != delay) {
-        state.complaint = complaint_of([&] { session.set_delay(state.delay_periods); });
+        state.error = error_text_of([&] { session.set_delay(state.delay_periods); });
     }
     ui::explain("from reading the encoders to applying e_W: d, in periods of the servo");
 }
@@ -58,7 +58,7 @@ void draw_effects(session::Session &session, PlantTabState &state) {
         if (ui::checkbox(name.c_str(), is_on)) {
             simulated::PlantEffects effects = simulation.effects;
             effects.*effect.on = is_on;
-            state.complaint = complaint_of([&] { session.set_effects(effects); });
+            state.error = error_text_of([&] { session.set_effects(effects); });
         }
         if (is_chosen) {
             ui::explain("the scene's model (--model auto) chooses the effects");
@@ -85,8 +85,8 @@ void draw_plant_tab(session::Session &session, PlantTabState &state) {
         ImGui::SameLine();
         draw_delay(session, state);
     }
-    if (!state.complaint.empty()) {
-        ui::wrapped(kDanger, "{}", state.complaint);
+    if (!state.error.empty()) {
+        ui::wrapped(kDanger, "{}", state.error);
     }
     if (session.is_exchanging() && session.servo().speed() < 1.0) {
         ui::wrapped(kWarning, "the device is released before it starts again: at this speed that "

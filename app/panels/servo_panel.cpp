@@ -1,7 +1,7 @@
 #include "app/host/own_folder.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "base/file_names.h"
 
 #include <algorithm>
@@ -146,7 +146,7 @@ void toggle_recording(session::Session &session, ServoPanelState &state) {
         session.recording().stop();
         return;
     }
-    state.record_error = complaint_of(
+    state.record_error = error_text_of(
         [&] { session.start_recording(in_own_folder(dated_name("springdrive") + ".rec")); });
 }
 

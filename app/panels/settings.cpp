@@ -1,7 +1,7 @@
 #include "app/panels/settings.h"
 
 #include "app/host/user_folder.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "base/field_toml.h"
 #include "base/file_names.h"
 #include "base/input_error.h"
@@ -145,8 +145,8 @@ void note_recent(Settings &settings, const fs::path &file) {
 }
 
 SettingsKeeper::SettingsKeeper(fs::path file) : file_(std::move(file)) {
-    complaint_ = complaint_of([this] { now = read_settings(file_); });
-    is_damaged_ = !complaint_.empty();
+    error_ = error_text_of([this] { now = read_settings(file_); });
+    is_damaged_ = !error_.empty();
     saved_ = now;
 }
 
@@ -156,12 +156,12 @@ void SettingsKeeper::save() {
     }
     // Also of what fails: it is said once, not in every frame.
     saved_ = now;
-    const std::string complaint = complaint_of([this] {
+    const std::string error = error_text_of([this] {
         set_damaged_aside();
         write_settings(file_, now);
     });
-    if (!complaint.empty()) {
-        complaint_ = "the window's settings are not remembered: " + complaint;
+    if (!error.empty()) {
+        error_ = "the window's settings are not remembered: " + error;
     }
 }
 
@@ -172,7 +172,7 @@ void SettingsKeeper::reset() {
     std::filesystem::remove(file_, failed);
     is_damaged_ = is_damaged_ && failed;
     if (failed) {
-        complaint_ = fmt::format("{}: cannot be removed: {}", file_.string(), failed.message());
+        error_ = fmt::format("{}: cannot be removed: {}", file_.string(), failed.message());
     }
 }
 
@@ -190,6 +190,6 @@ void SettingsKeeper::set_damaged_aside() {
     is_damaged_ = false;
 }
 
-std::string SettingsKeeper::take_complaint() { return std::exchange(complaint_, {}); }
+std::string SettingsKeeper::take_error() { return std::exchange(error_, {}); }
 
 } // namespace springdrive::app

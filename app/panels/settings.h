@@ -72,7 +72,7 @@ public:
     void reset();
 
     /// Why they could not be read or written, once; else empty.
-    [[nodiscard]] std::string take_complaint();
+    [[nodiscard]] std::string take_error();
 
 private:
     void set_damaged_aside();
@@ -80,7 +80,7 @@ private:
     std::filesystem::path file_;
     Settings saved_;
     bool is_damaged_ = false; ///< the file is not ours to replace
-    std::string complaint_;
+    std::string error_;
 };
 
 } // namespace springdrive::app

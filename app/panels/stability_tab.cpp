@@ -178,8 +178,8 @@ void draw_stability_tab(session::Session &session, TuningDesk &desk, StabilityTa
     ImGui::Separator();
     show_search(session, state);
     show_found(session, desk, state);
-    if (!desk.complaint().empty()) {
-        ui::wrapped(kDanger, "{}", desk.complaint());
+    if (!desk.error().empty()) {
+        ui::wrapped(kDanger, "{}", desk.error());
     }
     ImGui::Separator();
     state.field().draw(session.tuning().now());

@@ -87,7 +87,7 @@ bool TuningDesk::is_refused(const control::Tuning &to) const {
 }
 
 void TuningDesk::drag(const control::Tuning &to, std::uint32_t source) {
-    complaint_.clear();
+    error_.clear();
     control::Tuning reached = to;
     if (is_refused(to)) {
         constexpr int kHalvings = 14;
@@ -99,9 +99,9 @@ void TuningDesk::drag(const control::Tuning &to, std::uint32_t source) {
         reached = may_go(0.0) ? on_the_way(from, to, bisect({0.0, 1.0}, kHalvings, may_go).holds_at)
                               : from;
         const StabilityLamp beyond = lamp_of(with_more_gain(to));
-        complaint_ = fmt::format("held at the limit: beyond it motor {}, {}, is unstable",
-                                 beyond.worst.member.motor + 1,
-                                 loops::hand_text(beyond.worst.member.hand.name));
+        error_ = fmt::format("held at the limit: beyond it motor {}, {}, is unstable",
+                             beyond.worst.member.motor + 1,
+                             loops::hand_text(beyond.worst.member.hand.name));
     }
     history().change(reached, session_.plot_time_s(), source);
     update();
@@ -116,14 +116,14 @@ void TuningDesk::replace(const control::Tuning &to, const std::string &what) {
 }
 
 bool TuningDesk::may_go_to(const control::Tuning &to, const char *what) {
-    complaint_.clear();
+    error_.clear();
     if (!control::is_valid(to)) {
-        complaint_ = std::string(what) + ": not done, as it has values out of their ranges";
+        error_ = std::string(what) + ": not done, as it has values out of their ranges";
         return false;
     }
     if (is_refused(to)) {
-        complaint_ = std::string(what) + ": not done, as that tuning is predicted to be unstable "
-                                         "now; unlock first";
+        error_ = std::string(what) + ": not done, as that tuning is predicted to be unstable "
+                                     "now; unlock first";
         return false;
     }
     return true;

@@ -62,7 +62,7 @@ public:
     [[nodiscard]] const StabilityLamp &lamp() const { return lamp_; }
 
     /// What stopped the last change, or why it was not made; empty if nothing did.
-    [[nodiscard]] const std::string &complaint() const { return complaint_; }
+    [[nodiscard]] const std::string &error() const { return error_; }
 
     LampHand hand = LampHand::every;
     bool is_unlocked = false; ///< tunings beyond the predicted limit may be set
@@ -74,12 +74,12 @@ private:
     /// Whether 2 % more K_P and K_D would make it unstable.
     [[nodiscard]] bool is_behind_lock(const control::Tuning &tuning) const;
     [[nodiscard]] bool is_refused(const control::Tuning &to) const;
-    /// Otherwise complains. @param what  was to be done
+    /// Otherwise reports an error. @param what  was to be done
     [[nodiscard]] bool may_go_to(const control::Tuning &to, const char *what);
 
     session::Session &session_;
     StabilityLamp lamp_;
-    std::string complaint_;
+    std::string error_;
 };
 
 } // namespace springdrive::app

@@ -213,8 +213,8 @@ void draw_gains_tab(session::Session &session, TuningDesk &desk, TuningPanelStat
         edit_parameter(session, desk, i);
     }
     draw_observed_resistances(session);
-    if (!desk.complaint().empty()) {
-        ui::wrapped(kDanger, "{}", desk.complaint());
+    if (!desk.error().empty()) {
+        ui::wrapped(kDanger, "{}", desk.error());
     }
     ImGui::Separator();
     show_consequences(session);

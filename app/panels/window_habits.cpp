@@ -81,9 +81,9 @@ void WindowHabits::set_text_size(double text_size, Window &window) {
 void WindowHabits::update(Window &window) {
     window.set_room(settings().hides_panels ? Window::kRoomForScene : Window::kRoomForPanels);
     keeper_.save();
-    if (const std::string complaint = keeper_.take_complaint(); !complaint.empty()) {
-        std::cerr << "springdrive: " << complaint << '\n';
-        say(complaint, true);
+    if (const std::string error = keeper_.take_error(); !error.empty()) {
+        std::cerr << "springdrive: " << error << '\n';
+        say(error, true);
     }
 }
 
@@ -93,8 +93,8 @@ void WindowHabits::finish(const Window &window) {
         keeper_.now.height = window.size().height;
     }
     keeper_.save();
-    if (const std::string complaint = keeper_.take_complaint(); !complaint.empty()) {
-        std::cerr << "springdrive: " << complaint << '\n';
+    if (const std::string error = keeper_.take_error(); !error.empty()) {
+        std::cerr << "springdrive: " << error << '\n';
     }
 }
 
@@ -102,11 +102,11 @@ std::optional<std::filesystem::path> WindowHabits::take_picture() {
     return std::exchange(picture_, {});
 }
 
-void WindowHabits::note_picture(const std::filesystem::path &file, const std::string &complaint) {
-    say(complaint.empty() ? "picture: " + file.lexically_normal().string() +
-                                (own_folder() == "." ? " in " + own_folder_text() : "")
-                          : complaint,
-        !complaint.empty());
+void WindowHabits::note_picture(const std::filesystem::path &file, const std::string &error) {
+    say(error.empty() ? "picture: " + file.lexically_normal().string() +
+                            (own_folder() == "." ? " in " + own_folder_text() : "")
+                      : error,
+        !error.empty());
 }
 
 void WindowHabits::say(std::string text, bool is_bad) {

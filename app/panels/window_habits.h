@@ -67,8 +67,8 @@ public:
 
     /// Of the window, to be written once the frame is complete; then `note_picture`.
     [[nodiscard]] std::optional<std::filesystem::path> take_picture();
-    /// @param complaint  why it was not written; else empty
-    void note_picture(const std::filesystem::path &file, const std::string &complaint);
+    /// @param error  why it was not written; else empty
+    void note_picture(const std::filesystem::path &file, const std::string &error);
 
     void say(std::string text, bool is_bad = false);
     /// Null when there is nothing to be said.

@@ -4,7 +4,7 @@
 #include "app/stage/open_session.h"
 #include "app/widgets/widgets.h"
 #include "app/window/frame_pace.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 
 #include <fmt/core.h>
 
@@ -52,10 +52,10 @@ void VisitorWindow::obey_staff(const std::vector<ParticipantInput> &inputs) {
         }
         is_asked_to_end_ = is_asked_to_end_ || input.name == "q";
         if (input.name == "z") {
-            if (const std::string complaint =
-                    complaint_of([this] { session_.zero_device(Vector3::Zero()); });
-                !complaint.empty()) {
-                std::cerr << "springdrive: " << complaint << '\n';
+            if (const std::string error =
+                    error_text_of([this] { session_.zero_device(Vector3::Zero()); });
+                !error.empty()) {
+                std::cerr << "springdrive: " << error << '\n';
             }
         }
     }

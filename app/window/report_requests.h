@@ -26,8 +26,8 @@ public:
     [[nodiscard]] bool has_ended() const { return has_ended_ && asked_ == 0; }
 
     /// Before a frame takes its events, so that the answer follows all that came before it. Reads
-    /// what is there, without waiting, and complains of anything but a request on standard error.
-    /// `ui::report()` is wanted afterwards if the frame will be reported.
+    /// what is there, without waiting, and reports an error of anything but a request on standard
+    /// error. `ui::report()` is wanted afterwards if the frame will be reported.
     /// @param has_input  events still wait for a frame
     void begin_frame(bool has_input);
 

@@ -32,13 +32,13 @@ constexpr Window::Size kDefaultSize{1280, 720};
 constexpr float kKioskScale = 1.6F; ///< of a picture of the default size
 
 /// The last error of GLFW.
-std::string &glfw_complaint() {
-    static std::string complaint;
-    return complaint;
+std::string &glfw_error() {
+    static std::string error;
+    return error;
 }
 
 void on_glfw_error(int code, const char *text) {
-    glfw_complaint() = std::string(text) + " (GLFW " + std::to_string(code) + ")";
+    glfw_error() = std::string(text) + " (GLFW " + std::to_string(code) + ")";
 }
 
 float display_scale(GLFWwindow *window) {
@@ -70,7 +70,7 @@ Window::Window(const std::string &title, const Wish &wish)
     glfwSetErrorCallback(on_glfw_error);
     if (glfwInit() == GLFW_FALSE) {
         throw InputError(
-            "no display: " + glfw_complaint() +
+            "no display: " + glfw_error() +
             "; start it from a desktop, or with xvfb-run on a virtual display, as ./app/run does");
     }
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -84,7 +84,7 @@ Window::Window(const std::string &title, const Wish &wish)
     const Size size = chooses_size ? kDefaultSize : wish.size;
     window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
     if (window_ == nullptr) {
-        const std::string why = glfw_complaint();
+        const std::string why = glfw_error();
         glfwTerminate();
         throw InputError("no window with OpenGL 3.3: " + why +
                          "; install the graphics driver, or libgl1-mesa-dri for software OpenGL");

@@ -110,7 +110,7 @@ void RecordReader::stop(const std::string &why) {
 }
 
 /// What is wrong with a chunk according to its head, if `left` bytes follow it in the file.
-std::string RecordReader::complaint(const ChunkHead &head, std::uint64_t left) const {
+std::string RecordReader::error(const ChunkHead &head, std::uint64_t left) const {
     if (head.payload_bytes > kMaxPayloadBytes) {
         return "a chunk's size exceeds the maximum";
     }
@@ -134,7 +134,7 @@ bool RecordReader::read_chunk(ChunkHead &head) {
         stop("there is no chunk where one should begin");
         return false;
     }
-    const std::string wrong = complaint(head, left - kChunkHeadBytes);
+    const std::string wrong = error(head, left - kChunkHeadBytes);
     if (!wrong.empty()) {
         stop(wrong);
         return false;

@@ -73,7 +73,7 @@ private:
     void read_header();
     void stop(const std::string &why);
     [[nodiscard]] bool read_exactly(std::span<std::byte> bytes);
-    [[nodiscard]] std::string complaint(const ChunkHead &head, std::uint64_t left) const;
+    [[nodiscard]] std::string error(const ChunkHead &head, std::uint64_t left) const;
     [[nodiscard]] bool read_chunk(ChunkHead &head);
     void take_rows(std::uint32_t rows);
 

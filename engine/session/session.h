@@ -165,7 +165,7 @@ public:
     /// From the request on, until the servo goes on.
     [[nodiscard]] bool is_lent() const { return loan_ != nullptr; }
     /// Why `tick` threw, of the last loan; else empty.
-    [[nodiscard]] const std::string &loan_complaint() const { return loan_complaint_; }
+    [[nodiscard]] const std::string &loan_error() const { return loan_error_; }
 
     /// While asked for, the device only brakes, whatever else would start it.
     void keep_released(bool asked);
@@ -282,7 +282,7 @@ private:
     int reconnections_ = 0;         ///< by `advance`
     std::function<void()> on_thread_;
     Remarks remarks_;
-    std::string loan_complaint_;
+    std::string loan_error_;
     std::unique_ptr<Loan> loan_; ///< ends first
 };
 

@@ -1,5 +1,5 @@
 // The part of `Session` that zeroes a device, and keeps up the connection to one on USB.
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "engine/session/session_parts.h"
 
 #include <fmt/format.h>
@@ -89,9 +89,9 @@ void Session::watch_link() {
         adopt_delay();
         return;
     }
-    const std::string complaint = complaint_of([this] { reconnect_device(); });
-    if (!complaint.empty()) {
-        remarks_.add(complaint);
+    const std::string error = error_text_of([this] { reconnect_device(); });
+    if (!error.empty()) {
+        remarks_.add(error);
         return;
     }
     const std::string again =

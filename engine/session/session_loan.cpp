@@ -30,7 +30,7 @@ public:
     [[nodiscard]] bool has_begun() const { return has_begun_; }
     [[nodiscard]] bool is_over() const { return is_over_.load(std::memory_order_acquire); }
     /// Once it is over, or has ended.
-    [[nodiscard]] const std::string &complaint() const { return complaint_; }
+    [[nodiscard]] const std::string &error() const { return error_; }
 
     void begin(bool on_a_thread, std::optional<int> cpu) {
         has_begun_ = true;
@@ -76,7 +76,7 @@ private:
                 return;
             }
         } catch (const std::exception &error) {
-            complaint_ = error.what();
+            error_ = error.what();
         }
         is_over_.store(true, std::memory_order_release);
     }
@@ -85,7 +85,7 @@ private:
     double period_s_;
     double pending_ticks_ = 0.0;
     bool has_begun_ = false;
-    std::string complaint_;
+    std::string error_;
     std::atomic<bool> is_over_{false};
     std::atomic<bool> is_ended_{false};
     std::future<void> running_;
@@ -110,7 +110,7 @@ void Session::lend_device(std::function<bool()> tick) {
         throw InputError("the device is stopped: " + servo::description(latest().safety) +
                          "; reset it first");
     }
-    loan_complaint_.clear();
+    loan_error_.clear();
     loan_ = std::make_unique<Loan>(std::move(tick), servo_->period_s());
     release_until_zeroed();
 }
@@ -165,7 +165,7 @@ void Session::take_device_back() {
     }
     loan_->end();
     const bool has_begun = loan_->has_begun();
-    loan_complaint_ = loan_->complaint();
+    loan_error_ = loan_->error();
     loan_.reset();
     if (has_begun) {
         end_pulses();

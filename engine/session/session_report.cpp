@@ -113,25 +113,25 @@ void write_session_json(std::ostream &out, const Session &session) {
     out << json_text(json) << '\n';
 }
 
-bool was_stopped(const Session &session, std::ostream &complaints) {
+bool was_stopped(const Session &session, std::ostream &errors) {
     const servo::SafetyStatus &safety = session.latest().safety;
     if (safety.state != servo::SafetyState::tripped) {
         return false;
     }
-    complaints << "springdrive: the servo was stopped: " << servo::description(safety) << '\n';
+    errors << "springdrive: the servo was stopped: " << servo::description(safety) << '\n';
     return true;
 }
 
-bool record_is_whole(const Session &session, std::ostream &complaints) {
+bool record_is_whole(const Session &session, std::ostream &errors) {
     const record::RecorderStatus record = session.recording().status();
     if (!record.error.empty()) {
-        complaints << "springdrive: " << record.error << '\n';
+        errors << "springdrive: " << record.error << '\n';
         return false;
     }
     if (record.lost > 0) {
-        complaints << "springdrive: " << session.recording().file().string() << ": " << record.lost
-                   << " ticks are missing, the disk was too slow; record to a faster one, or at a "
-                      "lower --servo-hz\n";
+        errors << "springdrive: " << session.recording().file().string() << ": " << record.lost
+               << " ticks are missing, the disk was too slow; record to a faster one, or at a "
+                  "lower --servo-hz\n";
         return false;
     }
     return true;

@@ -1,7 +1,7 @@
 // Covers app/{commands/output_files,host/output}.cpp, and from outside that commands keep to them.
 #include "app/commands/output_files.h"
 
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 #include "tests/support/program.h"
 
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@ namespace springdrive::app {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::complaint_of;
 using testing::contents_of;
+using testing::error_text_of;
 
 void write(const fs::path &file, const std::string &text) { std::ofstream(file) << text; }
 
@@ -34,8 +34,8 @@ void write_scene(const fs::path &folder) {
     write(folder / "i.png", "image");
 }
 
-std::string complaint(const RunFiles &files, Existing existing) {
-    return complaint_of([&] { check_outputs(files, existing); });
+std::string error(const RunFiles &files, Existing existing) {
+    return error_text_of([&] { check_outputs(files, existing); });
 }
 
 TEST(OutputFiles, AreNeverInputs) {
@@ -46,7 +46,7 @@ TEST(OutputFiles, AreNeverInputs) {
     for (const Existing existing : {Existing::keep, Existing::replace}) {
         for (const char *name : {"in", "link", "hard", "./in", "../output_is_input/in"}) {
             const fs::path output = folder / name;
-            EXPECT_NE(complaint({{folder / "in"}, {}, {output}}, existing).find("is also read"),
+            EXPECT_NE(error({{folder / "in"}, {}, {output}}, existing).find("is also read"),
                       std::string::npos)
                 << name;
         }
@@ -58,24 +58,24 @@ TEST(OutputFiles, AreNoFilesThatAGltfNames) {
     const fs::path folder = testing::fresh_folder("output_is_buffer");
     write_scene(folder);
     for (const char *name : {"s.gltf", "b in.bin", "i.png"}) {
-        EXPECT_NE(complaint({{}, folder / "s.gltf", {folder / name}}, Existing::replace)
-                      .find("is also read"),
-                  std::string::npos)
+        EXPECT_NE(
+            error({{}, folder / "s.gltf", {folder / name}}, Existing::replace).find("is also read"),
+            std::string::npos)
             << name;
     }
-    EXPECT_EQ(complaint({{}, folder / "s.gltf", {folder / "out"}}, Existing::replace), "");
+    EXPECT_EQ(error({{}, folder / "s.gltf", {folder / "out"}}, Existing::replace), "");
 }
 
 TEST(OutputFiles, AreNotEachOther) {
     const fs::path folder = testing::fresh_folder("output_is_output");
     fs::create_symlink("new", folder / "dangling");
     for (const char *name : {"new", "./new", "dangling"}) {
-        EXPECT_NE(complaint({{}, {}, {folder / "new", folder / name}}, Existing::replace)
+        EXPECT_NE(error({{}, {}, {folder / "new", folder / name}}, Existing::replace)
                       .find("is named for two outputs"),
                   std::string::npos)
             << name;
     }
-    EXPECT_EQ(complaint({{}, {}, {"/dev/null", "/dev/null", "", "", "-"}}, Existing::keep), "");
+    EXPECT_EQ(error({{}, {}, {"/dev/null", "/dev/null", "", "", "-"}}, Existing::keep), "");
     EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
 }
 
@@ -85,11 +85,11 @@ TEST(OutputFiles, ReplaceOnlyIfAsked) {
     fs::create_symlink("old", folder / "link");
     for (const char *name : {"old", "link"}) {
         const std::string file = folder / name;
-        EXPECT_EQ(complaint({{}, {}, {file}}, Existing::keep),
+        EXPECT_EQ(error({{}, {}, {file}}, Existing::keep),
                   file + ": exists; use --force to replace it");
-        EXPECT_EQ(complaint({{}, {}, {file}}, Existing::replace), "");
+        EXPECT_EQ(error({{}, {}, {file}}, Existing::replace), "");
     }
-    EXPECT_NE(complaint({{}, {}, {folder}}, Existing::replace), "");
+    EXPECT_NE(error({{}, {}, {folder}}, Existing::replace), "");
     const auto write_new = [](std::ostream &out) { out << "new"; };
     EXPECT_THROW(write_output(folder / "old", write_new, Existing::keep), InputError);
     EXPECT_EQ(contents_of(folder / "old"), "old");

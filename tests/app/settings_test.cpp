@@ -3,7 +3,7 @@
 #include "app/panels/settings.h"
 
 #include "base/input_error.h"
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 #include "tests/support/full_disk.h"
 
@@ -63,7 +63,7 @@ TEST_F(WindowSettings, AreTheDefaultsWithoutAFile) {
     none.save();
     none.reset();
     EXPECT_FALSE(none.remembers());
-    EXPECT_EQ(none.take_complaint(), "");
+    EXPECT_EQ(none.take_error(), "");
 }
 
 TEST_F(WindowSettings, ThatAreDamagedAreNamedByFileAndLine) {
@@ -87,10 +87,10 @@ TEST_F(WindowSettings, ThatAreDamagedAreNamedByFileAndLine) {
         {"drawn = [\"tip\", \"tail\"]\n", ":1: drawn has 'tail'; it must be a list"},
         {"drawn = [1]\n", ":1: drawn has 1"},
     }};
-    for (const auto &[text, complaint] : damaged) {
+    for (const auto &[text, error] : damaged) {
         write(text);
-        const std::string said = testing::complaint_of([&] { (void)read_settings(file); });
-        EXPECT_NE(said.find(file.string() + complaint), std::string::npos) << said;
+        const std::string said = testing::error_text_of([&] { (void)read_settings(file); });
+        EXPECT_NE(said.find(file.string() + error), std::string::npos) << said;
         EXPECT_NE(said.find("--reset-settings"), std::string::npos) << said;
         EXPECT_EQ(said.find('\n'), std::string::npos) << said;
     }
@@ -104,13 +104,13 @@ TEST_F(WindowSettings, ThatAreDamagedAreKeptBesideTheNewOnes) {
         write("typed by hand\n");
         SettingsKeeper keeper(file);
         EXPECT_EQ(keeper.now, Settings());
-        EXPECT_NE(keeper.take_complaint().find(":1: is not valid TOML"), std::string::npos);
-        EXPECT_EQ(keeper.take_complaint(), ""); // once
+        EXPECT_NE(keeper.take_error().find(":1: is not valid TOML"), std::string::npos);
+        EXPECT_EQ(keeper.take_error(), ""); // once
         keeper.save();
         EXPECT_EQ(testing::contents_of(file), "typed by hand\n"); // nothing has changed
         keeper.now = all_changed();
         keeper.save();
-        EXPECT_EQ(keeper.take_complaint(), "");
+        EXPECT_EQ(keeper.take_error(), "");
         EXPECT_EQ(read_settings(file), all_changed());
         EXPECT_EQ(testing::contents_of(folder / name), "typed by hand\n");
     }
@@ -119,12 +119,12 @@ TEST_F(WindowSettings, ThatAreDamagedAreKeptBesideTheNewOnes) {
 TEST_F(WindowSettings, OfAFolderThatCannotBeUsedAreSaidOnce) {
     write("not a folder");
     SettingsKeeper keeper(file / "springdrive" / "settings");
-    EXPECT_EQ(keeper.take_complaint(), ""); // there are none
+    EXPECT_EQ(keeper.take_error(), ""); // there are none
     keeper.now.hides_panels = true;
     keeper.save();
-    EXPECT_NE(keeper.take_complaint().find("not remembered"), std::string::npos);
+    EXPECT_NE(keeper.take_error().find("not remembered"), std::string::npos);
     keeper.save();
-    EXPECT_EQ(keeper.take_complaint(), "");
+    EXPECT_EQ(keeper.take_error(), "");
     EXPECT_EQ(testing::contents_of(file), "not a folder");
 }
 
@@ -133,12 +133,12 @@ TEST_F(WindowSettings, OfAReadOnlyFolderAreUsedButNotReplaced) {
     SettingsKeeper keeper("/proc/springdrive/settings");
     keeper.now.hides_panels = true;
     keeper.save();
-    const std::string said = keeper.take_complaint();
+    const std::string said = keeper.take_error();
     EXPECT_NE(said.find("/proc/springdrive/settings"), std::string::npos) << said;
     EXPECT_EQ(said.find('\n'), std::string::npos) << said;
     EXPECT_TRUE(keeper.now.hides_panels); // for this run
     SettingsKeeper device("/dev/full");
-    EXPECT_NE(device.take_complaint().find("/dev/full: "), std::string::npos);
+    EXPECT_NE(device.take_error().find("/dev/full: "), std::string::npos);
 }
 
 TEST_F(WindowSettings, AreAsTheyWereWhenTheDiskIsFull) {
@@ -149,7 +149,7 @@ TEST_F(WindowSettings, AreAsTheyWereWhenTheDiskIsFull) {
         const testing::FullDisk full(10);
         keeper.save();
     }
-    EXPECT_NE(keeper.take_complaint().find("is the disk full?"), std::string::npos);
+    EXPECT_NE(keeper.take_error().find("is the disk full?"), std::string::npos);
     EXPECT_EQ(read_settings(file), all_changed());
     EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1); // no remains
     keeper.now.text_size = 2.5;
@@ -165,7 +165,7 @@ TEST_F(WindowSettings, ResetRemovesTheFile) {
     EXPECT_EQ(keeper.now, Settings());
     EXPECT_FALSE(fs::exists(file));
     keeper.reset(); // there is none
-    EXPECT_EQ(keeper.take_complaint(), "");
+    EXPECT_EQ(keeper.take_error(), "");
     keeper.now = all_changed();
     keeper.save();
     EXPECT_EQ(read_settings(file), all_changed());

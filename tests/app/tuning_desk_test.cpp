@@ -54,11 +54,11 @@ TEST(TuningDesk, TheLockLetsEveryStableTuningPassAndNoOther) {
         EXPECT_TRUE(is_stable(rig.session, rig.session.tuning().now(), 1.0));
         if (is_stable(rig.session, wanted, 1.021)) {
             EXPECT_EQ(rig.session.tuning().now(), wanted);
-            EXPECT_TRUE(rig.desk.complaint().empty());
+            EXPECT_TRUE(rig.desk.error().empty());
             ++passed;
         } else if (!is_stable(rig.session, wanted, 1.02)) {
             EXPECT_NE(rig.session.tuning().now(), wanted);
-            EXPECT_FALSE(rig.desk.complaint().empty());
+            EXPECT_FALSE(rig.desk.error().empty());
             ++held;
         }
     }
@@ -129,7 +129,7 @@ TEST(TuningDesk, WhatIsRefusedChangesNothing) {
     unstable.K_P_V_per_rad = 400.0;
     rig.desk.replace(unstable, "a file");
     EXPECT_EQ(rig.session.tuning().now(), start);
-    EXPECT_NE(rig.desk.complaint().find("a file"), std::string::npos);
+    EXPECT_NE(rig.desk.error().find("a file"), std::string::npos);
     EXPECT_FALSE(rig.session.tuning().can_undo());
     // Unlocked it becomes a step; locked again, undo works, redo is refused.
     rig.desk.is_unlocked = true;
@@ -139,7 +139,7 @@ TEST(TuningDesk, WhatIsRefusedChangesNothing) {
     EXPECT_EQ(rig.session.servo().inputs().tuning, start);
     rig.desk.redo();
     EXPECT_EQ(rig.session.servo().inputs().tuning, start);
-    EXPECT_FALSE(rig.desk.complaint().empty());
+    EXPECT_FALSE(rig.desk.error().empty());
 }
 
 TEST(TuningDesk, ATuningFromElsewhereIsAStep) {

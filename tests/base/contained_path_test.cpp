@@ -2,7 +2,7 @@
 // gltf_uri_test.cpp.
 #include "base/contained_path.h"
 
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace springdrive {
 namespace {
 
-using testing::complaint_of;
+using testing::error_text_of;
 
 TEST(ContainedPath, NamesAreOfOneFile) {
     for (const std::string &name :
@@ -33,19 +33,19 @@ TEST(ContainedPath, FilesMayBeBelowTheFolderButNotOutside) {
     std::filesystem::create_directories(folder / "deep");
     std::filesystem::create_symlink("deep", folder / "link");
     std::filesystem::create_symlink("..", folder / "up");
-    const auto complaint = [&](const std::string &path) {
-        return complaint_of([&] { static_cast<void>(contained_file(path, folder, "protocol")); });
+    const auto error = [&](const std::string &path) {
+        return error_text_of([&] { static_cast<void>(contained_file(path, folder, "protocol")); });
     };
     EXPECT_EQ(contained_file("deep/../a.toml", folder, "protocol"), folder / "a.toml");
     EXPECT_EQ(contained_file("./link/a.toml", folder, "protocol"), folder / "deep/a.toml");
-    EXPECT_EQ(complaint("../a.toml"), "lies outside the protocol's folder and is not read; put the "
-                                      "file there");
-    EXPECT_EQ(complaint("a\nb"), complaint("../a.toml"));
-    EXPECT_EQ(complaint((folder / "a.toml").string()),
+    EXPECT_EQ(error("../a.toml"), "lies outside the protocol's folder and is not read; put the "
+                                  "file there");
+    EXPECT_EQ(error("a\nb"), error("../a.toml"));
+    EXPECT_EQ(error((folder / "a.toml").string()),
               "is not relative to the protocol's file and is not read; put the file into the "
               "protocol's folder");
-    EXPECT_EQ(complaint("up/a.toml"), "lies outside the protocol's folder, by way of a link, and "
-                                      "is not read; put the file there");
+    EXPECT_EQ(error("up/a.toml"), "lies outside the protocol's folder, by way of a link, and "
+                                  "is not read; put the file there");
 }
 
 TEST(ContainedPath, NoLinkIsFollowedWhereNoneMayBe) {
@@ -53,11 +53,11 @@ TEST(ContainedPath, NoLinkIsFollowedWhereNoneMayBe) {
     std::filesystem::create_directories(folder / "a/b");
     std::filesystem::create_symlink("b", folder / "a/link");
     EXPECT_EQ(path_without_links(folder, "a/b/c"), folder / "a/b/c");
-    EXPECT_EQ(complaint_of([&] { static_cast<void>(path_without_links(folder, "a/link/c")); }),
+    EXPECT_EQ(error_text_of([&] { static_cast<void>(path_without_links(folder, "a/link/c")); }),
               (folder / "a/link").string() +
                   ": is a link, which is not followed; put there what it leads to");
     for (const char *const path : {"a/../a", "..", "a/", "/a", "./a", "a/\n"}) {
-        EXPECT_NE(complaint_of([&] { static_cast<void>(path_without_links(folder, path)); }), "")
+        EXPECT_NE(error_text_of([&] { static_cast<void>(path_without_links(folder, path)); }), "")
             << path;
     }
 }

@@ -1,7 +1,7 @@
 // Covers base/new_file.cpp.
 #include "base/new_file.h"
 
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 #include "tests/support/modes.h"
 
@@ -14,8 +14,8 @@
 namespace springdrive {
 namespace {
 
-using testing::complaint_of;
 using testing::contents_of;
+using testing::error_text_of;
 
 std::ptrdiff_t files_in(const std::filesystem::path &folder) {
     return std::distance(std::filesystem::directory_iterator(folder), {});
@@ -54,7 +54,7 @@ TEST(NewFile, KeepsWhatAppearedMeanwhile) {
         NewFile file(folder / "a");
         write(file.temporary(), "new");
         write(folder / "a", "of another program");
-        EXPECT_EQ(complaint_of([&] { file.publish(Existing::keep); }),
+        EXPECT_EQ(error_text_of([&] { file.publish(Existing::keep); }),
                   (folder / "a").string() + ": exists; use --force to replace it");
     }
     EXPECT_EQ(contents_of(folder / "a"), "of another program");
@@ -136,9 +136,9 @@ TEST(NewFile, HasATemporaryNameThatNobodyGuesses) {
 }
 
 TEST(NewFile, IsNoDevice) {
-    EXPECT_EQ(complaint_of([] { NewFile("/dev/null"); }),
+    EXPECT_EQ(error_text_of([] { NewFile("/dev/null"); }),
               "/dev/null: is not a regular file; give another name");
-    EXPECT_NE(complaint_of([] { NewFile("/no/such/folder/a"); }), "");
+    EXPECT_NE(error_text_of([] { NewFile("/no/such/folder/a"); }), "");
 }
 
 TEST(ResolvedName, IsTheSameForAllSpellings) {

@@ -44,7 +44,7 @@ TEST(Sha256, SeparatesTexts) { EXPECT_NE(of_texts("ab", "c"), of_texts("a", "bc"
 TEST(Sha256, NamesAFileThatCannotBeRead) {
     const auto folder = testing::fresh_folder("sha256_none");
     for (const auto &file : {folder / "none", folder}) {
-        const std::string said = testing::complaint_of([&] { (void)sha256_of_file(file); });
+        const std::string said = testing::error_text_of([&] { (void)sha256_of_file(file); });
         EXPECT_NE(said.find(file.string() + ": cannot be read"), std::string::npos) << said;
     }
 }

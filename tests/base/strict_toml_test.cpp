@@ -2,7 +2,7 @@
 // lists, rows and the nearest name.
 #include "base/strict_toml.h"
 
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -19,8 +19,8 @@ constexpr std::array<std::string_view, 3> kColours{"red", "green", "blue"};
 
 StrictTomlTable table_of(const std::string &text) { return StrictTomlTable::parse(text, "t.toml"); }
 
-std::string complaint(const std::string &text, const std::function<void(StrictTomlTable &)> &read) {
-    return testing::complaint_of([&] {
+std::string error(const std::string &text, const std::function<void(StrictTomlTable &)> &read) {
+    return testing::error_text_of([&] {
         StrictTomlTable table = table_of(text);
         read(table);
     });
@@ -40,30 +40,30 @@ TEST(StrictToml, ReadsFlagsChoicesAndLists) {
 
 TEST(StrictToml, RefusesWhatIsNone) {
     const auto flag = [](StrictTomlTable &t) { static_cast<void>(t.flag("a")); };
-    EXPECT_EQ(complaint("a = 1", flag), "t.toml:1: a is 1; it must be true or false");
-    EXPECT_EQ(complaint("b = 1", flag), "t.toml:1: a is missing; it must be true or false");
+    EXPECT_EQ(error("a = 1", flag), "t.toml:1: a is 1; it must be true or false");
+    EXPECT_EQ(error("b = 1", flag), "t.toml:1: a is missing; it must be true or false");
     const auto choice = [](StrictTomlTable &t) { static_cast<void>(t.choice("a", kColours)); };
-    EXPECT_EQ(complaint("\na = \"pink\"", choice),
+    EXPECT_EQ(error("\na = \"pink\"", choice),
               "t.toml:2: a is \"pink\"; it must be red, green or blue");
-    EXPECT_EQ(complaint("a = 3", choice), "t.toml:1: a is 3; it must be red, green or blue");
+    EXPECT_EQ(error("a = 3", choice), "t.toml:1: a is 3; it must be red, green or blue");
     const auto numbers = [](StrictTomlTable &t) {
         static_cast<void>(t.numbers("a", {0.0, 3.0}, 2));
     };
     EXPECT_EQ(
-        complaint("a = [1, 4]", numbers),
+        error("a = [1, 4]", numbers),
         "t.toml:1: a has 4; it must be 1 to 2 numbers in brackets, each a number from 0 to 3");
     for (const char *text : {"a = []", "a = [1, 2, 3]", "a = 1", "a = ['x']", "a = [nan]", ""}) {
-        EXPECT_NE(complaint(text, numbers), "") << text;
+        EXPECT_NE(error(text, numbers), "") << text;
     }
     const auto choices = [](StrictTomlTable &t) { static_cast<void>(t.choices("a", kColours)); };
-    EXPECT_EQ(complaint("a = ['red',\n 'pink']", choices),
+    EXPECT_EQ(error("a = ['red',\n 'pink']", choices),
               "t.toml:1: a has 'pink'; it must be a list, each of it red, green or blue");
     for (const char *text : {"a = 'red'", "a = [1]", ""}) {
-        EXPECT_NE(complaint(text, choices), "") << text;
+        EXPECT_NE(error(text, choices), "") << text;
     }
     const auto texts = [](StrictTomlTable &t) { static_cast<void>(t.texts("a", 2)); };
     for (const char *text : {"a = []", "a = ['x', 'y', 'z']", "a = 'x'", "a = ['x', 1]", ""}) {
-        EXPECT_NE(complaint(text, texts), "") << text;
+        EXPECT_NE(error(text, texts), "") << text;
     }
 }
 
@@ -76,11 +76,11 @@ TEST(StrictToml, ReadsRowsUpToALimit) {
     const auto rows = [](StrictTomlTable &t) {
         t.rows("r", 1, [](StrictTomlTable &row) { row.refuse_unknown_keys(); });
     };
-    EXPECT_EQ(complaint(two, rows), "t.toml:1: r appears 2 times; it must appear 1 to 1 times");
-    EXPECT_EQ(complaint("", rows), "t.toml:1: r is missing; add a table [[r]]");
-    EXPECT_NE(complaint("r = [1]", rows), "");
-    EXPECT_NE(complaint("r = {x = 1}", rows), "");
-    EXPECT_EQ(complaint("[[r]]\nx = 1", rows).substr(0, 30), "t.toml:2: r[1].x is not known;");
+    EXPECT_EQ(error(two, rows), "t.toml:1: r appears 2 times; it must appear 1 to 1 times");
+    EXPECT_EQ(error("", rows), "t.toml:1: r is missing; add a table [[r]]");
+    EXPECT_NE(error("r = [1]", rows), "");
+    EXPECT_NE(error("r = {x = 1}", rows), "");
+    EXPECT_EQ(error("[[r]]\nx = 1", rows).substr(0, 30), "t.toml:2: r[1].x is not known;");
 }
 
 TEST(StrictToml, NamesTheNearestKeyThatItKnows) {
@@ -89,10 +89,10 @@ TEST(StrictToml, NamesTheNearestKeyThatItKnows) {
         static_cast<void>(t.has_optional("width_m"));
         t.refuse_unknown_keys();
     };
-    EXPECT_EQ(complaint("hieght_m = 1", read),
+    EXPECT_EQ(error("hieght_m = 1", read),
               "t.toml:1: hieght_m is not known; the nearest is height_m; the known keys are "
               "height_m, width_m");
-    EXPECT_EQ(complaint("width_m = 1", read), "");
+    EXPECT_EQ(error("width_m = 1", read), "");
 }
 
 } // namespace

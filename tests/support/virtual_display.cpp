@@ -120,17 +120,17 @@ VirtualDisplay::VirtualDisplay(std::vector<std::string> server) {
     const std::string line = server_ > 0 ? first_line(number[0]) : "";
     close(number[0]);
     name_ = ":" + line;
-    std::string complaint;
+    std::string error;
     if (server_ < 0) {
-        complaint = "no process for " + program;
+        error = "no process for " + program;
     } else if (line.empty()) {
-        complaint = end_server(server_) == kNotFound
-                        ? program + " is not installed"
-                        : program + " did not start: " + contents_of_log(log);
+        error = end_server(server_) == kNotFound
+                    ? program + " is not installed"
+                    : program + " did not start: " + contents_of_log(log);
     }
     close(log);
-    if (!complaint.empty()) {
-        throw std::runtime_error("no virtual display: " + complaint);
+    if (!error.empty()) {
+        throw std::runtime_error("no virtual display: " + error);
     }
 }
 

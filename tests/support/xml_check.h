@@ -17,14 +17,14 @@ public:
     explicit XmlCheck(std::string_view text) : text_(text) {}
 
     /// Why it is no well-formed XML with finite numbers; empty if it is.
-    [[nodiscard]] std::string complaint() {
-        while (complaint_.empty() && at_ < text_.size()) {
+    [[nodiscard]] std::string error() {
+        while (error_.empty() && at_ < text_.size()) {
             text_[at_] == '<' ? take_tag() : take_character();
         }
-        if (complaint_.empty() && !open_.empty()) {
-            complaint_ = open_.back() + " is not closed";
+        if (error_.empty() && !open_.empty()) {
+            error_ = open_.back() + " is not closed";
         }
-        return complaint_;
+        return error_;
     }
     /// Of the part that has been looked at.
     [[nodiscard]] int elements() const { return elements_; }
@@ -39,11 +39,11 @@ private:
                     return;
                 }
             }
-            complaint_ = "a bare & at " + std::to_string(at_);
+            error_ = "a bare & at " + std::to_string(at_);
         } else if (static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t') {
-            complaint_ = "a control character at " + std::to_string(at_);
+            error_ = "a control character at " + std::to_string(at_);
         } else if (open_.empty() && std::isspace(static_cast<unsigned char>(c)) == 0) {
-            complaint_ = "text outside of any element at " + std::to_string(at_);
+            error_ = "text outside of any element at " + std::to_string(at_);
         }
         ++at_;
     }
@@ -70,7 +70,7 @@ private:
         if (take("/")) {
             const std::string closed = name();
             if (open_.empty() || open_.back() != closed || !take(">")) {
-                complaint_ = "</" + closed + " closes nothing";
+                error_ = "</" + closed + " closes nothing";
                 return;
             }
             open_.pop_back();
@@ -79,10 +79,10 @@ private:
         open_.push_back(name());
         ++elements_;
         if (open_.back().empty()) {
-            complaint_ = "a bare < at " + std::to_string(at_);
+            error_ = "a bare < at " + std::to_string(at_);
         }
         std::set<std::string> attributes;
-        while (complaint_.empty() && at_ < text_.size()) {
+        while (error_.empty() && at_ < text_.size()) {
             const bool has_space = take(" ");
             if (take("/>")) {
                 open_.pop_back();
@@ -94,7 +94,7 @@ private:
             const std::string attribute = name();
             if (!has_space || attribute.empty() || !attributes.insert(attribute).second ||
                 !take("=\"")) {
-                complaint_ = "no attribute at " + std::to_string(at_);
+                error_ = "no attribute at " + std::to_string(at_);
                 return;
             }
             take_attribute_value(attribute);
@@ -106,15 +106,15 @@ private:
         const std::string value(text_.substr(at_, end - at_));
         at_ = end + 1;
         if (value.find_first_of("<&") != std::string::npos) {
-            complaint_ = "< or & in " + attribute;
+            error_ = "< or & in " + attribute;
         }
         for (const std::string_view number : {"nan", "inf"}) {
             if (value.find(number) != std::string::npos) {
-                complaint_ = attribute + " is \"" + value.substr(0, 200) + '"';
+                error_ = attribute + " is \"" + value.substr(0, 200) + '"';
             }
         }
         if (attribute == "id" && !ids_.insert(value).second) {
-            complaint_ = "the id " + value + " twice";
+            error_ = "the id " + value + " twice";
         }
     }
 
@@ -123,11 +123,11 @@ private:
     std::vector<std::string> open_;
     std::set<std::string> ids_;
     int elements_ = 0;
-    std::string complaint_;
+    std::string error_;
 };
 
-[[nodiscard]] inline std::string complaint_about_xml(std::string_view text) {
-    return XmlCheck(text).complaint();
+[[nodiscard]] inline std::string error_about_xml(std::string_view text) {
+    return XmlCheck(text).error();
 }
 
 } // namespace springdrive::testing

@@ -398,8 +398,8 @@ void check_kills(std::optional<GadgetProcess> &gadget, bool is_high_speed, int k
 }
 
 /// What is wrong with how the gadget is started is said in one line.
-void check_complaints() {
-    const auto complaint = [](const std::function<void(emulator::GadgetOptions &)> &change) {
+void check_errors() {
+    const auto error = [](const std::function<void(emulator::GadgetOptions &)> &change) {
         emulator::GadgetOptions options;
         change(options);
         Echo echo;
@@ -413,11 +413,11 @@ void check_complaints() {
         throw HostError("a gadget should not have started");
     };
     fmt::print("refused:\n");
-    complaint([](auto &options) { options.name = kName; });
-    complaint([](auto &options) { options.name = "../x"; });
-    complaint([](auto &options) { options.controller = "none.0"; });
-    complaint([](auto &options) { options.name = "second"; });
-    complaint([](auto &options) { options.serial = ""; });
+    error([](auto &options) { options.name = kName; });
+    error([](auto &options) { options.name = "../x"; });
+    error([](auto &options) { options.controller = "none.0"; });
+    error([](auto &options) { options.name = "second"; });
+    error([](auto &options) { options.serial = ""; });
 }
 
 std::size_t gadgets_in_configfs() {
@@ -450,7 +450,7 @@ int run_host(const Options &options) {
         check_resets(host);
     }
     check_plugging(*gadget, options.cycles);
-    check_complaints();
+    check_errors();
     fmt::print("{}\n", gadget->end());
     check(gadgets_in_configfs() == 0, "gadgets are left in configfs");
     gadget.emplace(options.is_high_speed);

@@ -6,9 +6,9 @@
 #include "device/usb/driver/libusb_port.h"
 #include "device/usb/driver/usb_device.h"
 #include "device/usb/emulator/gadget.h"
-#include "tests/support/complaint.h"
 #include "tests/support/devices.h"
 #include "tests/support/emulated_port.h"
+#include "tests/support/error_text.h"
 #include "tests/usb/bare_echo.h"
 #include "tests/usb/emulator_process.h"
 
@@ -240,12 +240,12 @@ void unplug_and_back(const EmulatorProcess &emulator, UsbDevice &device, double 
     device.write(hold(last)); // goes nowhere, and harms nothing
     emulator.plug_in();
     const double plugged_s = seconds();
-    std::string complaint;
+    std::string error;
     do {
         std::this_thread::sleep_for(20ms);
-        complaint = testing::complaint_of([&] { device.reconnect(); });
-    } while (!complaint.empty() && seconds() < plugged_s + 10.0);
-    ASSERT_EQ(complaint, "");
+        error = testing::error_text_of([&] { device.reconnect(); });
+    } while (!error.empty() && seconds() < plugged_s + 10.0);
+    ASSERT_EQ(error, "");
     Measurement measured = device.read();
     ASSERT_EQ(measured.health, DeviceHealth::ok);
     ASSERT_TRUE(device.is_zeroed()); // the board had power all the time
@@ -290,26 +290,26 @@ TEST(OnUsb, SurvivesAnEmulatorThatIsKilled) {
         wait_until([&] { return device->read().health == DeviceHealth::lost; });
     }
     const EmulatorProcess another(wish);
-    wait_until([&] { return testing::complaint_of([&] { device->reconnect(); }).empty(); });
+    wait_until([&] { return testing::error_text_of([&] { device->reconnect(); }).empty(); });
     EXPECT_EQ(device->read().health, DeviceHealth::ok);
     EXPECT_FALSE(device->is_zeroed()); // it is another board, with the same number
 }
 
 TEST(OnUsb, SaysInOneLineWhyABoardCannotBeUsed) {
-    const auto complaint = [](const std::string &serial) {
-        return testing::complaint_of([&] {
+    const auto error = [](const std::string &serial) {
+        return testing::error_text_of([&] {
             const UsbDevice device(usb::make_libusb_port(), described(), serial, 1e-3,
                                    Pacing::reports);
         });
     };
     wait_until([] { return usb::boards_present().empty(); });
-    EXPECT_NE(complaint("").find("no USB board is connected"), std::string::npos);
+    EXPECT_NE(error("").find("no USB board is connected"), std::string::npos);
     EmulatorWish wish;
     const EmulatorProcess emulator(wish);
     wait_until([&] { return is_present(wish.serial); });
-    EXPECT_NE(complaint("other").find("EMU-1"), std::string::npos);
+    EXPECT_NE(error("other").find("EMU-1"), std::string::npos);
     const auto device = opened(wish, 1e-3, Pacing::reports);
-    EXPECT_NE(complaint("").find("another program uses it"), std::string::npos) << complaint("");
+    EXPECT_NE(error("").find("another program uses it"), std::string::npos) << error("");
     EXPECT_EQ(device->read().health, DeviceHealth::ok); // which goes on
 }
 

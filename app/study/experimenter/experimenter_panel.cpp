@@ -162,8 +162,8 @@ ExperimenterActs draw_experimenter_panel(ExperimenterPanelState &panel, const Re
         acts.zeroes_device = ui::button("It is in its zero pose", {-1.0F, 0.0F});
         ui::explain("hold the upper arm level and the forearm hanging, the tip at the origin, and "
                     "press this: the device does not know its angles yet");
-        if (!panel.complaint.empty()) {
-            ui::wrapped(kDanger, "{}", panel.complaint);
+        if (!panel.error.empty()) {
+            ui::wrapped(kDanger, "{}", panel.error);
         }
     }
     ImGui::Separator();

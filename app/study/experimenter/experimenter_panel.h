@@ -20,7 +20,7 @@ enum class EndAsked : std::uint8_t { nothing, stop, leave };
 struct ExperimenterPanelState {
     bool is_paused = false;
     bool shows_stimuli = false; ///< condition, level, answers and fit
-    std::string complaint;      ///< why the device could not be zeroed
+    std::string error;          ///< why the device could not be zeroed
     std::string note;           ///< being typed
     double typed_s = 0.0;       ///< when its last key was, by ImGui::GetTime
     std::vector<std::string> notes_of_today;

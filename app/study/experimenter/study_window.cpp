@@ -6,7 +6,7 @@
 #include "app/study/participant/input_times.h"
 #include "app/study/participant/monitors.h"
 #include "app/widgets/widgets.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "engine/study/conduct/presentation.h"
 
 #include <algorithm>
@@ -162,12 +162,11 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
         session_.emergency_stop();
     }
     if (acts.zeroes_device) {
-        panel_.complaint = complaint_of([this] { session_.zero_device(Vector3::Zero()); });
+        panel_.error = error_text_of([this] { session_.zero_device(Vector3::Zero()); });
     }
     if (acts.note) {
-        const std::string complaint = complaint_of([&] { store_note(state, *acts.note); });
-        panel_.notes_of_today.push_back(complaint.empty() ? *acts.note
-                                                          : "not stored: " + complaint);
+        const std::string error = error_text_of([&] { store_note(state, *acts.note); });
+        panel_.notes_of_today.push_back(error.empty() ? *acts.note : "not stored: " + error);
     }
     SittingFrame frame{participant_window_.take_inputs(session_.servo()), acts.orders};
     frame.orders.stops = frame.orders.stops || window_.is_closing() || asked_to_end();

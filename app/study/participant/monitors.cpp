@@ -35,13 +35,13 @@ std::string monitor_line(std::size_t index, const MonitorFacts &monitor) {
 }
 
 std::size_t monitor_meant(std::string_view wish, std::span<const MonitorFacts> monitors) {
-    const auto complaint = [&](const std::string &what) {
+    const auto error = [&](const std::string &what) {
         return InputError("no monitor \"" + std::string(wish) + "\" for the participant: " + what +
                           "; there are " + all_lines(monitors));
     };
     if (const std::optional<std::size_t> number = number_in<std::size_t>(wish)) {
         if (*number < 1 || *number > monitors.size()) {
-            throw complaint("numbers are from 1 to " + std::to_string(monitors.size()));
+            throw error("numbers are from 1 to " + std::to_string(monitors.size()));
         }
         return *number - 1;
     }
@@ -54,13 +54,13 @@ std::size_t monitor_meant(std::string_view wish, std::span<const MonitorFacts> m
         }
         if (!part.empty() && name.find(part) != std::string::npos) {
             if (meant) {
-                throw complaint("it is part of more than one name");
+                throw error("it is part of more than one name");
             }
             meant = i;
         }
     }
     if (!meant) {
-        throw complaint("type its number or a part of its name");
+        throw error("type its number or a part of its name");
     }
     return *meant;
 }

@@ -1,4 +1,4 @@
-// Control requests to a board, with complaints of one line.
+// Control requests to a board, with errors of one line.
 #pragma once
 
 #include "base/input_error.h"
@@ -12,7 +12,7 @@
 
 namespace springdrive::usb {
 
-/// @param board  its name in a complaint
+/// @param board  its name in a error
 /// @param what   that is asked for, the same
 /// @throw InputError if the board is not connected, does not know the request, or answers nonsense
 template <class Value>

@@ -13,7 +13,7 @@ namespace springdrive::usb {
 
 /// What a driver knows of a board that is connected.
 struct BoardStatus {
-    std::string name; ///< in complaints
+    std::string name; ///< in errors
     std::string speed;
     Identity identity;
     Capabilities capabilities;

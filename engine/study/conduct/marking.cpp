@@ -21,7 +21,7 @@ std::string share_off_by_more(double delivered, double intended, double most_per
                        " %");
 }
 
-std::string complaint_of(const Marking &marking, Band band, const StimulusValue &value) {
+std::string error_text_of(const Marking &marking, Band band, const StimulusValue &value) {
     if (!value.intended) {
         return {};
     }
@@ -53,10 +53,9 @@ std::vector<std::string> marks_of(const Marking &marking,
             if (known == kMeasuredValues.end()) {
                 continue;
             }
-            const std::string complaint = complaint_of(marking, known->band, value);
-            if (!complaint.empty()) {
-                marks.push_back(
-                    fmt::format("{} of presentation {}: {}", value.name, i + 1, complaint));
+            const std::string error = error_text_of(marking, known->band, value);
+            if (!error.empty()) {
+                marks.push_back(fmt::format("{} of presentation {}: {}", value.name, i + 1, error));
             }
         }
     }

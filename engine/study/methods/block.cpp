@@ -53,19 +53,19 @@ std::string what_is_wrong_with(const CatchTrials &catch_trials) {
 
 std::string what_is_wrong_with(const Block &block) {
     constexpr int kMostSeries = 100;
-    std::string complaint =
+    std::string error =
         first_of({what_is_wrong_with(block.task),
                   unless_from_to("series (how many)", static_cast<double>(block.series.size()), 1,
                                  kMostSeries),
                   what_is_wrong_with(block.practice), what_is_wrong_with(block.catch_trials),
                   unless_from_to("most_marked", block.most_marked, 0, 10000)});
-    for (std::size_t i = 0; i < block.series.size() && complaint.empty(); ++i) {
-        complaint = what_is_wrong_with(block.series[i], block.task);
-        if (!complaint.empty()) {
-            complaint = fmt::format("series[{}]: {}", i, complaint);
+    for (std::size_t i = 0; i < block.series.size() && error.empty(); ++i) {
+        error = what_is_wrong_with(block.series[i], block.task);
+        if (!error.empty()) {
+            error = fmt::format("series[{}]: {}", i, error);
         }
     }
-    return complaint;
+    return error;
 }
 
 int most_trials(const Block &block) {

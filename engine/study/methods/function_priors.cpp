@@ -10,12 +10,12 @@
 namespace springdrive::study {
 
 std::string what_is_wrong_with(const FunctionPriors &priors) {
-    const std::string complaint = first_of({what_is_wrong_with(priors.threshold, "threshold"),
-                                            what_is_wrong_with(priors.slope, "slope"),
-                                            what_is_wrong_with(priors.guess, "guess"),
-                                            what_is_wrong_with(priors.lapse, "lapse")});
-    if (!complaint.empty()) {
-        return complaint;
+    const std::string error = first_of({what_is_wrong_with(priors.threshold, "threshold"),
+                                        what_is_wrong_with(priors.slope, "slope"),
+                                        what_is_wrong_with(priors.guess, "guess"),
+                                        what_is_wrong_with(priors.lapse, "lapse")});
+    if (!error.empty()) {
+        return error;
     }
     return first_of(
         {priors.family.scale == Scale::logarithmic

@@ -49,8 +49,8 @@ std::string what_is_wrong_with(const Method &method, const Task &task) {
     }
     return std::visit(
         [&](const auto &one) {
-            const std::string complaint = what_is_wrong_with(one);
-            return complaint.empty() ? what_is_wrong_with_task(one, task) : complaint;
+            const std::string error = what_is_wrong_with(one);
+            return error.empty() ? what_is_wrong_with_task(one, task) : error;
         },
         method);
 }

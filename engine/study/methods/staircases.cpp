@@ -23,12 +23,12 @@ std::string what_is_wrong_with_steps(const Staircases &method) {
         const StepSize &step = method.steps[i];
         const std::string key = fmt::format("steps[{}]", i);
         const double fewest = i == 0 ? 0.0 : method.steps[i - 1].from_reversal + 1.0;
-        if (std::string complaint =
+        if (std::string error =
                 first_of({unless_from_to(key + ".from_reversal", step.from_reversal, fewest,
                                          i == 0 ? 0.0 : 1000.0),
                           unless_above(key + ".size", step.size, ratios ? 1.0 : 0.0)});
-            !complaint.empty()) {
-            return complaint;
+            !error.empty()) {
+            return error;
         }
     }
     return {};
@@ -37,20 +37,20 @@ std::string what_is_wrong_with_steps(const Staircases &method) {
 } // namespace
 
 std::string what_is_wrong_with(const Staircases &method) {
-    if (std::string complaint =
+    if (std::string error =
             first_of({unless_level("minimum_level", method.minimum_level, method.scale),
                       unless_above("maximum_level", method.maximum_level, method.minimum_level),
                       out_of_range(kStaircaseFields, method), what_is_wrong_with_steps(method),
                       unless_from_to("start_levels (how many)",
                                      static_cast<double>(method.start_levels.size()), 1, 16)});
-        !complaint.empty()) {
-        return complaint;
+        !error.empty()) {
+        return error;
     }
     for (const double level : method.start_levels) {
-        if (std::string complaint = unless_from_to("start_levels (each)", level,
-                                                   method.minimum_level, method.maximum_level);
-            !complaint.empty()) {
-            return complaint;
+        if (std::string error = unless_from_to("start_levels (each)", level, method.minimum_level,
+                                               method.maximum_level);
+            !error.empty()) {
+            return error;
         }
     }
     return {};

@@ -34,8 +34,8 @@ std::string unless_rising(std::string_view key, std::span<const double> levels,
         return fmt::format("{} has {} levels; it must have at least {}", key, levels.size(),
                            fewest);
     }
-    if (std::string complaint = unless_finite(key, levels); !complaint.empty()) {
-        return complaint;
+    if (std::string error = unless_finite(key, levels); !error.empty()) {
+        return error;
     }
     for (std::size_t i = 1; i < levels.size(); ++i) {
         if (levels[i] <= levels[i - 1]) {
@@ -46,10 +46,10 @@ std::string unless_rising(std::string_view key, std::span<const double> levels,
     return {};
 }
 
-std::string first_of(std::initializer_list<std::string> complaints) {
-    for (const std::string &complaint : complaints) {
-        if (!complaint.empty()) {
-            return complaint;
+std::string first_of(std::initializer_list<std::string> errors) {
+    for (const std::string &error : errors) {
+        if (!error.empty()) {
+            return error;
         }
     }
     return {};

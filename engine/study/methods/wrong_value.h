@@ -27,6 +27,6 @@ namespace springdrive::study {
 [[nodiscard]] std::string unless_finite(std::string_view key, std::span<const double> values);
 
 /// The first that is not empty.
-[[nodiscard]] std::string first_of(std::initializer_list<std::string> complaints);
+[[nodiscard]] std::string first_of(std::initializer_list<std::string> errors);
 
 } // namespace springdrive::study

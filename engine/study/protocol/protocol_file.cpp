@@ -36,20 +36,20 @@ void read_table(StrictTomlTable &file, std::string_view name, const Fields &fiel
     }
 }
 
-/// Passes on a complaint of the values, "KEY is VALUE; it must be …", with the key's file and line;
+/// Passes on a error of the values, "KEY is VALUE; it must be …", with the key's file and line;
 /// KEY may lead into inner tables, "threshold.minimum". Does nothing with an empty one.
-void refuse_as(StrictTomlTable &table, const std::string &complaint) {
-    if (complaint.empty()) {
+void refuse_as(StrictTomlTable &table, const std::string &error) {
+    if (error.empty()) {
         return;
     }
-    const std::size_t end = std::min(complaint.find(' '), complaint.size());
-    const std::string key = complaint.substr(0, end);
+    const std::size_t end = std::min(error.find(' '), error.size());
+    const std::string key = error.substr(0, end);
     const std::size_t dot = key.find('.');
     if (dot != std::string::npos && table.has(key.substr(0, dot))) {
         StrictTomlTable inner = table.table(key.substr(0, dot));
-        refuse_as(inner, complaint.substr(dot + 1));
+        refuse_as(inner, error.substr(dot + 1));
     }
-    table.refuse(key, complaint.substr(std::min(end + 1, complaint.size())));
+    table.refuse(key, error.substr(std::min(end + 1, error.size())));
 }
 
 /// Refuses a row whose name is empty or another's.

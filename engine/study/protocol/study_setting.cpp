@@ -1,8 +1,8 @@
 #include "engine/study/protocol/study_setting.h"
 
-#include "base/complaint.h"
 #include "base/contained_path.h"
 #include "base/degrees.h"
+#include "base/error_text.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
 #include "device/core/device_file.h"
@@ -48,7 +48,7 @@ struct LoadedStudyScene {
 
 LoadedStudyScene load(const std::filesystem::path &file, const device::Workspace &workspace) {
     LoadedStudyScene loaded;
-    loaded.problem = complaint_of([&] {
+    loaded.problem = error_text_of([&] {
         const scene::Scene scene = scene::load_gltf(file, workspace);
         loaded.lesson = scene.lesson;
         loaded.surface =
@@ -147,7 +147,7 @@ StudySetting study_setting(const Protocol &protocol, const ProtocolFolders &fold
             continue;
         }
         std::filesystem::path file;
-        if (std::string problem = complaint_of([&] { file = scene_file_of(condition, folders); });
+        if (std::string problem = error_text_of([&] { file = scene_file_of(condition, folders); });
             !problem.empty()) {
             setting.conditions.emplace_back().problem = std::move(problem);
             continue;

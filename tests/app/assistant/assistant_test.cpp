@@ -2,7 +2,7 @@
 // the file by which it is resumed.
 #include "app/assistant/assistant.h"
 
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "tests/app/assistant/walker.h"
 
 #include <gtest/gtest.h>
@@ -209,10 +209,10 @@ TEST(Assistant, BeginsAnewWithADamagedFileAndSaysSo) {
     std::ofstream(file_in(folder)) << "done = [\"link\",\n  \"nonsense\"]\nfailed = []\n";
     Sequence sequence(folder);
     EXPECT_EQ(sequence.assistant.present(), StepName::link);
-    EXPECT_NE(sequence.assistant.complaint().find(":1: done has 'nonsense'"), std::string::npos)
-        << sequence.assistant.complaint();
+    EXPECT_NE(sequence.assistant.error().find(":1: done has 'nonsense'"), std::string::npos)
+        << sequence.assistant.error();
     sequence.pass(0);
-    EXPECT_EQ(sequence.assistant.complaint(), "");
+    EXPECT_EQ(sequence.assistant.error(), "");
     EXPECT_TRUE(read_progress(file_in(folder)).done.test(0));
     std::filesystem::remove_all(folder);
 }
@@ -223,7 +223,7 @@ TEST(Assistant, GoesOnWhereItsProgressCannotBeKept) {
     Sequence sequence(folder / "file");
     sequence.pass(0);
     EXPECT_EQ(sequence.assistant.present(), StepName::identity);
-    EXPECT_NE(sequence.assistant.complaint(), "");
+    EXPECT_NE(sequence.assistant.error(), "");
     std::filesystem::remove_all(folder);
 }
 
@@ -242,7 +242,7 @@ TEST(ProgressFile, HasEveryStepAndRefusesWhatIsNone) {
          {"", "springdrive\n", "done = [\"link\"]\n", "done = []\nfailed = [1]\n",
           "done = []\nfailed = []\nskipped = []\n", "\xff\xfe"}) {
         std::ofstream(file) << text;
-        EXPECT_NE(complaint_of([&] { static_cast<void>(read_progress(file)); }), "") << text;
+        EXPECT_NE(error_text_of([&] { static_cast<void>(read_progress(file)); }), "") << text;
     }
     std::filesystem::remove_all(folder);
 }

@@ -1,7 +1,7 @@
 // Covers app/assistant/{calibration_step,findings}.cpp: on emulated devices whose motors and
 // sensors are drawn at random, against their truth; and what can come between.
 #include "app/assistant/findings.h"
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
 #include "device/simulated/drawn_device.h"
@@ -365,11 +365,11 @@ TEST(CalibrationStep, OneOfTheDeviceFileIsShownAndComesBeforeTheBoards) {
 TEST(CalibrationStep, OneOfAnotherSerialNumberIsRefused) {
     SessionOptions options = drawn_device();
     options.device.file = file_of("emulated-8");
-    const std::string refused = complaint_of([&] { const session::Session other(options); });
+    const std::string refused = error_text_of([&] { const session::Session other(options); });
     EXPECT_NE(refused.find("emulated-8"), std::string::npos) << refused;
     EXPECT_NE(refused.find(kSerial), std::string::npos) << refused;
     options.device_seed = 8;
-    EXPECT_EQ(complaint_of([&] { const session::Session own(options); }), "");
+    EXPECT_EQ(error_text_of([&] { const session::Session own(options); }), "");
 }
 
 TEST(CalibrationVerdict, OnlyWhatContradictsTheDeviceFileMustNotBePassed) {

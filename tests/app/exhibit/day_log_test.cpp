@@ -28,7 +28,7 @@ TEST(ExhibitDayLog, AppendsOneLineAnEventWithTheLocalTime) {
     again.note("two\nlines", at_local("2026-11-25 10:05:00"));
     EXPECT_EQ(testing::contents_of(file), "2026-11-25 10:03:21  visitor 1 begins\n"
                                           "2026-11-25 10:05:00  two lines\n");
-    EXPECT_EQ(again.take_complaint(), "");
+    EXPECT_EQ(again.take_error(), "");
 }
 
 TEST(ExhibitDayLog, AFullDiskIsSaidOnceAndWhatIsMissingLater) {
@@ -37,10 +37,10 @@ TEST(ExhibitDayLog, AFullDiskIsSaidOnceAndWhatIsMissingLater) {
     std::filesystem::create_symlink("/dev/full", file); // each write fails, as on a full disk
     DayLog log(file);
     log.note("one");
-    EXPECT_NE(log.take_complaint().find("disk full"), std::string::npos);
+    EXPECT_NE(log.take_error().find("disk full"), std::string::npos);
     log.note("two");
     log.note("three");
-    EXPECT_EQ(log.take_complaint(), "");
+    EXPECT_EQ(log.take_error(), "");
     std::filesystem::remove(file); // there is room again
     log.note("four", at_local("2026-11-25 10:00:00"));
     log.note("five", at_local("2026-11-25 10:00:01"));
@@ -53,7 +53,7 @@ TEST(ExhibitDayLog, AFullDiskIsSaidOnceAndWhatIsMissingLater) {
 TEST(ExhibitDayLog, WithoutAFileItIsSilent) {
     DayLog log{std::filesystem::path()};
     log.note("one");
-    EXPECT_EQ(log.take_complaint(), "");
+    EXPECT_EQ(log.take_error(), "");
 }
 
 /// Against the telemetry itself, row by row, however many ticks a frame has.

@@ -16,7 +16,7 @@
 namespace springdrive::app {
 namespace {
 
-using testing::complaint_about_xml;
+using testing::error_about_xml;
 using testing::XmlCheck;
 
 using CanvasTest = testing::ImGuiFrame;
@@ -24,12 +24,12 @@ using CanvasTest = testing::ImGuiFrame;
 const Rectangle kPicture{{100.0F, 50.0F}, {640.0F, 360.0F}};
 
 TEST(XmlCheck, FindsWhatIsWrong) {
-    EXPECT_EQ(complaint_about_xml(R"(<a x="1 2" y=""><b/>text &amp; more</a>)"), "");
+    EXPECT_EQ(error_about_xml(R"(<a x="1 2" y=""><b/>text &amp; more</a>)"), "");
     for (const char *wrong :
          {"<a>", "<a></b>", "<a><b></a></b>", "<a>&</a>", "<a> < </a>", "<a x=1/>", R"(<a x="<"/>)",
           R"(<a x="nan"/>)", R"(<a x="1.0,-inf "/>)", R"(<a x="1"y="2"/>)", R"(<a x="1" x="2"/>)",
           "<a/>text", "<a>\x01</a>", R"(<a><b id="c"/><b id="c"/></a>)"}) {
-        EXPECT_NE(complaint_about_xml(wrong), "") << wrong;
+        EXPECT_NE(error_about_xml(wrong), "") << wrong;
     }
 }
 
@@ -55,7 +55,7 @@ TEST_F(CanvasTest, SvgOfEverythingIsWellFormed) {
     }
     const std::string svg = canvas.svg();
     XmlCheck check(svg);
-    EXPECT_EQ(check.complaint(), "");
+    EXPECT_EQ(check.error(), "");
     EXPECT_GT(check.elements(), 1000);
     EXPECT_NE(svg.find("K_θ &lt; 25° &amp; \"e_W\" &gt; 'µs'"), std::string::npos);
 }
@@ -72,7 +72,7 @@ TEST_F(CanvasTest, SvgHasItsSizeAndCountsFromItsCorner) {
 }
 
 TEST_F(CanvasTest, SvgOfNothingIsWellFormed) {
-    EXPECT_EQ(complaint_about_xml(SvgCanvas(kPicture, 1.0F).svg()), "");
+    EXPECT_EQ(error_about_xml(SvgCanvas(kPicture, 1.0F).svg()), "");
 }
 
 // --- the window ---

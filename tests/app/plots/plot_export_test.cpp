@@ -64,7 +64,7 @@ TEST_F(PlotExportTest, APictureOfManyPlotsWithManyChannelsIsWellFormed) {
     }
     export_svg(state, source, {{10.0F, 10.0F}, {300.0F, 150.0F}}, 1.0F);
     const std::string svg = testing::contents_of(*names().begin());
-    EXPECT_EQ(testing::complaint_about_xml(svg), "");
+    EXPECT_EQ(testing::error_about_xml(svg), "");
     EXPECT_NE(svg.find(" channels</text>"), std::string::npos);
 }
 

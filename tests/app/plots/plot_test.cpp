@@ -128,13 +128,13 @@ std::vector<MadeUpCase> made_up_cases() {
     return cases;
 }
 
-std::string complaint_about_picture(const PlotSettings &settings, const MadeUpStore &of,
-                                    const signals::TimeWindow &window,
-                                    const Rectangle &where = kPlace) {
+std::string error_about_picture(const PlotSettings &settings, const MadeUpStore &of,
+                                const signals::TimeWindow &window,
+                                const Rectangle &where = kPlace) {
     SvgCanvas canvas(where, 1.0F);
     PlotCache cache;
     static_cast<void>(draw_plot(canvas, where, settings, {of.store(), 1000.0, window, 0.0}, cache));
-    return testing::complaint_about_xml(canvas.svg());
+    return testing::error_about_xml(canvas.svg());
 }
 
 TEST_F(PlotTest, EveryDefaultPlotOfAnyDataIsAWellFormedPicture) {
@@ -145,7 +145,7 @@ TEST_F(PlotTest, EveryDefaultPlotOfAnyDataIsAWellFormedPicture) {
             for (const Plot &plot : state.plots) {
                 for (const auto &window : std::vector<signals::TimeWindow>{
                          {-2.0, 3.0}, {1.0, 1.1}, {1.0002, 1.0004}, {-10.0, -5.0}, {10.0, 15.0}}) {
-                    EXPECT_EQ(complaint_about_picture(plot.settings, known.made, window), "")
+                    EXPECT_EQ(error_about_picture(plot.settings, known.made, window), "")
                         << known.what << ", " << kPlotSetLabels[set] << ", " << window.from_s;
                 }
             }
@@ -159,13 +159,13 @@ TEST_F(PlotTest, APlotOfNoChannelsOrOfAllIsAWellFormedPicture) {
          {PlotKind::time, PlotKind::spectrum, PlotKind::xy, PlotKind::polar, PlotKind::histogram}) {
         PlotSettings settings;
         settings.kind = kind;
-        EXPECT_EQ(complaint_about_picture(settings, made, {0.0, 3.0}), "");
+        EXPECT_EQ(error_about_picture(settings, made, {0.0, 3.0}), "");
         const Rectangle tiny{{0.0F, 0.0F}, {4.0F, 3.0F}};
-        EXPECT_EQ(complaint_about_picture(settings, made, {0.0, 3.0}, tiny), "");
+        EXPECT_EQ(error_about_picture(settings, made, {0.0, 3.0}, tiny), "");
         for (std::size_t i = 0; i < session::channels().size(); ++i) {
             settings.channels.push_back(i);
         }
-        EXPECT_EQ(complaint_about_picture(settings, made, {0.0, 3.0}), "");
+        EXPECT_EQ(error_about_picture(settings, made, {0.0, 3.0}), "");
     }
 }
 

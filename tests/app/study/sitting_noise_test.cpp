@@ -1,6 +1,6 @@
 // Covers app/study/sitting/sitting.cpp: a session with masking noise, on a sound output that is a
 // file, or on none.
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "tests/app/study/sitting_rig.h"
 #include "tests/support/child_process.h"
 
@@ -152,7 +152,7 @@ TEST_F(StudySitting, WithoutASoundOutputThereIsNoSession) {
         [] {},
         [&] {
             ::testing::internal::CaptureStderr();
-            return complaint_of([&] {
+            return error_text_of([&] {
                 static_cast<void>(
                     run([](MadeUpPort &port, session::Session &) { port.orders.stops = true; }));
             });

@@ -1,6 +1,6 @@
 // Covers app/study/sitting/{sitting,trial_presenter}.cpp: a device that is stopped or lost in a
 // trial.
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "tests/app/study/sitting_rig.h"
 #include "tests/support/child_process.h"
 #include "tests/support/full_disk.h"
@@ -408,10 +408,10 @@ TEST_F(StudySitting, ARehearsalIsNotGoneOnWithOnAnotherDevice) {
         };
     });
     kind_ = factory::DeviceKind::emulated;
-    const std::string complaint = complaint_of([this] { run(); });
-    EXPECT_NE(complaint.find("P01 has sessions on another kind of device (simulated)"),
+    const std::string error = error_text_of([this] { run(); });
+    EXPECT_NE(error.find("P01 has sessions on another kind of device (simulated)"),
               std::string::npos)
-        << complaint;
+        << error;
     EXPECT_EQ(study::read_study(file()).sessions.size(), 1U);
 }
 

@@ -651,7 +651,7 @@ TEST(PlotsInTheWindow, PicturesAreFilesThatOthersReadAndWhatFailsIsSaid) {
         window.let_pass(1.0); // so that the files have different names
         const std::string svg = testing::contents_of(exported(window, folder, "SVG", ".svg"));
         testing::XmlCheck check(svg);
-        EXPECT_EQ(check.complaint(), "") << set;
+        EXPECT_EQ(check.error(), "") << set;
         EXPECT_GT(check.elements(), 50) << set;
         EXPECT_TRUE(place_of(svg, "transpose, measured")) << set;
         if (const std::optional<Point> second = place_of(svg, "force")) {

@@ -3,8 +3,8 @@
 
 #include "base/input_error.h"
 #include "device/core/device_file.h"
-#include "tests/support/complaint.h"
 #include "tests/support/devices.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <fmt/format.h>
@@ -36,13 +36,13 @@ Calibration possible() {
 }
 
 /// The error for a device file with this calibration, in which `from` is replaced.
-std::string complaint(const Calibration &calibration, const std::string &from = "",
-                      const std::string &to = "") {
+std::string error(const Calibration &calibration, const std::string &from = "",
+                  const std::string &to = "") {
     std::string text = with_calibration(kind_text(), calibration);
     const std::size_t at = text.rfind(from);
     EXPECT_NE(at, std::string::npos) << from;
     text.replace(at, from.size(), to);
-    return testing::complaint_of([&] { static_cast<void>(read_device_text(text, "mine.toml")); });
+    return testing::error_text_of([&] { static_cast<void>(read_device_text(text, "mine.toml")); });
 }
 
 void expect_same(const Calibration &one, const Calibration &other, double share) {
@@ -98,10 +98,10 @@ TEST(CalibrationFile, RefusesImpossibleNumbers) {
                 const double step = 1e-6 * std::abs(limit); // the text has nine digits
                 Calibration calibration = possible();
                 calibration.motor[j].*field.value = limit - outward * step;
-                EXPECT_EQ(complaint(calibration), "") << field.key;
+                EXPECT_EQ(error(calibration), "") << field.key;
                 EXPECT_EQ(what_is_wrong_with(calibration, kind), "") << field.key;
                 calibration.motor[j].*field.value = limit + outward * step;
-                const std::string message = complaint(calibration);
+                const std::string message = error(calibration);
                 for (const std::string &part :
                      {std::string("mine.toml:"), std::string(field.key), std::string("from"),
                       fmt::format("calibration.motor[{}]", j + 1)}) {
@@ -115,7 +115,7 @@ TEST(CalibrationFile, RefusesImpossibleNumbers) {
     for (const double absurd : {std::nan(""), HUGE_VAL, -HUGE_VAL, 0.0, 1e300}) {
         Calibration calibration = possible();
         calibration.motor[1].resistance_Ohm = absurd;
-        EXPECT_NE(complaint(calibration), "") << absurd;
+        EXPECT_NE(error(calibration), "") << absurd;
         EXPECT_NE(what_is_wrong_with(calibration, kind), "") << absurd;
     }
 }
@@ -124,15 +124,14 @@ TEST(CalibrationFile, RefusesImpossibleNumbers) {
 TEST(CalibrationFile, RefusesAnotherMotor) {
     Calibration calibration = possible();
     calibration.motor[2].resistance_Ohm = 2.18 * 1.072;
-    EXPECT_EQ(complaint(calibration), "");
+    EXPECT_EQ(error(calibration), "");
     calibration.motor[2].resistance_Ohm = 2.18 * 1.074;
-    EXPECT_NE(complaint(calibration).find("calibration.motor[3].resistance_Ohm"),
-              std::string::npos);
+    EXPECT_NE(error(calibration).find("calibration.motor[3].resistance_Ohm"), std::string::npos);
 }
 
 TEST(CalibrationFile, RefusesWhatIsMissingOrUnknown) {
     const auto expect = [](const std::string &from, const std::string &to, const char *part) {
-        const std::string message = complaint(possible(), from, to);
+        const std::string message = error(possible(), from, to);
         EXPECT_NE(message.find(part), std::string::npos) << part << ": " << message;
         EXPECT_NE(message.find("mine.toml:"), std::string::npos) << message;
         EXPECT_EQ(message.find('\n'), std::string::npos) << message;
@@ -173,7 +172,7 @@ TEST(CalibrationFile, IsOfOneDevice) {
     device.calibration = possible();
     EXPECT_NO_THROW(require_calibration_of(device, "board-7"));
     const std::string message =
-        testing::complaint_of([&] { require_calibration_of(device, "board-8"); });
+        testing::error_text_of([&] { require_calibration_of(device, "board-8"); });
     for (const char *part : {"board-7", "board-8", "device calibrate"}) {
         EXPECT_NE(message.find(part), std::string::npos) << message;
     }

@@ -22,7 +22,7 @@ std::string good_text() {
 }
 
 /// The error message for the valid file with its first `from` replaced by `to`.
-std::string complaint(const std::string &from, const std::string &to) {
+std::string error(const std::string &from, const std::string &to) {
     std::string text = good_text();
     const std::size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
@@ -72,50 +72,48 @@ TEST(DeviceFile, ThreeMotorsMayDiffer) {
 }
 
 TEST(DeviceFile, RejectsInvalidValuesByNameLineAndRange) {
-    expect_all(complaint("0.238e-3", "-1e-3"), {":56:", "motor.inductance_H", "-0.001", "from"});
-    expect_all(complaint("0.238e-3", "nan"), {"motor.inductance_H", "from"});
-    expect_all(complaint("0.238e-3", "inf"), {"motor.inductance_H", "from"});
-    expect_all(complaint("0.238e-3", "\"much\""), {"motor.inductance_H", "much"});
-    expect_all(complaint("[13.3, 11.2, 11.2]", "[13.3, 0, 11.2]"),
+    expect_all(error("0.238e-3", "-1e-3"), {":56:", "motor.inductance_H", "-0.001", "from"});
+    expect_all(error("0.238e-3", "nan"), {"motor.inductance_H", "from"});
+    expect_all(error("0.238e-3", "inf"), {"motor.inductance_H", "from"});
+    expect_all(error("0.238e-3", "\"much\""), {"motor.inductance_H", "much"});
+    expect_all(error("[13.3, 11.2, 11.2]", "[13.3, 0, 11.2]"),
                {"linkage.transmission_ratio", "three numbers"});
-    expect_all(complaint("[13.3, 11.2, 11.2]", "[13.3, 11.2]"), {"three numbers"});
-    expect_all(complaint("4096", "4096.5"), {"encoder.counts_per_turn", "whole number"});
-    expect_all(complaint("resistance_Ohm = 2.18", ""), {"motor.resistance_Ohm", "missing"});
-    expect_all(complaint("resistance_Ohm", "resistence_Ohm"), {"missing"});
-    expect_all(complaint("supply_V", "colour = 1\nsupply_V"), {"motor.colour", "not known"});
-    expect_all(complaint("[0.0, 0.030, -0.015]", "[0.0, 1.0, 0.0]"),
+    expect_all(error("[13.3, 11.2, 11.2]", "[13.3, 11.2]"), {"three numbers"});
+    expect_all(error("4096", "4096.5"), {"encoder.counts_per_turn", "whole number"});
+    expect_all(error("resistance_Ohm = 2.18", ""), {"motor.resistance_Ohm", "missing"});
+    expect_all(error("resistance_Ohm", "resistence_Ohm"), {"missing"});
+    expect_all(error("supply_V", "colour = 1\nsupply_V"), {"motor.colour", "not known"});
+    expect_all(error("[0.0, 0.030, -0.015]", "[0.0, 1.0, 0.0]"),
                {"workspace.centre_m", "out of reach"});
-    expect_all(complaint("highest_deg = [90.0, 119.0,", "highest_deg = [90.0, 2.0,"),
+    expect_all(error("highest_deg = [90.0, 119.0,", "highest_deg = [90.0, 2.0,"),
                {"workspace.centre_m", "joint_limits"});
-    expect_all(complaint("centre_m = -0.0239", "centre_m = -0.239"),
+    expect_all(error("centre_m = -0.0239", "centre_m = -0.239"),
                {"inertia.upper_arm.inertia_kg_m2", "at least", "0.0134748"}); // 0.2359 · 0.239²
-    expect_all(complaint("centre_m = -0.0433", "centre_m = -0.433"),
+    expect_all(error("centre_m = -0.0433", "centre_m = -0.433"),
                {"inertia.crank.inertia_kg_m2", "at least", "0.0357354"}); // 0.1906 · 0.433²
-    expect_all(complaint("[limits]", "[limit]"), {"limits", "missing"});
-    expect_all(complaint("mass_kg = 0.0166", "mass_kg = -0.0166"),
+    expect_all(error("[limits]", "[limit]"), {"limits", "missing"});
+    expect_all(error("mass_kg = 0.0166", "mass_kg = -0.0166"),
                {"inertia.forearm.mass_kg", "-0.0166", "from"});
-    expect_all(complaint("base_kg_m2 = 5.01e-4", "base_kg_m2 = nan"),
-               {"inertia.base_kg_m2", "from"});
-    expect_all(complaint("[0.270e-4, 0.270e-4,", "[-0.270e-4, 0.270e-4,"),
+    expect_all(error("base_kg_m2 = 5.01e-4", "base_kg_m2 = nan"), {"inertia.base_kg_m2", "from"});
+    expect_all(error("[0.270e-4, 0.270e-4,", "[-0.270e-4, 0.270e-4,"),
                {"inertia.forearm.inertia_kg_m2"});
-    expect_all(complaint("centre_m = -0.0239", "centre_mm = -23.9"),
+    expect_all(error("centre_m = -0.0239", "centre_mm = -23.9"),
                {"inertia.upper_arm.centre_m", "missing"});
-    expect_all(complaint("coulomb_Nm = [0.0056,", "coulomb_Nm = [-0.0056,"),
-               {"friction.coulomb_Nm"});
-    expect_all(complaint("least_q3_minus_q2_deg = -65.0", "least_q3_minus_q2_deg = -95.0"),
+    expect_all(error("coulomb_Nm = [0.0056,", "coulomb_Nm = [-0.0056,"), {"friction.coulomb_Nm"});
+    expect_all(error("least_q3_minus_q2_deg = -65.0", "least_q3_minus_q2_deg = -95.0"),
                {"joint_limits.least_q3_minus_q2_deg", "-95", "-89"});
-    expect_all(complaint("winding_time_s = 12.0", "winding_time_s = 0"),
+    expect_all(error("winding_time_s = 12.0", "winding_time_s = 0"),
                {"motor.winding_time_s", "from"});
-    expect_all(complaint("name = ", "name : "), {":2:", "not valid TOML"});
-    expect_all(complaint("0.1397 ", "139.7 "), {"linkage.upper_arm_m", "139.7"}); // millimetres
+    expect_all(error("name = ", "name : "), {":2:", "not valid TOML"});
+    expect_all(error("0.1397 ", "139.7 "), {"linkage.upper_arm_m", "139.7"}); // millimetres
 }
 
 TEST(DeviceFile, RejectsAnAmplifierThatCancelsTooMuch) {
     // 2.18 Ω and an excess of 0.63 Ω make 2.81 Ω.
-    EXPECT_EQ(complaint("greatest_cancelled_Ohm = 2.8 ", "greatest_cancelled_Ohm = 2.809 "), "");
-    expect_all(complaint("greatest_cancelled_Ohm = 2.8 ", "greatest_cancelled_Ohm = 2.811 "),
+    EXPECT_EQ(error("greatest_cancelled_Ohm = 2.8 ", "greatest_cancelled_Ohm = 2.809 "), "");
+    expect_all(error("greatest_cancelled_Ohm = 2.8 ", "greatest_cancelled_Ohm = 2.811 "),
                {"amplifier.greatest_cancelled_Ohm", "2.811", "from 0 to 2.81"});
-    expect_all(complaint("greatest_excess_Ohm = 0.63", "greatest_excess_Ohm = -1"),
+    expect_all(error("greatest_excess_Ohm = 0.63", "greatest_excess_Ohm = -1"),
                {"amplifier.greatest_excess_Ohm", "from"});
 }
 
@@ -130,17 +128,17 @@ struct Range {
 void expect_range(const std::string &table, const Range &range) {
     const std::string line = std::string(range.key) + " = " + range.value;
     for (const char *value : range.allowed) {
-        EXPECT_EQ(complaint(line, std::string(range.key) + " = " + value), "") << value;
+        EXPECT_EQ(error(line, std::string(range.key) + " = " + value), "") << value;
     }
     const std::string name = table + "." + range.key;
     for (const char *value : range.refused) {
-        expect_all(complaint(line, std::string(range.key) + " = " + value), {name.c_str()});
+        expect_all(error(line, std::string(range.key) + " = " + value), {name.c_str()});
     }
     for (const char *value : {"nan", "inf", "\"much\"", "[1.0]"}) {
-        expect_all(complaint(line, std::string(range.key) + " = " + value), {name.c_str()});
+        expect_all(error(line, std::string(range.key) + " = " + value), {name.c_str()});
     }
-    expect_all(complaint(line, ""), {name.c_str(), "missing"});
-    expect_all(complaint(line, line + "\n" + range.key + "_too = 1"), {name.c_str(), "not known"});
+    expect_all(error(line, ""), {name.c_str(), "missing"});
+    expect_all(error(line, line + "\n" + range.key + "_too = 1"), {name.c_str(), "not known"});
 }
 
 TEST(DeviceFile, HoldsTheEdgeAndTheLimits) {
@@ -168,7 +166,7 @@ TEST(DeviceFile, RejectsAnInvalidEdge) {
     expect_range("edge", {"margin_deg", "5.0", {"0.0", "30.0"}, {"-0.1", "30.1"}});
     expect_range("edge", {"stiffness_Nm_per_rad", "4.0", {"0.0", "100.0"}, {"-0.1", "100.1"}});
     expect_range("edge", {"damping_Nms_per_rad", "0.08", {"0.0", "10.0"}, {"-0.01", "10.1"}});
-    expect_all(complaint("[edge]", "[edges]"), {"edge", "missing"});
+    expect_all(error("[edge]", "[edges]"), {"edge", "missing"});
 }
 
 TEST(DeviceFile, RejectsInvalidLimits) {

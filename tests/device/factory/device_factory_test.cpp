@@ -31,7 +31,7 @@ Vector3 theta_rad(const OpenDevice &open, const device::Measurement &measured) {
     return rad_per_count * Vector3(measured.counts[0], measured.counts[1], measured.counts[2]);
 }
 
-std::string complaint_about(const DeviceRequest &asked) {
+std::string error_about(const DeviceRequest &asked) {
     try {
         static_cast<void>(open_device(asked));
     } catch (const InputError &error) {
@@ -56,17 +56,17 @@ TEST(DeviceFactory, OpensWhatIsPresentByKindAndSerial) {
 TEST(DeviceFactory, ReportsAMissingDeviceInOneLine) {
     DeviceRequest asked = request();
     asked.serial = "4711";
-    EXPECT_NE(complaint_about(asked).find("4711"), std::string::npos);
+    EXPECT_NE(error_about(asked).find("4711"), std::string::npos);
     asked = request();
     asked.kind = DeviceKind::usb;
     asked.serial = "no such board";
-    EXPECT_NE(complaint_about(asked).find("USB"), std::string::npos);
+    EXPECT_NE(error_about(asked).find("USB"), std::string::npos);
     asked = request();
     asked.start_tip_m = Vector3(5.0, 0.0, 0.0);
-    EXPECT_NE(complaint_about(asked), "");
+    EXPECT_NE(error_about(asked), "");
     asked = request();
     asked.period_s = -1.0;
-    EXPECT_NE(complaint_about(asked), "");
+    EXPECT_NE(error_about(asked), "");
     EXPECT_EQ(device_kind_named("sim"), DeviceKind::simulated);
     EXPECT_EQ(device_kind_named("usb"), DeviceKind::usb);
     EXPECT_FALSE(device_kind_named("serial"));

@@ -1,7 +1,7 @@
 // Covers device/factory/emulated_device.cpp: an emulated board as a device of its own kind.
 #include "device/factory/emulated_device.h"
 
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/factory/device_factory.h"
 #include "tests/support/devices.h"
@@ -41,7 +41,7 @@ TEST(EmulatedDevice, IsPresentAndOpenedByName) {
     EXPECT_NE(open.device().bench(), nullptr);
     DeviceRequest other = emulated_request();
     other.serial = "4711";
-    EXPECT_NE(complaint_of([&] { static_cast<void>(open_device(other)); }).find("4711"),
+    EXPECT_NE(error_text_of([&] { static_cast<void>(open_device(other)); }).find("4711"),
               std::string::npos);
 }
 
@@ -94,8 +94,8 @@ TEST(EmulatedDevice, ShowsItsFaultsAndThatItIsAnotherMachine) {
     request = emulated_request();
     request.emulation.truth = testing::phantom_1_0();
     request.emulation.truth->encoder_counts_per_turn = 2000;
-    const std::string complaint = complaint_of([&] { static_cast<void>(open_device(request)); });
-    EXPECT_NE(complaint.find("2000 counts a turn"), std::string::npos) << complaint;
+    const std::string error = error_text_of([&] { static_cast<void>(open_device(request)); });
+    EXPECT_NE(error.find("2000 counts a turn"), std::string::npos) << error;
 }
 
 TEST(EmulatedDevice, StaysTheSameWhenItIsMoved) {

@@ -19,7 +19,7 @@ std::filesystem::path written(const std::string &name, const std::string &text) 
     return file;
 }
 
-std::string complaint(const std::string &text) {
+std::string error(const std::string &text) {
     try {
         static_cast<void>(HandPath::read_csv(written("hand_path_test.csv", text)));
     } catch (const InputError &error) {
@@ -61,16 +61,16 @@ TEST(HandPath, ReadsCsvWithoutAHeaderWhereThatIsAllowed) {
 }
 
 TEST(HandPath, SaysWhichLineIsWrong) {
-    EXPECT_NE(complaint("0,0,0,0\n").find(":1:"), std::string::npos);
-    EXPECT_NE(complaint("t,x,y,z\n0,0,0\n").find(":2:"), std::string::npos);
-    EXPECT_NE(complaint("t,x,y,z\n0,0,0,0,0\n").find(":2:"), std::string::npos);
-    EXPECT_NE(complaint("t,x,y,z\n0,0,0,0\n1,nan,0,0\n").find(":3:"), std::string::npos);
-    EXPECT_NE(complaint("t,x,y,z\n0,0,0,0\n1,2mm,0,0\n").find(":3:"), std::string::npos);
-    EXPECT_NE(complaint("t,x,y,z\n1,0,0,0\n1,0,0,0\n").find(":3:"), std::string::npos);
-    EXPECT_NE(complaint("t,x,y,z\n0,0,0,0\n1,0,5.1,0\n").find(":3:"), std::string::npos);
-    EXPECT_EQ(complaint("\xEF\xBB\xBFt,x,y,z\n0,0,0,0\n1,0,4.9,0\n"), "");
-    EXPECT_NE(complaint("t,x,y,z\n").find("no point"), std::string::npos);
-    EXPECT_NE(complaint("").find("no point"), std::string::npos);
+    EXPECT_NE(error("0,0,0,0\n").find(":1:"), std::string::npos);
+    EXPECT_NE(error("t,x,y,z\n0,0,0\n").find(":2:"), std::string::npos);
+    EXPECT_NE(error("t,x,y,z\n0,0,0,0,0\n").find(":2:"), std::string::npos);
+    EXPECT_NE(error("t,x,y,z\n0,0,0,0\n1,nan,0,0\n").find(":3:"), std::string::npos);
+    EXPECT_NE(error("t,x,y,z\n0,0,0,0\n1,2mm,0,0\n").find(":3:"), std::string::npos);
+    EXPECT_NE(error("t,x,y,z\n1,0,0,0\n1,0,0,0\n").find(":3:"), std::string::npos);
+    EXPECT_NE(error("t,x,y,z\n0,0,0,0\n1,0,5.1,0\n").find(":3:"), std::string::npos);
+    EXPECT_EQ(error("\xEF\xBB\xBFt,x,y,z\n0,0,0,0\n1,0,4.9,0\n"), "");
+    EXPECT_NE(error("t,x,y,z\n").find("no point"), std::string::npos);
+    EXPECT_NE(error("").find("no point"), std::string::npos);
     EXPECT_THROW(static_cast<void>(HandPath::read_csv("no such file.csv")), InputError);
 }
 

@@ -2,8 +2,8 @@
 // time, delay and packets against their definitions in PROTOCOL.md, forces against the simulated
 // PHANTOM with its own amplifiers, and each fault with and without.
 #include "device/usb/emulator/emulated_board.h"
-#include "tests/support/complaint.h"
 #include "tests/support/devices.h"
+#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -481,22 +481,23 @@ TEST(EmulatedPlant, KeepsACalibrationThroughARestart) {
 
 TEST(EmulatedPlant, RefusesWhatABoardCannotHave) {
     EmulatedBoardOptions with = options();
-    const auto complaint = [&] {
-        return testing::complaint_of([&] { EmulatedBoard(testing::phantom_1_0(), with); });
+    const auto error = [&] {
+        return testing::error_text_of([&] { EmulatedBoard(testing::phantom_1_0(), with); });
     };
-    EXPECT_EQ(complaint(), "");
+    EXPECT_EQ(error(), "");
     with.simulation.dynamics = simulated::PlantDynamics::rigid_body;
-    EXPECT_NE(complaint().find("choose electromechanical"), std::string::npos);
+    EXPECT_NE(error().find("choose electromechanical"), std::string::npos);
     with = options();
     with.settings.counts_per_turn[1] = 2000;
-    EXPECT_NE(complaint().find("2000 counts"), std::string::npos);
+    EXPECT_NE(error().find("2000 counts"), std::string::npos);
     with = options();
     with.delay_periods = 8.5;
-    EXPECT_NE(complaint().find("8.5 periods"), std::string::npos);
+    EXPECT_NE(error().find("8.5 periods"), std::string::npos);
     EXPECT_NE(
-        testing::complaint_of([] { static_cast<void>(emulated_identity("a serial number")); }), "");
+        testing::error_text_of([] { static_cast<void>(emulated_identity("a serial number")); }),
+        "");
     EXPECT_EQ(
-        testing::complaint_of([] { static_cast<void>(emulated_identity("0123456789abcdef")); }),
+        testing::error_text_of([] { static_cast<void>(emulated_identity("0123456789abcdef")); }),
         "");
 }
 
@@ -944,14 +945,14 @@ TEST(FaultTexts, AreRead) {
 }
 
 TEST(FaultTexts, AreRefusedWithAReason) {
-    const auto complaint = [](const char *text) {
-        return testing::complaint_of([&] { static_cast<void>(device::parse_fault(text)); });
+    const auto error = [](const char *text) {
+        return testing::error_text_of([&] { static_cast<void>(device::parse_fault(text)); });
     };
-    EXPECT_NE(complaint("dorp:in").find("nearest name is 'drop'"), std::string::npos);
-    EXPECT_EQ(complaint("drop:up"), "fault 'drop:up': 'up' is no direction; write "
-                                    "drop:in|out[:SHARE|:#NUMBER][@BEGIN[-END]]");
-    EXPECT_NE(complaint("drop:in:1.5").find("from 0 to 1"), std::string::npos);
-    EXPECT_NE(complaint("drop:in:nan").find("share"), std::string::npos);
+    EXPECT_NE(error("dorp:in").find("nearest name is 'drop'"), std::string::npos);
+    EXPECT_EQ(error("drop:up"), "fault 'drop:up': 'up' is no direction; write "
+                                "drop:in|out[:SHARE|:#NUMBER][@BEGIN[-END]]");
+    EXPECT_NE(error("drop:in:1.5").find("from 0 to 1"), std::string::npos);
+    EXPECT_NE(error("drop:in:nan").find("share"), std::string::npos);
     for (const char *wrong : {"",
                               ":",
                               "@1",
@@ -978,7 +979,7 @@ TEST(FaultTexts, AreRefusedWithAReason) {
                               "unplug@inf",
                               "unplug@nan",
                               "stop@1@2"}) {
-        EXPECT_NE(complaint(wrong), "") << wrong;
+        EXPECT_NE(error(wrong), "") << wrong;
     }
 }
 

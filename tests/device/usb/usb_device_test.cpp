@@ -3,9 +3,9 @@
 
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
-#include "tests/support/complaint.h"
 #include "tests/support/devices.h"
 #include "tests/support/emulated_port.h"
+#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -159,7 +159,7 @@ TEST(UsbDevice, IsLostWhenUnpluggedAndTheBoardBrakesAtOnce) {
     for (int i = 0; i < 1000; ++i) { // the servo goes on
         rig.tick(driving());
     }
-    EXPECT_NE(testing::complaint_of([&] { rig.device.reconnect(); }), "");
+    EXPECT_NE(testing::error_text_of([&] { rig.device.reconnect(); }), "");
 
     rig.port->is_plugged = true;
     rig.device.reconnect();
@@ -293,9 +293,8 @@ TEST(UsbDevice, AZeroingClearsNoStop) {
     stop.begin_s = rig.board.time_s();
     stop.end_s = stop.begin_s + 0.03;
     rig.board.set_fault(stop);
-    const std::string complaint =
-        springdrive::complaint_of([&] { rig.device.zero(Vector3::Zero()); });
-    EXPECT_NE(complaint.find("stop"), std::string::npos) << complaint;
+    const std::string error = springdrive::error_text_of([&] { rig.device.zero(Vector3::Zero()); });
+    EXPECT_NE(error.find("stop"), std::string::npos) << error;
     EXPECT_FALSE(rig.device.is_zeroed());
     EXPECT_TRUE(rig.tick().faults.has(device::BoardFaults::kStop));
 }
@@ -312,7 +311,7 @@ TEST(UsbDevice, ARestartAtAnyTimeOfAConnectionVoidsTheZero) {
         device::Fault restart = device::parse_fault("restart");
         restart.begin_s = rig.board.time_s() + 1e-3 * delay_ms;
         rig.board.set_fault(restart);
-        static_cast<void>(springdrive::complaint_of([&] { rig.device.reconnect(); }));
+        static_cast<void>(springdrive::error_text_of([&] { rig.device.reconnect(); }));
         rig.tick();
         EXPECT_EQ(rig.device.is_zeroed(), rig.board.restarts() == 0) << delay_ms << " ms";
         restarted += rig.board.restarts() > 0 ? 1 : 0;
@@ -362,9 +361,9 @@ TEST(UsbDevice, FullSpeedHasItsOwnRateAndSaysSo) {
     rig.port->is_high_speed = false;
     rig.device.reconnect();
     EXPECT_EQ(rig.device.link()->speed, "full speed (12 Mbit/s)");
-    const std::string complaint = testing::complaint_of([&] { rig.device.set_period(0.25e-3); });
-    EXPECT_NE(complaint.find("full speed"), std::string::npos) << complaint;
-    EXPECT_NE(complaint.find("servo rate of 1000 Hz"), std::string::npos) << complaint;
+    const std::string error = testing::error_text_of([&] { rig.device.set_period(0.25e-3); });
+    EXPECT_NE(error.find("full speed"), std::string::npos) << error;
+    EXPECT_NE(error.find("servo rate of 1000 Hz"), std::string::npos) << error;
     EXPECT_EQ(rig.tick().health, DeviceHealth::ok); // as before
     EXPECT_EQ(rig.device.link()->report_rate_hz, 1000.0);
 }
@@ -413,18 +412,18 @@ private:
     std::function<void(Kind, std::span<std::uint8_t>)> alter_;
 };
 
-std::string complaint_about(const std::function<void(Kind, std::span<std::uint8_t>)> &alter,
-                            const EmulatedBoardOptions &what = options()) {
+std::string error_about(const std::function<void(Kind, std::span<std::uint8_t>)> &alter,
+                        const EmulatedBoardOptions &what = options()) {
     EmulatedBoard board(testing::phantom_1_0(), what);
-    return testing::complaint_of([&] {
+    return testing::error_text_of([&] {
         const UsbDevice device(std::make_unique<AlteredPort>(board, alter), testing::phantom_1_0(),
                                "", kTick_s, Pacing::reports);
     });
 }
 
 /// A payload of the board, changed and sealed again.
-template <class Value, class Change> std::string complaint_with(Kind kind, const Change &change) {
-    return complaint_about([&](Kind asked, std::span<std::uint8_t> answer) {
+template <class Value, class Change> std::string error_with(Kind kind, const Change &change) {
+    return error_about([&](Kind asked, std::span<std::uint8_t> answer) {
         if (asked == kind) {
             Value value;
             ASSERT_EQ(decode(answer.data(), answer.size(), value), FrameStatus::ok);
@@ -435,24 +434,24 @@ template <class Value, class Change> std::string complaint_with(Kind kind, const
 }
 
 TEST(UsbDevice, RefusesABoardThatDoesNotFitInOneLine) {
-    EXPECT_EQ(complaint_about([](Kind, std::span<std::uint8_t>) {}), "");
+    EXPECT_EQ(error_about([](Kind, std::span<std::uint8_t>) {}), "");
 
-    const std::string version = complaint_with<Identity>(Kind::identity, [](Identity &identity) {
+    const std::string version = error_with<Identity>(Kind::identity, [](Identity &identity) {
         identity.oldest_version = 2;
         identity.newest_version = 3;
     });
     EXPECT_NE(version.find("versions 2 to 3"), std::string::npos) << version;
     EXPECT_NE(version.find("firmware"), std::string::npos) << version;
 
-    const std::string counts = complaint_with<Capabilities>(
+    const std::string counts = error_with<Capabilities>(
         Kind::capabilities, [](Capabilities &board) { board.counts_per_turn[1] = 2000; });
     EXPECT_NE(counts.find("encoder 2 has 2000 counts"), std::string::npos) << counts;
 
-    const std::string slow = complaint_with<Capabilities>(
+    const std::string slow = error_with<Capabilities>(
         Kind::capabilities, [](Capabilities &board) { board.shortest_report_period_us = 2000; });
     EXPECT_NE(slow.find("servo rate of 500 Hz"), std::string::npos) << slow;
 
-    const std::string damaged = complaint_about([](Kind asked, std::span<std::uint8_t> answer) {
+    const std::string damaged = error_about([](Kind asked, std::span<std::uint8_t> answer) {
         if (asked == Kind::capabilities) {
             answer[30] ^= 4U;
         }
@@ -461,7 +460,7 @@ TEST(UsbDevice, RefusesABoardThatDoesNotFitInOneLine) {
 
     EmulatedBoardOptions deaf = options();
     deaf.faults = {device::parse_fault("drop:out:1")};
-    const std::string silent = complaint_about([](Kind, std::span<std::uint8_t>) {}, deaf);
+    const std::string silent = error_about([](Kind, std::span<std::uint8_t>) {}, deaf);
     EXPECT_NE(silent.find("accepts no command"), std::string::npos) << silent;
     for (const std::string &text : {version, counts, slow, damaged, silent}) {
         EXPECT_EQ(text.find('\n'), std::string::npos) << text;

@@ -11,8 +11,8 @@
 #include "device/simulated/drawn_device.h"
 #include "device/usb/driver/usb_device.h"
 #include "tests/support/cases.h"
-#include "tests/support/complaint.h"
 #include "tests/support/devices.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <Eigen/Cholesky>
@@ -521,7 +521,7 @@ TEST(CalibrationRun, RefusesWhereNothingCanBeLearned) {
          {std::pair(exact, "resistance_tolerance"), std::pair(separate, "shared_with_amplifier")}) {
         simulated::SimulatedPhantom phantom(file, {}, Vector3::Zero());
         const std::string message =
-            testing::complaint_of([&] { const CalibrationRun run(phantom); });
+            testing::error_text_of([&] { const CalibrationRun run(phantom); });
         EXPECT_NE(message.find(part), std::string::npos) << message;
     }
 }
@@ -557,8 +557,8 @@ TEST(Calibration, IsRefusedOnAnotherDevice) {
     simulated.simulation.device_seed = 8;
     board.emulation.identity = emulator::emulated_identity("sim-1-8");
     for (const std::string &message :
-         {testing::complaint_of([&] { static_cast<void>(factory::open_device(simulated)); }),
-          testing::complaint_of([&] { static_cast<void>(factory::open_board(board)); })}) {
+         {testing::error_text_of([&] { static_cast<void>(factory::open_device(simulated)); }),
+          testing::error_text_of([&] { static_cast<void>(factory::open_board(board)); })}) {
         for (const char *part : {"sim-1-7", "sim-1-8", "device calibrate"}) {
             EXPECT_NE(message.find(part), std::string::npos) << message;
         }
@@ -661,7 +661,7 @@ TEST(Calibration, ADamagedOneOnTheBoardIsRefused) {
         }
         const auto device = rig.connect();
         const std::string message =
-            testing::complaint_of([&] { factory::use_calibration(*device); });
+            testing::error_text_of([&] { factory::use_calibration(*device); });
         for (const char *expected : {part, "board-7", "device calibrate --to-board"}) {
             EXPECT_NE(message.find(expected), std::string::npos) << message;
         }

@@ -11,8 +11,8 @@
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/tuning_file.h"
-#include "tests/support/complaint.h"
 #include "tests/support/devices.h"
+#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -470,15 +470,15 @@ TEST(StiffnessSweep, LostReportsDiscardBlocksAndDoNotDisturb) {
 TEST(StiffnessSweep, RefusesOptionsBeyondTheirRanges) {
     const factory::OpenBoard open = board();
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    const auto complaint = [&](const std::function<void(SweepOptions &)> &change) {
+    const auto error = [&](const std::function<void(SweepOptions &)> &change) {
         SweepOptions options;
         change(options);
-        return testing::complaint_of([&] { const StiffnessSweep sweep(*open.device, options); });
+        return testing::error_text_of([&] { const StiffnessSweep sweep(*open.device, options); });
     };
-    EXPECT_EQ(complaint([](SweepOptions &) {}), "");
+    EXPECT_EQ(error([](SweepOptions &) {}), "");
     const auto both_sides = [&](double SweepOptions::*value, double least, double most) {
         for (const double inside : {least, most}) {
-            EXPECT_EQ(complaint([&](SweepOptions &options) {
+            EXPECT_EQ(error([&](SweepOptions &options) {
                           options.min_hz = 0.1;
                           options.max_hz = 250.0;
                           options.*value = inside;
@@ -486,34 +486,35 @@ TEST(StiffnessSweep, RefusesOptionsBeyondTheirRanges) {
                       "");
         }
         for (const double outside : {0.99 * least, 1.01 * most, kNone}) {
-            EXPECT_NE(complaint([&](SweepOptions &options) { options.*value = outside; }), "")
+            EXPECT_NE(error([&](SweepOptions &options) { options.*value = outside; }), "")
                 << outside;
         }
     };
     both_sides(&SweepOptions::tip_force_N, 0.5, 8.5);
     both_sides(&SweepOptions::motion_m, 1e-4, 5e-3);
     for (const double hz : {0.099, 250.1, kNone}) {
-        EXPECT_NE(complaint([&](SweepOptions &options) { options.min_hz = hz; }), "");
-        EXPECT_NE(complaint([&](SweepOptions &options) { options.max_hz = hz; }), "");
+        EXPECT_NE(error([&](SweepOptions &options) { options.min_hz = hz; }), "");
+        EXPECT_NE(error([&](SweepOptions &options) { options.max_hz = hz; }), "");
     }
-    EXPECT_NE(complaint([](SweepOptions &options) { options.max_hz = options.min_hz; }), "");
+    EXPECT_NE(error([](SweepOptions &options) { options.max_hz = options.min_hz; }), "");
     for (const double hz : {249.0, 10'001.0, kNone}) {
-        EXPECT_NE(complaint([&](SweepOptions &options) { options.servo_hz = hz; }), "");
+        EXPECT_NE(error([&](SweepOptions &options) { options.servo_hz = hz; }), "");
     }
     for (const int points : {1, 201}) {
-        EXPECT_NE(complaint([&](SweepOptions &options) { options.points = points; }), "");
+        EXPECT_NE(error([&](SweepOptions &options) { options.points = points; }), "");
     }
-    EXPECT_EQ(complaint([](SweepOptions &options) { options.points = 200; }), "");
+    EXPECT_EQ(error([](SweepOptions &options) { options.points = 200; }), "");
     for (const std::vector<std::size_t> &motors :
          {std::vector<std::size_t>{}, std::vector<std::size_t>{3},
           std::vector<std::size_t>{1, 1}}) {
-        EXPECT_NE(complaint([&](SweepOptions &options) { options.motors = motors; }), "");
+        EXPECT_NE(error([&](SweepOptions &options) { options.motors = motors; }), "");
     }
-    EXPECT_NE(complaint([&](SweepOptions &options) { options.tuning.K_P_V_per_rad = kNone; }), "");
+    EXPECT_NE(error([&](SweepOptions &options) { options.tuning.K_P_V_per_rad = kNone; }), "");
     WatchedDevice device(*open.device);
     device.is_known = false;
-    EXPECT_NE(testing::complaint_of([&] { const StiffnessSweep sweep(device); }).find("not zeroed"),
-              std::string::npos);
+    EXPECT_NE(
+        testing::error_text_of([&] { const StiffnessSweep sweep(device); }).find("not zeroed"),
+        std::string::npos);
 }
 
 } // namespace

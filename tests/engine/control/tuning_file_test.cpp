@@ -22,7 +22,7 @@
 namespace springdrive::control {
 namespace {
 
-std::string complaint(const std::string &from, const std::string &to) {
+std::string error(const std::string &from, const std::string &to) {
     std::ifstream good(testing::assets() / "tunings/firm.toml");
     std::string text{std::istreambuf_iterator<char>(good), {}};
     const std::size_t at = text.find(from);
@@ -58,17 +58,16 @@ TEST(TuningFile, FirmIsTheDefault) {
 }
 
 TEST(TuningFile, RefusesUnknownKeysAndInvalidValues) {
-    EXPECT_NE(complaint("dR_Ohm", "dr_Ohm").find("dR_Ohm is missing"), std::string::npos);
-    EXPECT_NE(complaint("dR_Ohm = 0.5", "dR_Ohm = 0.0").find("0.02 to 2.18"), std::string::npos);
-    EXPECT_NE(complaint("eta = 0.0", "eta = nan").find("eta"), std::string::npos);
-    EXPECT_NE(complaint("transpose", "transposed").find("inverse or transpose"), std::string::npos);
-    EXPECT_NE(complaint("on_the_fly", "auto").find("on_the_fly, global or by_hand"),
-              std::string::npos);
-    EXPECT_NE(complaint("eta =", "mass = 1\neta =").find("mass is not known"), std::string::npos);
+    EXPECT_NE(error("dR_Ohm", "dr_Ohm").find("dR_Ohm is missing"), std::string::npos);
+    EXPECT_NE(error("dR_Ohm = 0.5", "dR_Ohm = 0.0").find("0.02 to 2.18"), std::string::npos);
+    EXPECT_NE(error("eta = 0.0", "eta = nan").find("eta"), std::string::npos);
+    EXPECT_NE(error("transpose", "transposed").find("inverse or transpose"), std::string::npos);
+    EXPECT_NE(error("on_the_fly", "auto").find("on_the_fly, global or by_hand"), std::string::npos);
+    EXPECT_NE(error("eta =", "mass = 1\neta =").find("mass is not known"), std::string::npos);
     // The parser quotes the line end that it did not expect; keys and texts may contain some.
-    EXPECT_EQ(complaint("\"transpose\"", R"("trans\npose")").find('\n'), std::string::npos);
-    EXPECT_EQ(complaint("eta =", "\"a\\nb\" = 1\neta =").find('\n'), std::string::npos);
-    EXPECT_EQ(complaint("eta = 0.0", "eta = i").find('\n'), std::string::npos);
+    EXPECT_EQ(error("\"transpose\"", R"("trans\npose")").find('\n'), std::string::npos);
+    EXPECT_EQ(error("eta =", "\"a\\nb\" = 1\neta =").find('\n'), std::string::npos);
+    EXPECT_EQ(error("eta = 0.0", "eta = i").find('\n'), std::string::npos);
 }
 
 TEST(Parameters, MapsAndSourcesOfAlphaHaveTheirNamesAndLabels) {
@@ -185,7 +184,7 @@ TEST(TuningFile, ReadsTheOldNamesOfDelays) {
 }
 
 /// The error for a file with valid margins in which `from` is replaced by `to`.
-std::string complaint_about_margins(const std::string &from, const std::string &to) {
+std::string error_about_margins(const std::string &from, const std::string &to) {
     TuningFile file;
     file.margins = TuningMargins{1000.0, 1, 1.5, 2, 0.25, 0.5, "firm", 0.75};
     std::ostringstream out;
@@ -234,14 +233,14 @@ TEST(TuningFile, RefusesInvalidMarginsWithTheirLine) {
         {"gain = 1.5", "gain = 1.5\nphase = 3", "phase"},
     };
     for (const Bad &bad : all) {
-        const std::string said = complaint_about_margins(bad.from, bad.to);
+        const std::string said = error_about_margins(bad.from, bad.to);
         EXPECT_NE(said.find(bad.said), std::string::npos) << bad.to << ": " << said;
         EXPECT_EQ(said.find('\n'), std::string::npos) << said;
     }
-    EXPECT_EQ(complaint_about_margins("gain = 1.5", "gain = 1.5"), "");
-    EXPECT_EQ(complaint_about_margins("delay_periods = 1.0", "delay_periods = 1.5"), "");
-    EXPECT_EQ(complaint_about_margins("delay_periods = 1.0", "delay_periods = 1"), "");
-    EXPECT_NE(complaint_about_margins("[margins]", "margins = 3\n[more]"), "");
+    EXPECT_EQ(error_about_margins("gain = 1.5", "gain = 1.5"), "");
+    EXPECT_EQ(error_about_margins("delay_periods = 1.0", "delay_periods = 1.5"), "");
+    EXPECT_EQ(error_about_margins("delay_periods = 1.0", "delay_periods = 1"), "");
+    EXPECT_NE(error_about_margins("[margins]", "margins = 3\n[more]"), "");
 }
 
 TEST(Parameters, BothSidesOfEveryRange) {

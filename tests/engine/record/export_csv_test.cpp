@@ -100,7 +100,7 @@ TEST(ExportCsv, ReportsAFullOutput) {
     testing::write_record(file, 1000.0, testing::random_samples(300, 1000.0, 6));
     RecordReader reader(file);
     std::ofstream out("/dev/full");
-    const std::string said = testing::complaint_of([&] { (void)export_csv(reader, {}, out); });
+    const std::string said = testing::error_text_of([&] { (void)export_csv(reader, {}, out); });
     EXPECT_NE(said.find("cannot be written"), std::string::npos) << said;
 }
 

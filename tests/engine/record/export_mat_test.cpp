@@ -14,8 +14,8 @@
 namespace springdrive::record {
 namespace {
 
-using testing::complaint_of;
 using testing::contents_of;
+using testing::error_text_of;
 using testing::fresh_folder;
 
 struct MatVariable {
@@ -49,7 +49,7 @@ TEST(ExportMat, PreservesEveryBitOfAllColumns) {
         testing::write_record(file, 1000.0, samples);
         RecordReader reader(file);
         EXPECT_EQ(export_mat(reader, {}, folder / "a.mat", Existing::replace).rows, rows);
-        EXPECT_NE(complaint_of([&] { (void)export_mat(reader, {}, folder / "a.mat"); }), "");
+        EXPECT_NE(error_text_of([&] { (void)export_mat(reader, {}, folder / "a.mat"); }), "");
         const auto variables = read_mat(folder / "a.mat");
         EXPECT_EQ(variables.size(), reader.header().columns.size());
         for (const RecordColumn &column : reader.header().columns) {
@@ -119,7 +119,7 @@ TEST(ExportMat, NamesAFileThatCannotBeWritten) {
     testing::write_record(folder / "a.rec", 250.0, testing::random_samples(3, 250.0, 2));
     RecordReader reader(folder / "a.rec");
     const auto file = folder / "none" / "a.mat";
-    const std::string said = complaint_of([&] { (void)export_mat(reader, {}, file); });
+    const std::string said = error_text_of([&] { (void)export_mat(reader, {}, file); });
     EXPECT_EQ(said.find(file.string() + ": cannot be written"), 0U) << said;
 }
 
@@ -132,7 +132,7 @@ TEST(ExportMat, LeavesNoFileOnAFullDisk) {
     }
     RecordReader reader(folder / "a.rec");
     const auto file = folder / "disk" / "a.mat";
-    const std::string said = complaint_of([&] { (void)export_mat(reader, {}, file); });
+    const std::string said = error_text_of([&] { (void)export_mat(reader, {}, file); });
     EXPECT_EQ(said.find(file.string() + ": cannot be written"), 0U) << said;
     EXPECT_FALSE(std::filesystem::exists(file));
     umount((folder / "disk").c_str());

@@ -177,7 +177,7 @@ TEST(ExportNpy, ReportsAFullOutput) {
     testing::write_record(file, 1000.0, testing::random_samples(300, 1000.0, 6));
     RecordReader reader(file);
     std::ofstream out("/dev/full", std::ios::binary);
-    EXPECT_NE(testing::complaint_of([&] { (void)export_npy(reader, {}, out); }), "");
+    EXPECT_NE(testing::error_text_of([&] { (void)export_npy(reader, {}, out); }), "");
 }
 
 } // namespace

@@ -12,7 +12,7 @@
 namespace springdrive::record {
 namespace {
 
-using testing::complaint_of;
+using testing::error_text_of;
 using testing::fresh_folder;
 
 std::string names_of(const std::vector<std::string> &selection) {
@@ -36,7 +36,7 @@ TEST(SelectedColumns, FollowTheRequestedOrderWithoutDuplicates) {
 
 TEST(SelectedColumns, SuggestTheClosestNamesForAMissingColumn) {
     const auto said = [](const std::string &name) {
-        return complaint_of([&] { (void)names_of({"tick", name}); });
+        return error_text_of([&] { (void)names_of({"tick", name}); });
     };
     EXPECT_EQ(said("tip_x").find("the record has no column tip_x; the closest are tip_x_m"), 0U)
         << said("tip_x");
@@ -74,7 +74,7 @@ TEST(SelectedRows, RejectARangeThatEndsBeforeItBegins) {
     testing::write_record(file, 250.0, {});
     EXPECT_EQ(ticks_of(file, 1.0, 1.0), "");
     for (const double to_s : {0.999, std::nan("")}) {
-        EXPECT_NE(complaint_of([&] { (void)ticks_of(file, 1.0, to_s); }), "");
+        EXPECT_NE(error_text_of([&] { (void)ticks_of(file, 1.0, to_s); }), "");
     }
 }
 
@@ -100,7 +100,7 @@ TEST(SelectedRows, ReportIfThereIsNoTimeAtAll) {
     RecordReader reader(tiny_record("no_time", "a", "<u8"));
     std::ostringstream out;
     EXPECT_EQ(export_csv(reader, {}, out).rows, 2U);
-    const std::string said = complaint_of([&] {
+    const std::string said = error_text_of([&] {
         (void)export_csv(reader, {{}, 0.0, HUGE_VAL}, out);
     });
     EXPECT_NE(said.find("neither time_s nor tick"), std::string::npos) << said;

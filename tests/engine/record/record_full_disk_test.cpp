@@ -16,8 +16,8 @@
 namespace springdrive::record {
 namespace {
 
-using testing::complaint_of;
 using testing::contents_of;
+using testing::error_text_of;
 using testing::fresh_folder;
 
 /// Runs `step` in a process whose files cannot grow beyond `bytes`, and returns its message.
@@ -52,12 +52,12 @@ std::uint64_t rows_in(const std::filesystem::path &file) {
 std::string write_until_full(const std::filesystem::path &file) {
     RecordWriter writer(file, record_header(testing::kServo_hz));
     servo::ServoSample sample;
-    const std::string said = complaint_of([&] {
+    const std::string said = error_text_of([&] {
         for (; sample.tick < 100'000; ++sample.tick) {
             writer.write(sample);
         }
     });
-    const std::string again = complaint_of([&] {
+    const std::string again = error_text_of([&] {
         for (int i = 0; i < 20; ++i) {
             writer.write(sample);
         }
@@ -88,7 +88,7 @@ TEST(FullDisk, LeavesNoFileIfTheHeaderDoesNotFit) {
     const auto folder = fresh_folder("full_disk_header");
     const auto file = folder / "a.rec";
     const std::string said = with_files_up_to(1000, folder, [&] {
-        return complaint_of([&] { RecordWriter(file, record_header(testing::kServo_hz)); });
+        return error_text_of([&] { RecordWriter(file, record_header(testing::kServo_hz)); });
     });
     EXPECT_EQ(said, file.string() + ": cannot be written: File too large; nothing was recorded");
     EXPECT_FALSE(std::filesystem::exists(file));
@@ -96,7 +96,7 @@ TEST(FullDisk, LeavesNoFileIfTheHeaderDoesNotFit) {
 
 TEST(FullDisk, RefusesAnExistingDeviceFile) {
     const std::string said =
-        complaint_of([] { RecordWriter("/dev/full", record_header(testing::kServo_hz)); });
+        error_text_of([] { RecordWriter("/dev/full", record_header(testing::kServo_hz)); });
     EXPECT_EQ(said, "/dev/full: exists already; give another name");
 }
 

@@ -17,7 +17,7 @@ namespace springdrive::record {
 namespace {
 
 using nlohmann::json;
-using testing::complaint_of;
+using testing::error_text_of;
 
 RecordHeader full_header() {
     RecordHeader header = record_header(4000.0);
@@ -85,7 +85,7 @@ TEST(RecordHeader, HasThePresentTimeAndChunksOfTwentyMilliseconds) {
 
 TEST(RecordHeader, RejectsAnInvalidRate) {
     for (const double rate : {0.0, -1.0, 1.1e6, std::nan(""), HUGE_VAL}) {
-        EXPECT_NE(complaint_of([rate] { (void)record_header(rate); }), "") << rate;
+        EXPECT_NE(error_text_of([rate] { (void)record_header(rate); }), "") << rate;
     }
 }
 
@@ -122,7 +122,7 @@ TEST(RecordHeader, ReadsADelayInSamplesToo) {
     EXPECT_EQ(delay_of("{}"), 0.0);
     EXPECT_EQ(delay_of(R"({"delay_periods": -1})"), 0.0);
     EXPECT_EQ(delay_of(R"({"delay_periods": "1"})"), 0.0);
-    EXPECT_NE(complaint_of([&] {
+    EXPECT_NE(error_text_of([&] {
                   (void)delay_of(R"({"delay_samples": 1, "delay_periods": 1})");
               }).find("both delay_periods and delay_samples"),
               std::string::npos);
@@ -153,10 +153,10 @@ TEST(RecordHeader, RejectsInvalidRows) {
     for (std::size_t i = 0; i < changes.size(); ++i) {
         json document = json::parse(to_json(full_header()));
         changes[i](document);
-        EXPECT_NE(complaint_of([&] { (void)from_json(document.dump()); }), "") << i;
+        EXPECT_NE(error_text_of([&] { (void)from_json(document.dump()); }), "") << i;
     }
     for (const char *text : {"", "{", "[]", "null", "1", "{\"format\": \"\xFF\"}"}) {
-        EXPECT_NE(complaint_of([&] { (void)from_json(text); }), "") << text;
+        EXPECT_NE(error_text_of([&] { (void)from_json(text); }), "") << text;
     }
 }
 

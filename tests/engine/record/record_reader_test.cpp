@@ -12,8 +12,8 @@ namespace springdrive::record {
 namespace {
 
 using testing::chunk_bytes;
-using testing::complaint_of;
 using testing::contents_of;
+using testing::error_text_of;
 using testing::fresh_folder;
 using testing::header_bytes;
 using testing::random_samples;
@@ -158,7 +158,7 @@ TEST(RecordReader, RejectsFilesThatAreNotRecords) {
     const auto file = folder / "a.rec";
     const auto said = [&](const std::string &bytes) {
         write_file(file, bytes);
-        const std::string text = complaint_of([&] { RecordReader{file}; });
+        const std::string text = error_text_of([&] { RecordReader{file}; });
         EXPECT_EQ(text.find(file.string() + ": "), 0U) << text;
         return text;
     };
@@ -176,9 +176,9 @@ TEST(RecordReader, RejectsFilesThatAreNotRecords) {
     std::string damaged = good;
     damaged[100] ^= 1;
     EXPECT_NE(said(damaged).find("damaged (CRC)"), std::string::npos);
-    EXPECT_NE(complaint_of([&] { RecordReader{folder}; }).find("not a regular file"),
+    EXPECT_NE(error_text_of([&] { RecordReader{folder}; }).find("not a regular file"),
               std::string::npos);
-    EXPECT_NE(complaint_of([&] { RecordReader{folder / "none"}; }).find("cannot be read"),
+    EXPECT_NE(error_text_of([&] { RecordReader{folder / "none"}; }).find("cannot be read"),
               std::string::npos);
 }
 
@@ -187,7 +187,7 @@ TEST(RecordReader, RejectsAnEndlesslyNestedHeader) {
     for (const std::size_t depth : {std::size_t{500'000}, std::size_t{1} << 20U}) {
         write_file(file, header_bytes(std::string(depth, '[') +
                                       (depth == 500'000 ? std::string(depth, ']') : "")));
-        EXPECT_NE(complaint_of([&] { RecordReader{file}; }).find("not a JSON object"),
+        EXPECT_NE(error_text_of([&] { RecordReader{file}; }).find("not a JSON object"),
                   std::string::npos);
     }
 }
@@ -200,7 +200,7 @@ TEST(RecordReader, NamesTheFileWhenAColumnOfASampleIsMissing) {
     RecordReader reader(file);
     ASSERT_TRUE(reader.next());
     EXPECT_EQ(static_cast<char>(reader.row(1)[0]), 'b');
-    const std::string said = complaint_of([&] { (void)reader.read_sample(0); });
+    const std::string said = error_text_of([&] { (void)reader.read_sample(0); });
     EXPECT_EQ(said.find(file.string() + ": the record has no column tick"), 0U) << said;
 }
 
@@ -227,7 +227,7 @@ TEST(RecordReader, AllocatesLittleMemoryForAnyClaimedLength) {
     header.replace(8, 4, testing::bytes_of_number(0xFFFFFFFFU, 4));
     write_file(file, header);
     std::filesystem::resize_file(file, std::uintmax_t{8} << 30U);
-    EXPECT_NE(complaint_of([&] { RecordReader{file}; }), "");
+    EXPECT_NE(error_text_of([&] { RecordReader{file}; }), "");
     EXPECT_LT(max_memory_kB() - before_kB, 50'000);
 }
 

@@ -10,8 +10,8 @@
 namespace springdrive::record {
 namespace {
 
-using testing::complaint_of;
 using testing::contents_of;
+using testing::error_text_of;
 using testing::fresh_folder;
 using testing::random_samples;
 using testing::row_of;
@@ -120,7 +120,7 @@ TEST(RecordWriter, RejectsATooLongNoteAndContinues) {
     RecordWriter writer(file, record_header(testing::kServo_hz));
     writer.note(std::string(RecordWriter::kLongestNote, ' '));
     const std::string said =
-        complaint_of([&] { writer.note(std::string(RecordWriter::kLongestNote + 1, ' ')); });
+        error_text_of([&] { writer.note(std::string(RecordWriter::kLongestNote + 1, ' ')); });
     EXPECT_NE(said.find("too long"), std::string::npos) << said;
     writer.write({});
     writer.close();
@@ -131,7 +131,7 @@ TEST(RecordWriter, NeverReplacesAFile) {
     const auto file = fresh_folder("writer_exists") / "a.rec";
     testing::write_file(file, "precious");
     const std::string said =
-        complaint_of([&] { RecordWriter(file, record_header(testing::kServo_hz)); });
+        error_text_of([&] { RecordWriter(file, record_header(testing::kServo_hz)); });
     EXPECT_EQ(said, file.string() + ": exists already; give another name");
     EXPECT_EQ(contents_of(file), "precious");
 }
@@ -142,7 +142,7 @@ TEST(RecordWriter, ReplacesAFileIfAskedOnceTheHeaderIsWritten) {
     testing::write_file(file, "old");
     RecordHeader header = record_header(testing::kServo_hz);
     header.device_toml = std::string(std::size_t{2} << 20U, 'x');
-    EXPECT_NE(complaint_of([&] { RecordWriter(file, header, Existing::replace); }), "");
+    EXPECT_NE(error_text_of([&] { RecordWriter(file, header, Existing::replace); }), "");
     EXPECT_EQ(contents_of(file), "old");
     RecordWriter writer(file, record_header(testing::kServo_hz), Existing::replace);
     EXPECT_EQ(take_apart(contents_of(file)).chunks.size(), 0U); // a record, so far without rows
@@ -150,7 +150,7 @@ TEST(RecordWriter, ReplacesAFileIfAskedOnceTheHeaderIsWritten) {
     writer.close();
     EXPECT_EQ(take_apart(contents_of(file)).chunks.size(), 1U);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
-    EXPECT_EQ(complaint_of([] {
+    EXPECT_EQ(error_text_of([] {
                   RecordWriter("/dev/null", record_header(testing::kServo_hz), Existing::replace);
               }),
               "/dev/null: is not a regular file; give another name");
@@ -159,7 +159,7 @@ TEST(RecordWriter, ReplacesAFileIfAskedOnceTheHeaderIsWritten) {
 TEST(RecordWriter, ReportsAMissingFolder) {
     const auto file = fresh_folder("writer_folder") / "none" / "a.rec";
     const std::string said =
-        complaint_of([&] { RecordWriter(file, record_header(testing::kServo_hz)); });
+        error_text_of([&] { RecordWriter(file, record_header(testing::kServo_hz)); });
     EXPECT_NE(said.find(file.string() + ": cannot be written: No such file"), std::string::npos)
         << said;
 }
@@ -168,7 +168,7 @@ TEST(RecordWriter, RefusesTheHeaderOfAnotherVersion) {
     const auto file = fresh_folder("writer_version") / "a.rec";
     RecordHeader header = record_header(testing::kServo_hz);
     header.columns.pop_back();
-    EXPECT_NE(complaint_of([&] { RecordWriter(file, header); }), "");
+    EXPECT_NE(error_text_of([&] { RecordWriter(file, header); }), "");
     EXPECT_FALSE(std::filesystem::exists(file));
 }
 
@@ -176,7 +176,7 @@ TEST(RecordWriter, RejectsAHeaderThatReadersWouldReject) {
     const auto file = fresh_folder("writer_header") / "a.rec";
     RecordHeader header = record_header(testing::kServo_hz);
     header.device_toml = std::string(std::size_t{2} << 20U, 'x');
-    EXPECT_NE(complaint_of([&] { RecordWriter(file, header); }), "");
+    EXPECT_NE(error_text_of([&] { RecordWriter(file, header); }), "");
     EXPECT_FALSE(std::filesystem::exists(file));
 }
 

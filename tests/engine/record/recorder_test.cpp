@@ -131,7 +131,7 @@ TEST(Recorder, LeavesAnExistingFileUnchangedIfItCannotStart) {
     testing::write_file(file, "precious");
     SampleRing<servo::ServoSample> ring(8);
     Recorder recorder(ring);
-    const std::string said = testing::complaint_of(
+    const std::string said = testing::error_text_of(
         [&] { recorder.start(file, record_header(testing::kServo_hz), Mode::own_thread); });
     EXPECT_NE(said.find("exists already"), std::string::npos);
     EXPECT_FALSE(recorder.is_recording());
@@ -144,7 +144,7 @@ TEST(Recorder, RejectsATooLongNote) {
     SampleRing<servo::ServoSample> ring(8);
     Recorder recorder(ring);
     recorder.start(file, record_header(testing::kServo_hz), Mode::pumped);
-    EXPECT_NE(testing::complaint_of(
+    EXPECT_NE(testing::error_text_of(
                   [&] { recorder.note(std::string(RecordWriter::kLongestNote + 1, ' ')); }),
               "");
     recorder.stop();

@@ -11,7 +11,7 @@
 namespace springdrive::record {
 namespace {
 
-using testing::complaint_of;
+using testing::error_text_of;
 using testing::random_sample;
 using testing::row_of;
 
@@ -79,11 +79,11 @@ TEST(RowCodec, NamesAColumnThatIsMissingOrOfAnotherType) {
     RecordHeader header = record_header(1000.0);
     header.columns.erase(header.columns.begin() + 20);
     const std::string missing = sample_columns()[20].name;
-    std::string said = complaint_of([&] { RowDecoder{header}; });
+    std::string said = error_text_of([&] { RowDecoder{header}; });
     EXPECT_NE(said.find("no column " + missing + ","), std::string::npos) << said;
     header = record_header(1000.0);
     header.columns[0].type = ColumnType::f64;
-    said = complaint_of([&] { RowDecoder{header}; });
+    said = error_text_of([&] { RowDecoder{header}; });
     EXPECT_NE(said.find("tick is of type <f8, not <u8"), std::string::npos) << said;
 }
 
@@ -115,7 +115,7 @@ TEST(RowCodec, RejectsAnUnknownEnumValue) {
         number = static_cast<char>(names.size() - 1);
         EXPECT_NO_THROW((void)decoder.decode(bytes_of_text(row))) << column;
         number = static_cast<char>(names.size());
-        const std::string said = complaint_of([&] { (void)decoder.decode(bytes_of_text(row)); });
+        const std::string said = error_text_of([&] { (void)decoder.decode(bytes_of_text(row)); });
         EXPECT_NE(said.find("column " + column + " holds"), std::string::npos) << said;
     }
     EXPECT_EQ(header.enum_names.size(), 8U);

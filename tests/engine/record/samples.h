@@ -5,7 +5,7 @@
 #include "engine/record/record_writer.h"
 #include "engine/record/row_codec.h"
 #include "engine/record/telemetry_columns.h"
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <cstdint>

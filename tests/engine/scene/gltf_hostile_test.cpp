@@ -1,5 +1,5 @@
 // Damaged files, made at random but alike on every run: loading must end in a scene or in one
-// line of complaint, never in a crash. Meant to be run under the sanitizers too.
+// line of error, never in a crash. Meant to be run under the sanitizers too.
 #include "engine/scene/gltf.h"
 
 #include "tests/engine/scene/gltf_builder.h"

@@ -2,7 +2,7 @@
 #include "engine/scene/scene_surface.h"
 
 #include "tests/engine/contact/mesh/dense_soups.h"
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ TEST(SceneSurface, NamesTheFileWhoseSurfaceIsTooMuchWork) {
     Scene scene;
     scene.file = "folder/line.glb";
     scene.surface = testing::soup_in_a_line(random, 6000);
-    EXPECT_TRUE(testing::complaint_of([&] {
+    EXPECT_TRUE(testing::error_text_of([&] {
                     static_cast<void>(haptic_surface_of(scene));
                 }).starts_with("folder/line.glb: preparing its 6000 triangles for touch needs "));
 }

@@ -2,7 +2,7 @@
 // refuses.
 #include "engine/servo/real_time.h"
 
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -105,7 +105,7 @@ TEST(Rights, AThreadStaysOnTheGivenProcessor) {
 
 TEST(Rights, AMissingProcessorIsRejectedByNumber) {
     for (const int cpu : {-1, 1023, 1024, 1'000'000}) {
-        const std::string said = testing::complaint_of([cpu] { check_cpu(cpu); });
+        const std::string said = testing::error_text_of([cpu] { check_cpu(cpu); });
         EXPECT_EQ(said.find("--cpu " + std::to_string(cpu) + ": this process may run on "), 0U)
             << said;
     }

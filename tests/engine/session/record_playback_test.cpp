@@ -56,8 +56,8 @@ LoadedRecord record_from(const std::filesystem::path &file, double from_s = -kFo
     return load_record(file, from_s, max_bytes, talk);
 }
 
-std::string complaint_about(const std::filesystem::path &file, double from_s = -kForever) {
-    return testing::complaint_of([&] { static_cast<void>(record_from(file, from_s)); });
+std::string error_about(const std::filesystem::path &file, double from_s = -kForever) {
+    return testing::error_text_of([&] { static_cast<void>(record_from(file, from_s)); });
 }
 
 /// Frames until `is_so`; false after ten seconds.
@@ -168,7 +168,7 @@ TEST_F(Playback, ARecordWithoutAColumnIsRefused) {
     const std::size_t length = testing::number_at(changed, 8, 4);
     testing::write_file(folder / "old.rec", testing::header_bytes(changed.substr(12, length)) +
                                                 changed.substr(16 + length));
-    EXPECT_NE(complaint_about(folder / "old.rec").find("no column time_s"), std::string::npos);
+    EXPECT_NE(error_about(folder / "old.rec").find("no column time_s"), std::string::npos);
 }
 
 TEST_F(Playback, ATruncatedRecordIsShownUpToItsEnd) {
@@ -230,7 +230,7 @@ TEST_F(Playback, RowsWhoseTimeDoesNotIncreaseAreLeftOut) {
     for (servo::ServoSample &sample : samples) {
         sample.time_s = std::nan("");
     }
-    EXPECT_NE(complaint_about(record_of(samples)).find("no usable rows"), std::string::npos);
+    EXPECT_NE(error_about(record_of(samples)).find("no usable rows"), std::string::npos);
 }
 
 TEST_F(Playback, ARandomRecordDoesNoHarm) {
@@ -262,9 +262,9 @@ TEST_F(Playback, ARecordThatDoesNotFitIsLoadedInPart) {
     EXPECT_EQ(later.loaded.first_s, 0.5);
     EXPECT_EQ(sample_at(later.store, later.store.begin()).tick, 500U);
     EXPECT_TRUE(record_from(file, 2.9).is_partial());
-    EXPECT_NE(complaint_about(file, 100.0).find("has no rows from 100 s on; it ends at 2.999 s"),
+    EXPECT_NE(error_about(file, 100.0).find("has no rows from 100 s on; it ends at 2.999 s"),
               std::string::npos);
-    EXPECT_NE(complaint_about(file, std::nan("")), "");
+    EXPECT_NE(error_about(file, std::nan("")), "");
 }
 
 TEST_F(Playback, ThePlayheadStaysWithinTheRows) {

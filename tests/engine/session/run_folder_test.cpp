@@ -7,8 +7,8 @@
 #include "engine/session/telemetry_history.h"
 #include "tests/engine/record/samples.h"
 #include "tests/support/child_process.h"
-#include "tests/support/complaint.h"
 #include "tests/support/devices.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -32,8 +32,8 @@
 namespace springdrive::session {
 namespace {
 
-using testing::complaint_of;
 using testing::contents_of;
+using testing::error_text_of;
 using testing::fresh_folder;
 using testing::said_in_child;
 
@@ -175,7 +175,7 @@ TEST(RunFolder, ThatCannotBeMadeIsRefused) {
     const auto parent = fresh_folder("run_refused");
     testing::write_file(parent / "file", "");
     const auto refusal = [](const std::filesystem::path &in) {
-        return complaint_of([&in] { static_cast<void>(RunFolder::create(in)); });
+        return error_text_of([&in] { static_cast<void>(RunFolder::create(in)); });
     };
     expect_one_line_about(refusal(parent / "none"), "none/springdrive-", "No such file");
     expect_one_line_about(refusal(parent / "file"), "file/springdrive-", "Not a directory");
@@ -194,13 +194,13 @@ TEST(RunFolder, ThatCannotBeMadeIsRefused) {
 TEST(RunFolder, OnAFullDiskLeavesNothingBehind) {
     const auto parent = fresh_folder("run_full");
     const std::string said = said_with_files_up_to(
-        1000, [&] { return complaint_of([&] { static_cast<void>(RunFolder::create(parent)); }); });
+        1000, [&] { return error_text_of([&] { static_cast<void>(RunFolder::create(parent)); }); });
     expect_one_line_about(said, "springdrive-", "is the disk full?");
     EXPECT_TRUE(std::filesystem::is_empty(parent));
     if (mount("none", parent.c_str(), "tmpfs", 0, "size=32k") != 0) {
         GTEST_SKIP() << "mounting a small disk takes root";
     }
-    expect_one_line_about(complaint_of([&] { static_cast<void>(RunFolder::create(parent)); }),
+    expect_one_line_about(error_text_of([&] { static_cast<void>(RunFolder::create(parent)); }),
                           "springdrive-", "is the disk full?");
     EXPECT_TRUE(std::filesystem::is_empty(parent));
     umount(parent.c_str());
@@ -279,7 +279,7 @@ TEST(RunFolder, KeepsWhatItHadIfTheDiskIsFull) {
     facts.notes.assign(100'000, 'x');
     facts.software = "later";
     const std::string said =
-        said_with_files_up_to(50'000, [&] { return complaint_of([&] { folder.save(facts); }); });
+        said_with_files_up_to(50'000, [&] { return error_text_of([&] { folder.save(facts); }); });
     expect_one_line_about(said, "notes.txt", "as it was; is the disk full?");
     EXPECT_EQ(names_in(folder.path()), files); // no temporary files either
     expect_same(read_run(folder.path()), before);
@@ -290,10 +290,10 @@ TEST(RunFolder, KeepsWhatItHadIfTheDiskIsFull) {
 TEST(RunFolder, WithAFolderInAFilesPlaceIsRefused) {
     const RunFolder folder = RunFolder::create(fresh_folder("run_blocked"));
     std::filesystem::create_directory(folder.path() / "notes.txt");
-    expect_one_line_about(complaint_of([&] { folder.save(some_facts()); }), "notes.txt",
+    expect_one_line_about(error_text_of([&] { folder.save(some_facts()); }), "notes.txt",
                           "is not a regular file");
     std::filesystem::remove_all(folder.path());
-    expect_one_line_about(complaint_of([&] { folder.save(some_facts()); }), "device.toml",
+    expect_one_line_about(error_text_of([&] { folder.save(some_facts()); }), "device.toml",
                           "No such file");
 }
 
@@ -313,25 +313,23 @@ protected:
         folder.save(some_facts());
         json = contents_of(folder.path() / "run.json");
     }
-    [[nodiscard]] std::string complaint() const {
-        return complaint_of([this] { static_cast<void>(read_run(folder.path())); });
+    [[nodiscard]] std::string error() const {
+        return error_text_of([this] { static_cast<void>(read_run(folder.path())); });
     }
     /// With another text in a file.
-    [[nodiscard]] std::string complaint_with(const std::string &file,
-                                             const std::string &text) const {
+    [[nodiscard]] std::string error_with(const std::string &file, const std::string &text) const {
         const std::string before = contents_of(folder.path() / file);
         testing::write_file(folder.path() / file, text);
-        std::string said = complaint();
+        std::string said = error();
         testing::write_file(folder.path() / file, before);
         return said;
     }
     /// With one part of run.json replaced.
-    [[nodiscard]] std::string complaint_after(const std::string &part,
-                                              const std::string &by) const {
+    [[nodiscard]] std::string error_after(const std::string &part, const std::string &by) const {
         std::string changed = json;
         const std::size_t at = changed.find(part);
         EXPECT_NE(at, std::string::npos) << part;
-        return complaint_with("run.json", changed.replace(at, part.size(), by));
+        return error_with("run.json", changed.replace(at, part.size(), by));
     }
 
     RunFolder folder = RunFolder::create(fresh_folder("run_read"));
@@ -359,30 +357,30 @@ TEST_F(ReadRun, RefusesWhatItMustNotBelieve) {
         {"\"past.rec\"", "[]", "records[0].file is a value of type array"},
         {R"("device": "device.toml")", R"("device": "device-3.toml")", "records[0].device"}};
     for (const auto &[part, by, problem] : cases) {
-        expect_one_line_about(complaint_after(part, by), (folder.path() / "run.json").string(),
+        expect_one_line_about(error_after(part, by), (folder.path() / "run.json").string(),
                               problem);
     }
     for (const char *text : {"", "[]", "7", "null", "\xff\xfe", "{}}"}) {
-        expect_one_line_about(complaint_with("run.json", text), "run.json", ": ");
+        expect_one_line_about(error_with("run.json", text), "run.json", ": ");
     }
-    EXPECT_EQ(complaint(), "");
+    EXPECT_EQ(error(), "");
 }
 
 TEST_F(ReadRun, AcceptsWhatIsNewOrLost) {
-    EXPECT_EQ(complaint_after("\"software\"", "\"colour\": \"red\", \"software\""), "");
+    EXPECT_EQ(error_after("\"software\"", "\"colour\": \"red\", \"software\""), "");
     std::filesystem::remove(folder.path() / "notes.txt");
     std::filesystem::remove(folder.path() / "tuning_history.csv"); // for people
     EXPECT_EQ(read_run(folder.path()).notes, "");
     const std::string text = contents_of(folder.path() / "device-2.toml");
     std::filesystem::remove(folder.path() / "device-2.toml");
-    expect_one_line_about(complaint(), "device-2.toml", "");
+    expect_one_line_about(error(), "device-2.toml", "");
     testing::write_file(folder.path() / "device-2.toml", text);
-    EXPECT_EQ(complaint(), "");
+    EXPECT_EQ(error(), "");
 }
 
 TEST_F(ReadRun, OfATruncatedTextIsRefusedWhereverItEnds) {
     for (std::size_t length = 0; length + 3 < json.size(); length += 7) {
-        expect_one_line_about(complaint_with("run.json", json.substr(0, length)), "run.json",
+        expect_one_line_about(error_with("run.json", json.substr(0, length)), "run.json",
                               "is no JSON");
     }
 }
@@ -394,7 +392,7 @@ TEST_F(ReadRun, OfRandomBytesNeverFailsOtherwise) {
         for (std::uint64_t i = 0; i <= random() % 4; ++i) {
             changed[random() % changed.size()] = static_cast<char>(random());
         }
-        const std::string said = complaint_with("run.json", changed);
+        const std::string said = error_with("run.json", changed);
         EXPECT_EQ(said.find('\n'), std::string::npos) << said;
     }
     for (const char *deep : {"[", "{\"a\":"}) {
@@ -402,24 +400,24 @@ TEST_F(ReadRun, OfRandomBytesNeverFailsOtherwise) {
         for (int i = 0; i < 200'000; ++i) {
             text += deep;
         }
-        expect_one_line_about(complaint_with("run.json", text), "run.json", "is no JSON");
+        expect_one_line_about(error_with("run.json", text), "run.json", "is no JSON");
     }
 }
 
 TEST_F(ReadRun, RefusesWhatIsNoFolderOfARun) {
     const auto other = fresh_folder("run_other");
-    const auto complaint_about = [](const std::filesystem::path &path) {
-        return complaint_of([&path] { static_cast<void>(read_run(path)); });
+    const auto error_about = [](const std::filesystem::path &path) {
+        return error_text_of([&path] { static_cast<void>(read_run(path)); });
     };
-    expect_one_line_about(complaint_about(other), other.string(), "has no run.json");
-    expect_one_line_about(complaint_about(other / "none"), "none", "has no run.json");
+    expect_one_line_about(error_about(other), other.string(), "has no run.json");
+    expect_one_line_about(error_about(other / "none"), "none", "has no run.json");
     testing::write_file(other / "file", "");
-    expect_one_line_about(complaint_about(other / "file"), "file", "has no run.json");
+    expect_one_line_about(error_about(other / "file"), "file", "has no run.json");
     std::filesystem::create_directory(other / "run.json");
-    expect_one_line_about(complaint_about(other), "run.json", "is a folder");
+    expect_one_line_about(error_about(other), "run.json", "is a folder");
     std::filesystem::remove(other / "run.json");
     std::filesystem::create_symlink("run.json", other / "run.json"); // to itself
-    expect_one_line_about(complaint_about(other), "run.json", "cannot be read");
+    expect_one_line_about(error_about(other), "run.json", "cannot be read");
 }
 
 /// Rows of random bits, of which the first are of another device.
@@ -439,8 +437,8 @@ protected:
             added.push_back(testing::row_of(sample));
         }
     }
-    [[nodiscard]] std::string complaint(BackgroundTalk &&talk = {}) {
-        return complaint_of([&] { write_past(file, past, talk); });
+    [[nodiscard]] std::string error(BackgroundTalk &&talk = {}) {
+        return error_text_of([&] { write_past(file, past, talk); });
     }
 
     std::vector<std::string> added; ///< as rows of a record
@@ -508,12 +506,12 @@ TEST_F(PastRecordTest, BeginsWithTheFirstRowThatIsStillKept) {
 
 TEST_F(PastRecordTest, WithoutRowsIsARecordOfItsNotes) {
     past.notes = {{0, "{}"}};
-    EXPECT_EQ(complaint(), "");
+    EXPECT_EQ(error(), "");
     EXPECT_EQ(contents_of_record(file), std::vector<std::string>{"{}"});
     add(10);
     past.from_row = 1000; // of a device that has not yet run
     file = folder / "another.rec";
-    EXPECT_EQ(complaint(), "");
+    EXPECT_EQ(error(), "");
     EXPECT_EQ(contents_of_record(file), std::vector<std::string>{"{}"});
 }
 
@@ -541,10 +539,10 @@ TEST_F(PastRecordTest, LeavesNothingBehindIfItIsCancelled) {
 TEST_F(PastRecordTest, LeavesNothingBehindOnAFullDisk) {
     add(3000);
     const std::uint64_t some = record::expected_bytes(1000, past.header);
-    const std::string said = said_with_files_up_to(some, [&] { return complaint(); });
+    const std::string said = said_with_files_up_to(some, [&] { return error(); });
     expect_one_line_about(said, file, "of 3000 ticks; is the disk full? Nothing of it is kept");
     EXPECT_TRUE(std::filesystem::is_empty(folder));
-    expect_one_line_about(said_with_files_up_to(100, [&] { return complaint(); }), file,
+    expect_one_line_about(said_with_files_up_to(100, [&] { return error(); }), file,
                           "nothing was recorded");
     EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
@@ -552,14 +550,14 @@ TEST_F(PastRecordTest, LeavesNothingBehindOnAFullDisk) {
 TEST_F(PastRecordTest, ReplacesNoFileAndRefusesAnEndlessNote) {
     add(10);
     testing::write_file(file, "mine");
-    expect_one_line_about(complaint(), file, "exists already");
+    expect_one_line_about(error(), file, "exists already");
     EXPECT_EQ(contents_of(file), "mine");
     file = folder / "another.rec";
     past.notes = {{5, std::string(record::RecordWriter::kLongestNote + 1, ' ')}};
-    expect_one_line_about(complaint(), file, "is too long");
+    expect_one_line_about(error(), file, "is too long");
     EXPECT_FALSE(std::filesystem::exists(file));
     file = folder / "none/past.rec";
-    expect_one_line_about(complaint(), file, "No such file");
+    expect_one_line_about(error(), file, "No such file");
 }
 
 } // namespace

@@ -99,9 +99,9 @@ TEST(SessionAssertion, TheWindowContinuesAndTheRecordNamesTheFailure) {
                                 line + ": " + where + "; restart the program\n"),
               std::string::npos)
         << report.str();
-    std::ostringstream complaints;
-    EXPECT_TRUE(was_stopped(session, complaints));
-    EXPECT_TRUE(record_is_whole(session, complaints));
+    std::ostringstream errors;
+    EXPECT_TRUE(was_stopped(session, errors));
+    EXPECT_TRUE(record_is_whole(session, errors));
 
     record::RecordReader reader(file);
     record::Replay replay(testing::phantom_1_0());

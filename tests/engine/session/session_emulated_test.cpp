@@ -1,6 +1,6 @@
 // Covers engine/session/{session_loan,session_link}.cpp and device/factory/emulated_device.cpp: a
 // session with an emulated board in this process, its cable, and the loan of the device.
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "device/core/calibration_file.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/stop_tour.h"
@@ -187,14 +187,14 @@ TEST(LentDevice, IsUsedByNobodyElseAndIsReleasedBefore) {
     const std::uint64_t tick = session.latest().tick;
     testing::run(session, 0.1);
     EXPECT_EQ(session.latest().tick, tick);
-    EXPECT_NE(complaint_of([&] { session.zero_device(Vector3::Zero()); }), "");
-    EXPECT_NE(complaint_of([&] { session.set_servo_rate(2000.0); }), "");
-    EXPECT_NE(complaint_of([&] { session.reconnect_device(); }), "");
-    EXPECT_NE(complaint_of([&] { session.exchange_device(session.device_choice()); }), "");
-    EXPECT_NE(complaint_of([&] { session.lend_device([] { return false; }); }), "");
+    EXPECT_NE(error_text_of([&] { session.zero_device(Vector3::Zero()); }), "");
+    EXPECT_NE(error_text_of([&] { session.set_servo_rate(2000.0); }), "");
+    EXPECT_NE(error_text_of([&] { session.reconnect_device(); }), "");
+    EXPECT_NE(error_text_of([&] { session.exchange_device(session.device_choice()); }), "");
+    EXPECT_NE(error_text_of([&] { session.lend_device([] { return false; }); }), "");
     testing::run(session, 1.0);
     EXPECT_FALSE(session.is_lent());
-    EXPECT_EQ(session.loan_complaint(), "");
+    EXPECT_EQ(session.loan_error(), "");
     EXPECT_EQ(ticks, 500);
     EXPECT_FALSE(was_driven);
     EXPECT_GT(session.latest().tick, tick);
@@ -219,7 +219,7 @@ TEST(LentDevice, ComesBackAtAnEmergencyStopAndStaysStopped) {
     testing::run(session, 0.1);
     EXPECT_FALSE(session.is_lent());
     EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
-    EXPECT_NE(complaint_of([&] { session.lend_device([] { return false; }); }), "");
+    EXPECT_NE(error_text_of([&] { session.lend_device([] { return false; }); }), "");
     session.stop();
 }
 
@@ -266,7 +266,7 @@ TEST(LentDevice, GivesTheReasonIfItsUserFails) {
     session.lend_device([]() -> bool { throw InputError("it burns"); });
     testing::run(session, 3.0);
     EXPECT_FALSE(session.is_lent());
-    EXPECT_EQ(session.loan_complaint(), "it burns");
+    EXPECT_EQ(session.loan_error(), "it burns");
     session.stop();
 }
 
@@ -280,7 +280,7 @@ TEST(LentDevice, PassesASelfTestInTheSimulatedHand) {
     session.lend_device([&] { return test.step(); });
     ASSERT_TRUE(testing::run_until(
         session, [&] { return !session.is_lent(); }, 60.0));
-    EXPECT_EQ(session.loan_complaint(), "");
+    EXPECT_EQ(session.loan_error(), "");
     EXPECT_TRUE(test.report().has_passed());
     EXPECT_TRUE(stands_over_plate(session));
     session.stop();
@@ -336,9 +336,9 @@ TEST(CalibratedSession, IsRefusedWhileDrivenOrStoppedAndForAnotherDevice) {
     session.start();
     ASSERT_TRUE(stands_over_plate(session));
     const auto refused = [&](const device::Calibration &calibration) {
-        const std::string complaint = complaint_of([&] { session.use_calibration(calibration); });
+        const std::string error = error_text_of([&] { session.use_calibration(calibration); });
         EXPECT_FALSE(session.description().calibration);
-        return complaint;
+        return error;
     };
     const device::Calibration own = calibration_of(factory::kEmulatedSerial);
     EXPECT_NE(refused(own).find("a motor is driven"), std::string::npos);
@@ -354,10 +354,10 @@ TEST(CalibratedSession, IsRefusedWhileDrivenOrStoppedAndForAnotherDevice) {
     EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
     session.servo().let_go_on();
     testing::run(session, 0.1);
-    EXPECT_EQ(complaint_of([&] { session.use_calibration(own); }), "");
+    EXPECT_EQ(error_text_of([&] { session.use_calibration(own); }), "");
     session.stop();
     Session simulated(testing::scripted());
-    EXPECT_NE(complaint_of([&] { simulated.use_calibration(own); }), ""); // has no board
+    EXPECT_NE(error_text_of([&] { simulated.use_calibration(own); }), ""); // has no board
 }
 
 /// The cable is noticed on a servo whose time began anew, too.

@@ -1,5 +1,5 @@
 // Covers engine/session/session_link.cpp: a session with a board on USB, in process.
-#include "base/complaint.h"
+#include "base/error_text.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/usb/driver/usb_device.h"
 #include "tests/engine/session/session_fixture.h"
@@ -139,8 +139,8 @@ TEST(SessionOnUsb, DoesNotTakeItsOwnBoardForAnotherProgram) {
     UsbSession usb;
     const DeviceChoice own{usb.session.device_choice().file, factory::DeviceKind::usb,
                            usb.session.device().identity().serial};
-    const std::string complaint = complaint_of([&] { usb.session.exchange_device(own); });
-    EXPECT_NE(complaint.find("in use already"), std::string::npos) << complaint;
+    const std::string error = error_text_of([&] { usb.session.exchange_device(own); });
+    EXPECT_NE(error.find("in use already"), std::string::npos) << error;
     EXPECT_FALSE(usb.session.is_exchanging());
     EXPECT_EQ(usb.session.device().state(), factory::DeviceState::open);
 }

@@ -188,61 +188,59 @@ TEST(Methods, SayWhatIsWrongWithThem) {
                   std::string::npos);
     }
 
-    const auto complaint = [&](Method method) { return what_is_wrong_with(method, choice); };
-    EXPECT_EQ(complaint(ConstantStimuli{}), "levels has 0 levels; it must have at least 1");
-    EXPECT_EQ(complaint(ConstantStimuli{{1.0, 1.0}, 1, 1}),
+    const auto error = [&](Method method) { return what_is_wrong_with(method, choice); };
+    EXPECT_EQ(error(ConstantStimuli{}), "levels has 0 levels; it must have at least 1");
+    EXPECT_EQ(error(ConstantStimuli{{1.0, 1.0}, 1, 1}),
               "levels has 1 after 1; each must be above the one before");
-    EXPECT_EQ(complaint(ConstantStimuli{{1.0}, 0, 1}),
-              "repetitions is 0; it must be from 1 to 1000");
+    EXPECT_EQ(error(ConstantStimuli{{1.0}, 0, 1}), "repetitions is 0; it must be from 1 to 1000");
 
     Staircases staircases = two_tracks();
     staircases.correct_for_down = 1;
-    EXPECT_EQ(complaint(staircases),
+    EXPECT_EQ(error(staircases),
               "correct_for_down is 1 and up_to_down 1, which converges to 0.5 correct; it must be "
               "above 0.5, which is chance");
     staircases = two_tracks();
     staircases.steps[1].from_reversal = 0;
-    EXPECT_EQ(complaint(staircases), "steps[1].from_reversal is 0; it must be from 1 to 1000");
+    EXPECT_EQ(error(staircases), "steps[1].from_reversal is 0; it must be from 1 to 1000");
     staircases = two_tracks();
     staircases.steps[0].size = 1.0;
-    EXPECT_EQ(complaint(staircases), "steps[0].size is 1; it must be a finite number above 1");
+    EXPECT_EQ(error(staircases), "steps[0].size is 1; it must be a finite number above 1");
     staircases = two_tracks();
     staircases.steps.clear();
-    EXPECT_EQ(complaint(staircases), "steps is empty; it must have at least one");
+    EXPECT_EQ(error(staircases), "steps is empty; it must have at least one");
     staircases = two_tracks();
     staircases.start_levels = {};
-    EXPECT_EQ(complaint(staircases), "start_levels (how many) is 0; it must be from 1 to 16");
+    EXPECT_EQ(error(staircases), "start_levels (how many) is 0; it must be from 1 to 16");
     staircases.start_levels = {9.0};
-    EXPECT_EQ(complaint(staircases), "start_levels (each) is 9; it must be from 0.125 to 8");
+    EXPECT_EQ(error(staircases), "start_levels (each) is 9; it must be from 0.125 to 8");
 
     QuestPlus quest = quest_of_two();
     quest.levels.clear();
-    EXPECT_EQ(complaint(quest), "levels has 0 levels; it must have at least 2");
+    EXPECT_EQ(error(quest), "levels has 0 levels; it must have at least 2");
     quest = quest_of_two();
     quest.guess = {known(0.25), 1};
-    EXPECT_EQ(complaint(quest),
-              "guess is from 0.25 to 0.25; in this task it must be from 0.5 to 0.5");
+    EXPECT_EQ(error(quest), "guess is from 0.25 to 0.25; in this task it must be from 0.5 to 0.5");
     EXPECT_EQ(what_is_wrong_with(Method(quest), Task{TaskKind::forced_choice_by_place, 4, 0.5}),
               "");
     quest = quest_of_two();
     quest.threshold.points = 1000;
     quest.slope.points = 1001;
-    EXPECT_EQ(complaint(quest), "slope.points is 1001; it must be from 1 to 1000");
+    EXPECT_EQ(error(quest), "slope.points is 1001; it must be from 1 to 1000");
     quest.slope.points = 1000;
     quest.lapse = {{Scale::linear, 0.0, 0.1}, 2};
-    EXPECT_EQ(complaint(quest), "levels times all points is 1e+07; it must be from 1 to 5e+06");
+    EXPECT_EQ(error(quest), "levels times all points is 1e+07; it must be from 1 to 5e+06");
     quest = quest_of_two();
     quest.lapse = {{Scale::linear, 0.0, 0.6}, 3};
-    EXPECT_EQ(complaint(quest), "lapse.maximum is 0.6; it must be from 0 to 0.5");
+    EXPECT_EQ(error(quest), "lapse.maximum is 0.6; it must be from 0 to 0.5");
     quest = quest_of_two();
     quest.threshold.prior.minimum = 1e-300;
-    EXPECT_EQ(complaint(quest), "threshold.minimum is 1e-300; it must be from 1e-06 to 1e+06");
+    EXPECT_EQ(error(quest), "threshold.minimum is 1e-300; it must be from 1e-06 to 1e+06");
     quest = quest_of_two();
     quest.slope.prior.minimum = 1e-300;
-    EXPECT_EQ(complaint(quest), "slope.minimum is 1e-300; it must be from 1e-06 to 1e+06");
+    EXPECT_EQ(error(quest), "slope.minimum is 1e-300; it must be from 1e-06 to 1e+06");
     quest = quest_of_two();
     quest.fewest_trials = 26;
-    EXPECT_EQ(complaint(quest), "fewest_trials is 26; it must be from 1 to 25");
+    EXPECT_EQ(error(quest), "fewest_trials is 26; it must be from 1 to 25");
 
     const auto adjusted = [&](Adjustment method) {
         return what_is_wrong_with(Method(method), adjusting);

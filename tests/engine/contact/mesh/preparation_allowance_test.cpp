@@ -7,7 +7,7 @@
 #include "engine/contact/mesh/vertex_welding.h"
 #include "tests/engine/contact/mesh/dense_soups.h"
 #include "tests/engine/contact/mesh/meshes.h"
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ namespace springdrive::contact {
 namespace {
 
 using testing::add_triangle;
-using testing::complaint_of;
+using testing::error_text_of;
 using testing::scattered_soup;
 using testing::shaken;
 using testing::soup_in_a_line;
@@ -107,9 +107,9 @@ std::uint64_t steps_for(const TriangleSoup &soup, unsigned threads = 1) {
     return allowance.taken();
 }
 
-std::string complaint_about(const TriangleSoup &soup, std::uint64_t allowed, unsigned threads = 1) {
+std::string error_about(const TriangleSoup &soup, std::uint64_t allowed, unsigned threads = 1) {
     PreparationAllowance allowance(soup.triangles.size(), allowed);
-    return complaint_of([&] { run_stages(soup, allowance, threads); });
+    return error_text_of([&] { run_stages(soup, allowance, threads); });
 }
 
 TEST(PreparationAllowance, EndsWithTheLastStepAllowed) {
@@ -134,11 +134,11 @@ TEST(PreparationAllowance, GrowsWithTheMeshUpToALimit) {
 
 TEST(PreparationAllowance, RefusesWithBothNumbers) {
     const PreparationAllowance allowance(6000);
-    EXPECT_EQ(complaint_of([&] { allowance.refuse("sort them", 54'321'000'000.0); }),
+    EXPECT_EQ(error_text_of([&] { allowance.refuse("sort them", 54'321'000'000.0); }),
               "preparing its 6000 triangles for touch needs about 54321 million steps, most of "
               "them to sort them; at most 2012 million are allowed: join vertices that nearly "
               "coincide, remove triangles that lie on top of each other, or enlarge it");
-    EXPECT_EQ(complaint_of([&] { allowance.refuse("sort them", 2'011'000'000.0); }),
+    EXPECT_EQ(error_text_of([&] { allowance.refuse("sort them", 2'011'000'000.0); }),
               "preparing its 6000 triangles for touch needs more than 2012 million steps, most of "
               "them to sort them; at most 2012 million are allowed: join vertices that nearly "
               "coincide, remove triangles that lie on top of each other, or enlarge it");
@@ -151,10 +151,9 @@ TEST(PreparationAllowance, IsTakenFromAlikeByAnyNumberOfThreads) {
         const std::uint64_t needed = steps_for(soup);
         for (const unsigned threads : {1U, 2U, 3U}) {
             EXPECT_EQ(steps_for(soup, threads), needed);
-            EXPECT_EQ(complaint_about(soup, needed, threads), "");
-            EXPECT_EQ(complaint_about(soup, needed - 1, threads),
-                      complaint_about(soup, needed - 1));
-            EXPECT_NE(complaint_about(soup, needed - 1, threads), "");
+            EXPECT_EQ(error_about(soup, needed, threads), "");
+            EXPECT_EQ(error_about(soup, needed - 1, threads), error_about(soup, needed - 1));
+            EXPECT_NE(error_about(soup, needed - 1, threads), "");
         }
     }
 }
@@ -162,20 +161,20 @@ TEST(PreparationAllowance, IsTakenFromAlikeByAnyNumberOfThreads) {
 TEST(PreparationAllowance, IsRefusedInEveryStage) {
     std::mt19937_64 random(1);
     const TriangleSoup dense = cloud(random, 1000);
-    const auto names = [](const std::string &complaint, const std::string &purpose) {
-        return complaint.find("most of them to " + purpose + ";") != std::string::npos;
+    const auto names = [](const std::string &error, const std::string &purpose) {
+        return error.find("most of them to " + purpose + ";") != std::string::npos;
     };
-    EXPECT_TRUE(names(complaint_about(dense, 1000), "find vertices at the same place"));
+    EXPECT_TRUE(names(error_about(dense, 1000), "find vertices at the same place"));
     PreparationAllowance welding(dense.triangles.size(), kUnlimited);
     static_cast<void>(weld_vertices(dense.vertices_m, 1e-7, welding));
-    EXPECT_TRUE(names(complaint_about(dense, welding.taken() + 1000),
-                      "find vertices that nearly coincide"));
+    EXPECT_TRUE(
+        names(error_about(dense, welding.taken() + 1000), "find vertices that nearly coincide"));
     PreparationAllowance closing(dense.triangles.size(), kUnlimited);
     static_cast<void>(closed_mesh(dense, closing)); // which ends with joining
     EXPECT_TRUE(
-        names(complaint_about(dense, closing.taken() - 1), "join vertices that nearly coincide"));
+        names(error_about(dense, closing.taken() - 1), "join vertices that nearly coincide"));
     const TriangleSoup crossed = soup_in_a_line(random, 100);
-    EXPECT_TRUE(names(complaint_about(crossed, steps_for(crossed) / 2),
+    EXPECT_TRUE(names(error_about(crossed, steps_for(crossed) / 2),
                       "divide triangles where vertices of others touch their edges"));
 }
 
@@ -184,12 +183,11 @@ TEST(PreparationAllowance, EstimatesWhatDividingNeeds) {
     for (int round = 0; round < 3; ++round) {
         const TriangleSoup soup = soup_in_a_line(random, 200);
         const auto needed = static_cast<double>(steps_for(soup));
-        const std::string complaint = complaint_about(soup, 2'000'000);
+        const std::string error = error_about(soup, 2'000'000);
         const std::string before = "needs about ";
-        const double said =
-            1e6 * std::stod(complaint.substr(complaint.find(before) + before.size()));
-        EXPECT_GT(said, 0.8 * needed) << complaint;
-        EXPECT_LT(said, 1.25 * needed) << complaint;
+        const double said = 1e6 * std::stod(error.substr(error.find(before) + before.size()));
+        EXPECT_GT(said, 0.8 * needed) << error;
+        EXPECT_LT(said, 1.25 * needed) << error;
     }
 }
 
@@ -209,10 +207,10 @@ TEST(PreparationAllowance, BoundsTheWorkForAnySoup) {
             for (const unsigned threads : {1U, 2U}) {
                 const TriangleSoup soup = make(random, std::max(2, size / share));
                 PreparationAllowance allowance(soup.triangles.size(), kAllowed);
-                const std::string complaint =
-                    complaint_of([&] { run_stages(soup, allowance, threads); });
-                refused += complaint.empty() ? 0 : 1;
-                EXPECT_EQ(complaint.empty(), allowance.taken() <= kAllowed) << complaint;
+                const std::string error =
+                    error_text_of([&] { run_stages(soup, allowance, threads); });
+                refused += error.empty() ? 0 : 1;
+                EXPECT_EQ(error.empty(), allowance.taken() <= kAllowed) << error;
                 EXPECT_LE(allowance.taken(), kAllowed + most_beyond(soup, threads));
             }
         }

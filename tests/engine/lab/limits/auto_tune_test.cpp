@@ -173,7 +173,7 @@ TEST(AutoTune, ReportsItsProgressAndCanBeCancelled) {
     EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
 }
 
-std::string complaint(const AutoTuneRequest &request) {
+std::string error(const AutoTuneRequest &request) {
     try {
         static_cast<void>(auto_tune(request));
     } catch (const InputError &error) {
@@ -186,7 +186,7 @@ TEST(AutoTune, RefusesInvalidMargins) {
     AutoTuneRequest request = request_for(1000.0, 0, 0.5);
     for (const double bad : {0.0, 0.999, 10.001, std::nan(""), HUGE_VAL, -1.3}) {
         request.margin = bad;
-        EXPECT_NE(complaint(request).find("1 to 10"), std::string::npos) << bad;
+        EXPECT_NE(error(request).find("1 to 10"), std::string::npos) << bad;
     }
 }
 
@@ -194,7 +194,7 @@ TEST(AutoTune, ReportsWhereNothingIsStable) {
     // An over-cancelled winding has no stable free space, whatever the gains.
     AutoTuneRequest request = request_for(1000.0, 0, 0.5);
     request.which.net_resistance_Ohm = -0.5;
-    EXPECT_NE(complaint(request).find("no tuning"), std::string::npos);
+    EXPECT_NE(error(request).find("no tuning"), std::string::npos);
 }
 
 } // namespace

@@ -5,8 +5,8 @@
 
 #include "engine/study/store/study_store.h"
 #include "tests/engine/study/store/sample_study.h"
-#include "tests/support/complaint.h"
 #include "tests/support/csv.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/modes.h"
@@ -21,8 +21,8 @@
 namespace springdrive::study {
 namespace {
 
-using testing::complaint_of;
 using testing::contents_of;
+using testing::error_text_of;
 using testing::fresh_folder;
 using testing::kStart;
 using testing::parsed_csv;
@@ -389,15 +389,15 @@ TEST(Bids, TakesOnlyTheDevicesAskedFor) {
 TEST(Bids, IsWrittenWholeOrNotAtAll) {
     const auto parent = fresh_folder("bids_whole");
     std::filesystem::create_directory(parent / "out");
-    EXPECT_EQ(complaint_of([&] { write_bids(plain_contents(), parent / "out", {}); }),
+    EXPECT_EQ(error_text_of([&] { write_bids(plain_contents(), parent / "out", {}); }),
               (parent / "out").string() + ": exists; give another name");
-    EXPECT_EQ(complaint_of([&] { write_bids(plain_contents(), parent / "none/out", {}); }),
+    EXPECT_EQ(error_text_of([&] { write_bids(plain_contents(), parent / "none/out", {}); }),
               (parent / "none/out").string() +
                   ": cannot be written: No such file or directory; give another name");
     std::filesystem::remove(parent / "out");
     {
         const testing::FullDisk full(300);
-        EXPECT_NE(complaint_of([&] { write_bids(plain_contents(), parent / "out", {}); }), "");
+        EXPECT_NE(error_text_of([&] { write_bids(plain_contents(), parent / "out", {}); }), "");
     }
     EXPECT_TRUE(std::filesystem::is_empty(parent));
     write_bids(plain_contents(), parent / "out", {});

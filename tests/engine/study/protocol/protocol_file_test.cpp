@@ -5,7 +5,7 @@
 #include "base/input_error.h"
 #include "engine/study/methods/random_key.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -331,7 +331,7 @@ TEST(ProtocolFile, RefusesEveryMalformedOneInOneLine) {
     for (const Malformed &one : malformed()) {
         const std::string text = with(kPlainProtocol, one.from, one.to);
         const std::string line =
-            testing::complaint_of([&text] { static_cast<void>(protocol_of(text)); });
+            testing::error_text_of([&text] { static_cast<void>(protocol_of(text)); });
         EXPECT_EQ(line.substr(0, 7), "p.toml:") << one.to << ": " << line;
         EXPECT_EQ(std::ranges::count(line, '\n'), 0) << line;
         for (const std::string &part : one.said) {

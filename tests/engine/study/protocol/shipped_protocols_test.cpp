@@ -2,7 +2,7 @@
 #include "engine/study/protocol/protocol_check.h"
 #include "engine/study/protocol/protocol_fields.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -73,7 +73,7 @@ TEST(ProtocolManual, HasEveryKeyOfTheList) {
 /// The keys that the reader knows of a table, as it tells them of one that it does not know.
 std::set<std::string> known_keys(const std::string &text) {
     const std::string line =
-        testing::complaint_of([&text] { static_cast<void>(testing::protocol_of(text)); });
+        testing::error_text_of([&text] { static_cast<void>(testing::protocol_of(text)); });
     const std::string before = "the known keys are ";
     const std::size_t at = line.find(before);
     EXPECT_NE(at, std::string::npos) << line;

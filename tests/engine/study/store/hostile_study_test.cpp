@@ -1,6 +1,6 @@
 // Covers what engine/study/store does with studies from people who mean harm.
 #include "tests/engine/study/store/forged_study.h"
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 #include "tests/support/modes.h"
 
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@ namespace springdrive::study {
 namespace {
 
 using namespace std::string_literals;
-using testing::complaint_of;
 using testing::contents_of;
+using testing::error_text_of;
 using testing::ForgedStudy;
 using testing::mode_of;
 using testing::said_on_opening;
@@ -42,7 +42,7 @@ TEST(HostileStudy, LeadsToNoFolderOfRecordsButItsOwn) {
         study.forge_record((std::filesystem::path(name) / "P01/a.rec").string());
         study.forge_removal();
         expect_refused(study, ": is damaged (", name);
-        EXPECT_NE(complaint_of([&] { StudyStore(study.file()).remove_participant("P01"); }), "");
+        EXPECT_NE(error_text_of([&] { StudyStore(study.file()).remove_participant("P01"); }), "");
         EXPECT_TRUE(study.is_rest_untouched()) << name;
     }
 }
@@ -177,7 +177,7 @@ TEST(StudyModes, OfAStudyThatIsThereStay) {
 TEST(StudyModes, NoStudyHasANameThatItsRecordsCouldNotHave) {
     const auto folder = testing::fresh_folder("study_names");
     for (const std::string &name : {"a\nb.study"s, std::string(250, 'a') + ".study"}) {
-        EXPECT_NE(complaint_of([&] {
+        EXPECT_NE(error_text_of([&] {
                       create_study(folder / name, testing::sample_new_study(), testing::kStart);
                   }),
                   "");

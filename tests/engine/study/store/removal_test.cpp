@@ -7,7 +7,7 @@
 #include "tests/engine/study/store/sample_study.h"
 #include "tests/support/cases.h"
 #include "tests/support/child_process.h"
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -20,9 +20,9 @@ namespace springdrive::study {
 namespace {
 
 using testing::are_identical;
-using testing::complaint_of;
 using testing::contents_of;
 using testing::DiskFailure;
+using testing::error_text_of;
 using testing::fresh_folder;
 using testing::kStart;
 using testing::sample_study;
@@ -122,14 +122,14 @@ TEST_F(Removal, LeavesNoByte) {
     EXPECT_EQ(files_with("P02"), 2); // the file, and the folder of records
     {
         StudyStore store(file);
-        EXPECT_EQ(complaint_of([&] { store.remove_participant("P03"); }),
+        EXPECT_EQ(error_text_of([&] { store.remove_participant("P03"); }),
                   file.string() +
                       ": has no participant 'P03'; springdrive study status lists them");
         const Removed removed = store.remove_participant("P02");
         EXPECT_EQ(removed.redacted, 4); // two notes, an answer, a mark
         EXPECT_FALSE(removed.is_in_study);
         expect_only_the_other_is_left();
-        EXPECT_EQ(complaint_of([&] { store.remove_participant("P02"); }),
+        EXPECT_EQ(error_text_of([&] { store.remove_participant("P02"); }),
                   file.string() +
                       ": has no participant 'P02'; springdrive study status lists them");
         // Code and number can be given anew.
@@ -162,7 +162,7 @@ TEST_F(Removal, ThatCannotRemoveARecordGoesOnWhenItIsRequestedAgain) {
     std::filesystem::permissions(folder.parent_path(), std::filesystem::perms(0755));
     std::filesystem::permissions(stuck, std::filesystem::perms(0555));
     const auto in_child = [&](const std::function<void()> &step) {
-        return testing::said_in_child(testing::drop_rights, [&] { return complaint_of(step); });
+        return testing::said_in_child(testing::drop_rights, [&] { return error_text_of(step); });
     };
     const std::string refusal = (folder / "direction.records/P02").string() +
                                 ": cannot be removed: Permission denied; make it writable and "
@@ -208,12 +208,12 @@ TEST_F(Removal, IsNotBegunWhereRecordsAreReachedByALink) {
     for (const std::filesystem::path &target :
          {outside, std::filesystem::path("."), std::filesystem::path("away")}) {
         std::filesystem::create_directory_symlink(target, records);
-        EXPECT_EQ(complaint_of([&] { StudyStore(file).remove_participant("P02"); }),
+        EXPECT_EQ(error_text_of([&] { StudyStore(file).remove_participant("P02"); }),
                   records.string() +
                       ": is a link, which is not followed; put there what it leads to");
         EXPECT_EQ(read_study(file).participants.size(), 2U);
         EXPECT_NE(
-            complaint_of([&] { static_cast<void>(StudyStore(file).new_record_file("P02", {})); }),
+            error_text_of([&] { static_cast<void>(StudyStore(file).new_record_file("P02", {})); }),
             "");
         std::filesystem::remove(records);
     }
@@ -232,7 +232,7 @@ protected:
         copy(folder, whole);
         const DatabaseSettings settings{.vfs = testing::kFailingDisk};
         const auto remove_it = [&] {
-            return complaint_of([&] { StudyStore(file, settings).remove_participant("P02"); });
+            return error_text_of([&] { StudyStore(file, settings).remove_participant("P02"); });
         };
         testing::plan_failure(folder, DiskFailure::none);
         EXPECT_EQ(remove_it(), "");

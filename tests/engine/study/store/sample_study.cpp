@@ -1,6 +1,6 @@
 #include "tests/engine/study/store/sample_study.h"
 
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 
 #include <fmt/core.h>
 
@@ -214,11 +214,11 @@ bool are_identical(const std::vector<Trial> &a, const std::vector<Trial> &b) {
 }
 
 std::string said_on_reading(const std::filesystem::path &file) {
-    return complaint_of([&] { static_cast<void>(study::read_study(file)); });
+    return error_text_of([&] { static_cast<void>(study::read_study(file)); });
 }
 
 std::string said_on_opening(const std::filesystem::path &file) {
-    return complaint_of([&] { study::StudyStore store(file); });
+    return error_text_of([&] { study::StudyStore store(file); });
 }
 
 } // namespace springdrive::testing

@@ -6,7 +6,7 @@
 #include "tests/engine/study/store/failing_disk.h"
 #include "tests/engine/study/store/sample_study.h"
 #include "tests/support/cases.h"
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -23,8 +23,8 @@ namespace springdrive::study {
 namespace {
 
 using testing::are_identical;
-using testing::complaint_of;
 using testing::DiskFailure;
+using testing::error_text_of;
 using testing::fresh_folder;
 using testing::sample_study;
 using testing::sample_trial;
@@ -53,10 +53,10 @@ protected:
         return at_call;
     }
 
-    /// Opens the study and stores its trials; calls `stored` after each. @return the complaint that
+    /// Opens the study and stores its trials; calls `stored` after each. @return the error that
     /// ended it, empty at the end
     std::string run(const std::function<void(int)> &stored) {
-        return complaint_of([&] {
+        return error_text_of([&] {
             StudyStore store(file, settings);
             for (int number = 1; number <= kTrialsOfStudy; ++number) {
                 store.append(sample_trial(seed, 1, number));
@@ -68,7 +68,7 @@ protected:
     /// Whether the file is sound, and holds the trials up to `acknowledged` and at most the next.
     bool holds_all(int acknowledged) {
         std::vector<Trial> trials;
-        if (!complaint_of([&] { trials = read_study(file).trials; }).empty()) {
+        if (!error_text_of([&] { trials = read_study(file).trials; }).empty()) {
             return false;
         }
         return are_identical(trials, sample_trials(seed, 1, acknowledged)) ||
@@ -184,7 +184,7 @@ TEST_F(StudyFailures, OfAFullDiskLoseNoTrial) {
         StudyStore store(file, settings);
         for (int number = 1; number <= kTrialsOfStudy; ++number) {
             const auto append = [&] { store.append(sample_trial(seed, 1, number)); };
-            std::string said = complaint_of(append);
+            std::string said = error_text_of(append);
             if (said.empty()) {
                 continue;
             }
@@ -196,10 +196,10 @@ TEST_F(StudyFailures, OfAFullDiskLoseNoTrial) {
                     << at_call;
                 EXPECT_TRUE(
                     are_identical(read_study(file).trials, sample_trials(seed, 1, number - 1)));
-                said = complaint_of(append);
+                said = error_text_of(append);
             }
             testing::free_space();
-            EXPECT_EQ(complaint_of(append), "");
+            EXPECT_EQ(error_text_of(append), "");
         }
         ASSERT_TRUE(are_identical(read_study(file).trials, sample_trials(seed, 1, kTrialsOfStudy)))
             << "seed " << seed << ", call " << at_call;

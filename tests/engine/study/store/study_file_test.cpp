@@ -8,7 +8,7 @@
 #include "tests/engine/study/store/sample_study.h"
 #include "tests/support/cases.h"
 #include "tests/support/child_process.h"
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 #include "tests/support/full_disk.h"
 
@@ -24,8 +24,8 @@ namespace springdrive::study {
 namespace {
 
 using testing::are_identical;
-using testing::complaint_of;
 using testing::contents_of;
+using testing::error_text_of;
 using testing::fresh_folder;
 using testing::said_in_child;
 using testing::said_on_opening;
@@ -80,11 +80,11 @@ TEST(StudyFile, ThatIsDeletedMeanwhileIsMissed) {
     store.append(sample_trial(1, 1, 1));
     std::filesystem::rename(file, kept);
     const auto append = [&] { store.append(sample_trial(1, 1, 2)); };
-    EXPECT_EQ(complaint_of(append),
+    EXPECT_EQ(error_text_of(append),
               file.string() + ": was moved or deleted while it was open: nothing of this was "
                               "stored; put it back, or a copy of it, and repeat");
     std::filesystem::rename(kept, file);
-    EXPECT_EQ(complaint_of(append), "");
+    EXPECT_EQ(error_text_of(append), "");
     EXPECT_TRUE(are_identical(read_study(file).trials, sample_trials(1, 1, 2)));
 }
 
@@ -93,7 +93,7 @@ TEST(StudyFile, IsCreatedByOneOfManyAtOnce) {
     constexpr std::size_t kCreators = 8;
     std::array<std::string, kCreators> said;
     in_chunks(kCreators, kCreators, [&](unsigned creator, std::size_t, std::size_t) {
-        said[creator] = complaint_of([&] {
+        said[creator] = error_text_of([&] {
             create_study(file, {std::to_string(creator), "", "1.0"}, testing::kStart);
         });
     });
@@ -280,7 +280,7 @@ TEST(StudyFile, IsReadFromAWriteProtectedFolder) {
     EXPECT_EQ(refusal, file.string() + ": cannot be locked for writing: Permission denied; its "
                                        "folder must be writable");
     EXPECT_EQ(in_child([&] {
-                  return complaint_of([&] {
+                  return error_text_of([&] {
                       create_study(folder / "b.study", testing::sample_new_study(),
                                    testing::kStart);
                   });
@@ -336,7 +336,7 @@ TEST(StudyFile, OnAFullDiskKeepsWhatItHas) {
     trial.condition = std::string(20'000, 'x');
     {
         const testing::FullDisk full(bytes.size() + 4096);
-        EXPECT_EQ(complaint_of([&] { store.append(trial); }),
+        EXPECT_EQ(error_text_of([&] { store.append(trial); }),
                   file.string() +
                       ": the disk failed in writing; check it and its free space, and repeat");
     }
@@ -350,7 +350,7 @@ TEST(StudyFile, IsNotCreatedOnAFullDisk) {
     const auto file = folder / "a.study";
     const testing::FullDisk full(10'000);
     EXPECT_EQ(
-        complaint_of([&] { create_study(file, testing::sample_new_study(), testing::kStart); }),
+        error_text_of([&] { create_study(file, testing::sample_new_study(), testing::kStart); }),
         file.string() + ": the disk failed in writing; check it and its free space, and repeat");
     EXPECT_TRUE(std::filesystem::is_empty(folder));
 }

@@ -3,7 +3,7 @@
 
 #include "tests/engine/study/store/sample_study.h"
 #include "tests/support/child_process.h"
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace springdrive::study {
 namespace {
 
-using testing::complaint_of;
+using testing::error_text_of;
 using testing::fresh_folder;
 using testing::said_in_child;
 using testing::said_on_opening;

@@ -2,7 +2,7 @@
 #include "engine/study/store/study_store.h"
 
 #include "tests/engine/study/store/sample_study.h"
-#include "tests/support/complaint.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace springdrive::study {
 namespace {
 
 using testing::are_identical;
-using testing::complaint_of;
+using testing::error_text_of;
 using testing::fresh_folder;
 using testing::kStart;
 using testing::sample_session;
@@ -47,12 +47,12 @@ TEST(StudyStore, IsNeverReplaced) {
     const auto folder = fresh_folder("study_again");
     const auto file = sample_study(folder);
     const StudyContents before = read_study(file);
-    EXPECT_EQ(complaint_of([&] { create_study(file, testing::sample_new_study(), kStart); }),
+    EXPECT_EQ(error_text_of([&] { create_study(file, testing::sample_new_study(), kStart); }),
               file.string() + ": exists already; a study is never replaced: give another name");
     EXPECT_EQ(read_study(file), before);
     std::filesystem::remove(file);
     std::ofstream(file.string() + "-journal") << "of another study";
-    EXPECT_EQ(complaint_of([&] { create_study(file, testing::sample_new_study(), kStart); }),
+    EXPECT_EQ(error_text_of([&] { create_study(file, testing::sample_new_study(), kStart); }),
               file.string() + "-journal: belongs to a study that was here; move it to that study, "
                               "or give another name");
 }
@@ -84,11 +84,11 @@ TEST(StudyStore, InMemoryHoldsWhatAFileDoesAndIsInNoFile) {
     EXPECT_EQ(held.participants, expected.participants);
     EXPECT_EQ(held.sessions, expected.sessions);
     EXPECT_TRUE(in_memory.file().empty());
-    EXPECT_EQ(complaint_of([&] {
+    EXPECT_EQ(error_text_of([&] {
                   static_cast<void>(in_memory.new_record_file("P01", {1, 1, 1}));
               }),
               "a study in memory: keeps no servo records");
-    EXPECT_EQ(complaint_of([&] { in_memory.remove_participant("P01"); }),
+    EXPECT_EQ(error_text_of([&] { in_memory.remove_participant("P01"); }),
               "a study in memory: is gone with the program by itself");
     EXPECT_EQ(StudyStore::in_memory(testing::sample_new_study(), kStart).contents().trials.size(),
               0U)
@@ -161,7 +161,7 @@ TEST(StudyStore, DoesNotStoreATrialTwice) {
     EXPECT_EQ(store.append(trial), Appended::before);
     Trial other = trial;
     other.level = 17.0;
-    EXPECT_EQ(complaint_of([&] { store.append(other); }),
+    EXPECT_EQ(error_text_of([&] { store.append(other); }),
               file.string() + ": has another trial of P01 already: block 1, position 3, attempt 1");
     EXPECT_TRUE(are_identical(store.contents().trials, {trial}));
     // The same place of another participant.
@@ -198,9 +198,9 @@ TEST(StudyStore, HoldsSessionsAndNotes) {
             expected.back().ending = static_cast<SessionEnding>(i);
             store.end(expected.back().id, *expected.back().ending, *expected.back().ended);
         }
-        EXPECT_EQ(complaint_of([&] { store.end(1, SessionEnding::stopped, kStart); }),
+        EXPECT_EQ(error_text_of([&] { store.end(1, SessionEnding::stopped, kStart); }),
                   file.string() + ": has no session 1 that runs");
-        EXPECT_EQ(complaint_of([&] { static_cast<void>(store.begin(sample_session(2))); }),
+        EXPECT_EQ(error_text_of([&] { static_cast<void>(store.begin(sample_session(2))); }),
                   file.string() +
                       ": has no participant 'P02'; springdrive study status lists them");
         expected.push_back(sample_session(1));
@@ -234,11 +234,11 @@ TEST(StudyStore, HoldsAnswers) {
         again.at += std::chrono::hours(1);
         EXPECT_EQ(store.add(again), Appended::before);
         again.answer = "4";
-        EXPECT_EQ(complaint_of([&] { store.add(again); }),
+        EXPECT_EQ(error_text_of([&] { store.add(again); }),
                   file.string() + ": has another answer of P01 to 'tiring' already, in session 1");
         again = answers[1];
         again.question = "How tiring was it?";
-        EXPECT_NE(complaint_of([&] { store.add(again); }), "");
+        EXPECT_NE(error_text_of([&] { store.add(again); }), "");
         // Another session may be asked the same.
         QuestionnaireAnswer later = answers[0];
         later.session = store.begin(sample_session(1));
@@ -254,7 +254,7 @@ TEST(StudyStore, RefusesAnswersThatCannotBe) {
     const auto file = sample_study(fresh_folder("study_answers_refused"), 2);
     StudyStore store(file);
     const auto refusal = [&](const QuestionnaireAnswer &answer) {
-        return complaint_of([&] { store.add(answer); }).substr(file.string().size() + 2);
+        return error_text_of([&] { store.add(answer); }).substr(file.string().size() + 2);
     };
     EXPECT_EQ(refusal({"P03", 1, "hand", "Which hand?", "left", kStart}),
               "has no participant 'P03'; springdrive study status lists them");
@@ -276,7 +276,7 @@ TEST(StudyStore, TakesNotesOfSensibleTextOnly) {
     const auto file = sample_study(fresh_folder("study_notes"), 1);
     StudyStore store(file);
     const auto refusal = [&](const std::string &text) {
-        const std::string said = complaint_of([&] {
+        const std::string said = error_text_of([&] {
             store.append({kStart, "note", text, std::nullopt, std::nullopt});
         });
         return said.empty() ? said : said.substr(file.string().size() + 2);
@@ -318,9 +318,9 @@ TEST(StudyStore, TellsTheDevicesApart) {
     EXPECT_EQ(trials_on(contents, DeviceKind::simulated).size(), 3U);
     EXPECT_EQ(participant_of(contents, "P02").number, 2);
     EXPECT_EQ(next_participant_number(contents), 4);
-    EXPECT_EQ(complaint_of([&] { static_cast<void>(participant_of(contents, "P04")); }),
+    EXPECT_EQ(error_text_of([&] { static_cast<void>(participant_of(contents, "P04")); }),
               "the study has no participant 'P04'; springdrive study status lists them");
-    EXPECT_EQ(complaint_of([&] { static_cast<void>(session_of(contents, 4)); }),
+    EXPECT_EQ(error_text_of([&] { static_cast<void>(session_of(contents, 4)); }),
               "the study has no session 4");
 }
 
@@ -352,21 +352,21 @@ TEST(StudyStore, TakesCodesOnly) {
     }
     const auto file = sample_study(fresh_folder("study_codes"));
     StudyStore store(file);
-    EXPECT_EQ(complaint_of([&] {
+    EXPECT_EQ(error_text_of([&] {
                   store.add({"Anna", 2, kStart});
               }),
               file.string() +
                   ": 'Anna' is no participant's code: one to three capital letters and one to "
                   "four digits, as P01; names are not stored");
-    EXPECT_EQ(complaint_of([&] {
+    EXPECT_EQ(error_text_of([&] {
                   store.add({"P01", 2, kStart});
               }),
               file.string() + ": has a participant P01 already");
-    EXPECT_EQ(complaint_of([&] {
+    EXPECT_EQ(error_text_of([&] {
                   store.add({"P02", 1, kStart});
               }),
               file.string() + ": has a participant of number 1 already: P01");
-    EXPECT_EQ(complaint_of([&] {
+    EXPECT_EQ(error_text_of([&] {
                   store.add({"P02", 0, kStart});
               }),
               file.string() + ": participants are numbered from 1");
@@ -379,7 +379,7 @@ TEST(StudyStore, RefusesTrialsThatCannotBe) {
     const auto refusal = [&](const std::function<void(Trial &)> &change) {
         Trial trial = sample_trial(1, 1, 1);
         change(trial);
-        std::string said = complaint_of([&] { store.append(trial); });
+        std::string said = error_text_of([&] { store.append(trial); });
         const std::string start = file.string() + ": ";
         EXPECT_TRUE(said.starts_with(start)) << said;
         return said.substr(std::min(start.size(), said.size()));
@@ -449,7 +449,7 @@ TEST(StudyStore, RepeatsATrialOnce) {
     EXPECT_EQ(trials[1].repeated_by, std::nullopt);
     Trial again = sample_trial(1, 1, 3);
     again.repetition_of = TrialPlace{1, 1, 1};
-    EXPECT_EQ(complaint_of([&] { store.append(again); }),
+    EXPECT_EQ(error_text_of([&] { store.append(again); }),
               file.string() + ": has a repetition already of block 1, position 1, attempt 1");
     EXPECT_EQ(store.contents().trials.size(), 2U);
 }
@@ -460,7 +460,7 @@ TEST(StudyStore, LinksServoRecords) {
     StudyStore store(file);
     const auto record = store.new_record_file("P01", {2, 17, 1});
     EXPECT_EQ(record, folder / "direction.records/P01/block2-position017-attempt1.rec");
-    EXPECT_EQ(complaint_of([&] { static_cast<void>(store.new_record_file("P09", {})); }),
+    EXPECT_EQ(error_text_of([&] { static_cast<void>(store.new_record_file("P09", {})); }),
               file.string() + ": has no participant 'P09'; springdrive study status lists them");
     std::ofstream(record) << "abc";
     Trial trial = sample_trial(1, 1, 1);
@@ -478,8 +478,8 @@ TEST(StudyStore, LinksServoRecords) {
     EXPECT_EQ(problems(), std::vector{where + "is another file than the one that was linked"});
     std::filesystem::remove(record);
     EXPECT_EQ(problems(), std::vector{where + "is missing"});
-    EXPECT_NE(complaint_of([&] { static_cast<void>(store.link_to(record)); }), "");
-    EXPECT_EQ(complaint_of([&] { static_cast<void>(store.link_to(file)); }),
+    EXPECT_NE(error_text_of([&] { static_cast<void>(store.link_to(record)); }), "");
+    EXPECT_EQ(error_text_of([&] { static_cast<void>(store.link_to(file)); }),
               file.string() + ": is not in the study's folder of records, direction.records");
 }
 

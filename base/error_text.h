@@ -9,7 +9,7 @@ namespace springdrive {
 
 /// The message of the InputError that `step` throws; empty if it throws none. Other exceptions
 /// pass.
-template <typename Step> [[nodiscard]] std::string complaint_of(Step &&step) {
+template <typename Step> [[nodiscard]] std::string error_text_of(Step &&step) {
     try {
         step();
     } catch (const InputError &error) {

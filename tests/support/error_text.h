@@ -1,9 +1,9 @@
 #pragma once
 
-#include "base/complaint.h"
+#include "base/error_text.h"
 
 namespace springdrive::testing {
 
-using springdrive::complaint_of;
+using springdrive::error_text_of;
 
 } // namespace springdrive::testing
