@@ -118,11 +118,11 @@ Vector3 joint_angles_rad(const std::vector<double> &q_deg) {
 }
 
 void add_motion_map_option(Command &command, const std::string &option, std::string &map,
-                           std::string_view remark) {
+                           std::string_view warning) {
     command
         .add_option(option, map,
                     fmt::format("{} or {}{}", control::label_of(control::MotionMap::inverse),
-                                control::label_of(control::MotionMap::transpose), remark))
+                                control::label_of(control::MotionMap::transpose), warning))
         .one_of(list_of(control::kMotionMapNames));
 }
 
@@ -225,8 +225,8 @@ control::Tuning TuningOptions::tuning() const {
     return tuning;
 }
 
-void remark_on_margins(const std::filesystem::path &tuning_file, double servo_hz,
-                       double delay_periods) {
+void warn_about_margins(const std::filesystem::path &tuning_file, double servo_hz,
+                        double delay_periods) {
     if (tuning_file.empty()) {
         return;
     }

@@ -67,9 +67,9 @@ void add_joint_angles_option(Command &command, std::vector<double> &q_deg);
 [[nodiscard]] Vector3 joint_angles_rad(const std::vector<double> &q_deg);
 
 /// `--map` or `--kinematics`, one of `kMotionMapNames`.
-/// @param remark  ends its help
+/// @param warning  ends its help
 void add_motion_map_option(Command &command, const std::string &option, std::string &map,
-                           std::string_view remark = "");
+                           std::string_view warning = "");
 
 /// `--servo-hz`, whatever `servo_hz` starts as.
 Option add_servo_hz_option(Command &command, double &servo_hz);
@@ -119,8 +119,8 @@ struct EffectOptions {
 
 /// Warns on standard error if a tuning file's margins are those of a faster servo or a shorter
 /// delay, and do not apply here.
-void remark_on_margins(const std::filesystem::path &tuning_file, double servo_hz,
-                       double delay_periods);
+void warn_about_margins(const std::filesystem::path &tuning_file, double servo_hz,
+                        double delay_periods);
 
 /// @throw InputError if dR exceeds a motor's resistance, or is below its amplifier's minimum.
 void check_dR(const device::DeviceDescription &device, const control::Tuning &tuning);

@@ -32,7 +32,7 @@ struct TypedFigures {
 };
 
 /// If friction can hold half of the force of the transpose map, it affects directions as well.
-void remark_on_friction(const FigureSetting &setting) {
+void warn_about_friction(const FigureSetting &setting) {
     const double rendered_N =
         loops::planar_stiffness(setting.device, setting.tuning, setting.q_rad).transpose(0, 0) *
         limits::harmless_penetration_m(setting.device, setting.tuning, setting.q_rad,
@@ -54,7 +54,7 @@ FigureSetting setting_of(const TypedFigures &typed) {
     rig::check_configuration(setting.device, setting.q_rad);
     check_dR(setting.device, setting.tuning);
     setting.tuning.dR_Ohm = cold_dR_Ohm(setting.device, setting.tuning);
-    remark_on_friction(setting);
+    warn_about_friction(setting);
     return setting;
 }
 

@@ -9,7 +9,7 @@
 #include "base/quoting.h"
 #include "base/table.h"
 #include "device/core/device_file.h"
-#include "engine/contact/mesh/mesh_remarks.h"
+#include "engine/contact/mesh/mesh_warnings.h"
 #include "engine/lab/model_selection/selection_cache.h"
 #include "engine/lab/model_selection/selection_json.h"
 #include "engine/scene/scene.h"
@@ -98,13 +98,13 @@ const char *name_of(contact::TouchSides sides) {
 
 Json vector_json(const Vector3 &v) { return {v.x(), v.y(), v.z()}; }
 
-/// The remarks of loading and preparation.
-std::vector<std::string> remarks_of(const InspectReport &report) {
-    std::vector<std::string> remarks = report.scene->remarks;
+/// The warnings of loading and preparation.
+std::vector<std::string> warnings_of(const InspectReport &report) {
+    std::vector<std::string> warnings = report.scene->warnings;
     const std::vector<std::string> of_mesh =
-        contact::remarks_on(report.surface->report(), report.surface->materials());
-    remarks.insert(remarks.end(), of_mesh.begin(), of_mesh.end());
-    return remarks;
+        contact::warnings_about(report.surface->report(), report.surface->materials());
+    warnings.insert(warnings.end(), of_mesh.begin(), of_mesh.end());
+    return warnings;
 }
 
 double bytes_per_triangle(const contact::HapticSurface &surface) {
@@ -237,8 +237,8 @@ void write_model_table(std::ostream &out, const model_selection::ModelSelection 
           choice.error.force_N, choice.error.direction_rad * kDegreesPerRadian);
     print(out, "at {:.2f} µs per tick instead of {:.2f} µs\n", 1e-3 * choice.cost_ns,
           1e-3 * choice.fullest_cost_ns);
-    for (const std::string &remark : choice.remarks) {
-        out << "remark: " << remark << '\n';
+    for (const std::string &warning : choice.warnings) {
+        out << "remark: " << warning << '\n';
     }
 }
 
@@ -269,7 +269,7 @@ void write_inspect_json(std::ostream &out, const InspectReport &report) {
     if (report.model != nullptr) {
         json["model"] = model_selection::json_of(*report.model);
     }
-    json["remarks"] = remarks_of(report);
+    json["remarks"] = warnings_of(report);
     out << json_text(json) << '\n';
 }
 
@@ -288,8 +288,8 @@ void write_inspect_table(std::ostream &out, const InspectReport &report) {
     print(out, "\nprepared in {:.3f} s; takes {:.2f} MB, {:.0f} bytes per triangle\n",
           report.preparation_s, 1e-6 * static_cast<double>(surface.bytes()),
           bytes_per_triangle(surface));
-    for (const std::string &remark : remarks_of(report)) {
-        out << "remark: " << remark << '\n';
+    for (const std::string &warning : warnings_of(report)) {
+        out << "remark: " << warning << '\n';
     }
     if (report.model != nullptr) {
         write_model_table(out, *report.model);

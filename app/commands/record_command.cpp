@@ -34,7 +34,7 @@ void play(session::Session &session, bool lockstep, double seconds) {
             return;
         }
         session.advance(kFrame_s);
-        print_new_remarks(session);
+        print_new_warnings(session);
         if (!lockstep) {
             pace.wait();
         }
@@ -53,7 +53,7 @@ void run(const TypedRecord &typed) {
     session::Session session = open_session(options);
     note_ending_signals();
     session.start();
-    print_new_remarks(session);
+    print_new_warnings(session);
     play(session, options.lockstep, typed.seconds);
     session.stop();
     if (typed.json != "-") {

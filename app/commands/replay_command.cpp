@@ -202,7 +202,7 @@ private:
         }
     }
 
-    /// A remark only: a replay takes the contact from the record.
+    /// A warning only: a replay takes the contact from the record.
     [[nodiscard]] std::string state_of(const session::RunScene &scene) const {
         std::error_code ignored;
         // The program was started in the folder above.

@@ -100,7 +100,7 @@ loops::StabilityCase StabilityOptions::stability_case() const {
         check_that_it_counts(option_of(parameter), parameter, which);
         parameter.set(which, *values[i]);
     }
-    remark_on_margins(tuning_file, 1.0 / which.period_s, which.delay_periods);
+    warn_about_margins(tuning_file, 1.0 / which.period_s, which.delay_periods);
     return which;
 }
 

@@ -213,8 +213,8 @@ void sweep_device(const TypedSweep &typed) {
     static_cast<void>(checked_options(typed, device::read_device_file(typed.board.device_file)));
     const double period_s = servo::servo_period_s(typed.options.servo_hz);
     if (device_named(typed.board.device).kind == factory::DeviceKind::usb) {
-        for (const std::string &remark : servo::make_this_thread_real_time(std::nullopt)) {
-            print(std::cerr, "springdrive: remark: {}\n", remark);
+        for (const std::string &warning : servo::make_this_thread_real_time(std::nullopt)) {
+            print(std::cerr, "springdrive: remark: {}\n", warning);
         }
     }
     factory::BoardRequest request = typed.board.request();
@@ -233,8 +233,8 @@ void sweep_device(const TypedSweep &typed) {
     StiffnessSweep sweep(*board.device, options);
     run_to_end(sweep);
     const SweepReport report = sweep.report();
-    for (const std::string &remark : report.remarks) {
-        print(std::cerr, "springdrive: remark: {}\n", remark);
+    for (const std::string &warning : report.warnings) {
+        print(std::cerr, "springdrive: remark: {}\n", warning);
     }
     if (!report.motors.empty() && (typed.csv != "-" || !report.is_complete)) {
         write_sweep_table(std::cout, board.device->description(), options, report);

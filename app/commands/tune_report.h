@@ -9,7 +9,7 @@ struct AutoTuned;
 
 namespace springdrive::app {
 
-/// The result, its margins, and remarks on them, one line each.
+/// The result, its margins, and warnings on them, one line each.
 void write_tuned(std::ostream &out, const limits::AutoTuned &found);
 
 } // namespace springdrive::app

@@ -140,7 +140,7 @@ session::SessionOptions TypedSession::session() const {
         session.late_limit_s = 1e-3 * *late_limit_ms;
     }
     session.tuning = tuning.tuning();
-    remark_on_margins(tuning.file, options.servo_hz, delay_periods.value_or(0.0));
+    warn_about_margins(tuning.file, options.servo_hz, delay_periods.value_or(0.0));
     session.effects = effects.effects();
     session.device_seed = effects.device_seed;
     session.model = model.options(tuning);

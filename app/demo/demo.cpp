@@ -31,7 +31,7 @@ void play(const DemoOptions &options, session::Session &session, Screen &screen)
             return;
         }
         session.advance(kFrame_s);
-        print_new_remarks(session);
+        print_new_warnings(session);
         screen.draw_frame();
         if (screen.kiosk() != nullptr && screen.kiosk()->ending() != exhibit::KioskEnding::none) {
             return;
@@ -87,7 +87,7 @@ int run_demo(const DemoOptions &options) {
         }
     });
     session.start();
-    print_new_remarks(session);
+    print_new_warnings(session);
     play(options, session, screen);
     exhibit::end_well_without_display({});
     session.stop();

@@ -96,8 +96,8 @@ Screen::Screen(const DemoOptions &options, session::Session &session)
     opens_assistant_ = options.assistant;
     // Until the first frame, in which the assistant decides.
     session.keep_released(session.device_choice().kind != factory::DeviceKind::simulated);
-    if (!window_.font_remark().empty()) {
-        std::cerr << "springdrive: " << window_.font_remark() << '\n';
+    if (!window_.font_warning().empty()) {
+        std::cerr << "springdrive: " << window_.font_warning() << '\n';
     }
     show_scene();
     upload(std::numeric_limits<double>::infinity()); // the first frame shows it
@@ -426,18 +426,18 @@ void Screen::show_scene() {
                                      ignored)) {
         habits_.note_opened(scene.file);
     }
-    print(scene.remarks);
+    print(scene.warnings);
 }
 
 void Screen::upload(double duration_s) {
     renderer_.upload(duration_s);
-    print(renderer_.take_remarks());
+    print(renderer_.take_warnings());
 }
 
-void Screen::print(const std::vector<std::string> &remarks) const {
-    for (const std::string &remark : remarks) {
+void Screen::print(const std::vector<std::string> &warnings) const {
+    for (const std::string &warning : warnings) {
         std::cerr << "springdrive: " << session_.scenes().now().scene.file.filename().string()
-                  << ": " << remark << '\n';
+                  << ": " << warning << '\n';
     }
 }
 

@@ -90,7 +90,7 @@ private:
     void toggle_pause();
     void show_scene();
     void upload(double duration_s); ///< of the scene to the graphics card, for about that long
-    void print(const std::vector<std::string> &remarks) const; ///< on the scene
+    void print(const std::vector<std::string> &warnings) const; ///< on the scene
     void draw_scene(const Rectangle &view, const ViewState &state);
     [[nodiscard]] ViewState view_state();
     void open(const std::filesystem::path &file);

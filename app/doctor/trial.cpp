@@ -39,7 +39,7 @@ namespace {
 RightsTrial try_rights(int priority) {
     RightsTrial trial;
     const servo::ShortIdle short_idle;
-    trial.idle_is_short = short_idle.remark().empty();
+    trial.idle_is_short = short_idle.warning().empty();
     trial.priority = priority;
     trial.memory_locked = servo::request_locked_memory();
     std::thread([&] { trial.priority_refused = request_priority(priority); }).join();

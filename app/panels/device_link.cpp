@@ -171,8 +171,8 @@ void show_link(const session::Session &session, const device::LinkStatus &link) 
     ImGui::SameLine();
     show_count("rejected", link.rejected + link.unsent,
                "commands that the board rejected, or that could not be sent");
-    if (!link.remark.empty()) {
-        ui::wrapped(kWarning, "{}", link.remark);
+    if (!link.warning.empty()) {
+        ui::wrapped(kWarning, "{}", link.warning);
     }
     if (!link.last_problem.empty()) {
         ui::text(kWarning, "last: {}", link.last_problem);

@@ -106,9 +106,9 @@ void EventLog::watch_rest(const session::Session &session, double now_s) {
     }
     recording_ = records;
     parts_ = parts;
-    const auto &remarks = session.remarks().all();
-    for (; remarks_ < remarks.size(); ++remarks_) {
-        add(now_s, Kind::note, remarks[remarks_]);
+    const auto &warnings = session.warnings().all();
+    for (; warnings_ < warnings.size(); ++warnings_) {
+        add(now_s, Kind::note, warnings[warnings_]);
     }
 }
 

@@ -53,7 +53,7 @@ private:
     bool follows_path_ = false;
     std::size_t parts_ = 0; ///< of records
     bool recording_ = false;
-    std::size_t remarks_ = 0;
+    std::size_t warnings_ = 0;
 };
 
 } // namespace springdrive::app

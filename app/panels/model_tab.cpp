@@ -120,8 +120,8 @@ void draw_choice(const model_selection::ModelSelection &choice) {
     for (const model_selection::ModelAxis &axis : choice.axes) {
         draw_axis(axis, tolerance);
     }
-    for (const std::string &remark : choice.remarks) {
-        ui::wrapped(kWarning, "{}", remark);
+    for (const std::string &warning : choice.warnings) {
+        ui::wrapped(kWarning, "{}", warning);
     }
 }
 

@@ -25,7 +25,7 @@ SceneMessage stopped(const SceneSituation &now) {
 }
 
 SceneMessage record_shown(const SceneSituation &now) {
-    SceneMessage message{"record shown", SceneUrgency::remark,
+    SceneMessage message{"record shown", SceneUrgency::warning,
                          fmt::format("Record: {}. The servo goes on.", now.record)};
     if (!now.scene_of_record.empty()) {
         message.more = fmt::format("Not its scene: it was recorded on {}.", now.scene_of_record);
@@ -82,8 +82,9 @@ std::optional<SceneMessage> message_for(const SceneSituation &now) {
         return record_shown(now);
     }
     if (now.is_paused) { // nothing else can happen until it goes on
-        return SceneMessage{"paused", SceneUrgency::remark, "Paused: the device stands still.",
-                            {},       "go on  P",           SceneAction::go_on};
+        return SceneMessage{
+            "paused",   SceneUrgency::warning, "Paused: the device stands still.", {},
+            "go on  P", SceneAction::go_on};
     }
     if (waits && (now.is_lent || now.is_released || !now.is_zeroed)) {
         return waiting(now);

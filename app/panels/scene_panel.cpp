@@ -46,8 +46,8 @@ void draw_scene_tab(session::Session &session, ScenePanelState &state) {
     if (session.simulation().planar) {
         ui::text(kFaintInk, "planar: the tip stays in the linkage's plane");
     }
-    for (const std::string &remark : shown.scene.remarks) {
-        ui::wrapped(kWarning, "{}", remark);
+    for (const std::string &warning : shown.scene.warnings) {
+        ui::wrapped(kWarning, "{}", warning);
     }
 }
 

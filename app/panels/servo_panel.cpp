@@ -265,10 +265,10 @@ void show_log(const EventLog &log) {
 void show_timing(const session::Session &session) {
     show_durations(session.servo().statistics());
     show_rate(session);
-    for (const std::string &remark : session.remarks().all()) {
+    for (const std::string &warning : session.warnings().all()) {
         // The problem; the tooltip adds the remedy after the semicolon.
-        ui::wrapped(kWarning, "{}", remark.substr(0, remark.find(';')));
-        ui::explain(remark);
+        ui::wrapped(kWarning, "{}", warning.substr(0, warning.find(';')));
+        ui::explain(warning);
     }
 }
 
@@ -299,8 +299,8 @@ bool draw_servo_panel(session::Session &session, const EventLog &log, SessionKee
     if (const ui::Tab notes("Notes"); notes) {
         show_notes(keeper);
     }
-    // Among the tabs: the remarks themselves may be scrolled out of the panel.
-    if (!session.remarks().all().empty() && ui::tab_button("doctor…")) {
+    // Among the tabs: the warnings themselves may be scrolled out of the panel.
+    if (!session.warnings().all().empty() && ui::tab_button("doctor…")) {
         state.doctor.ask(name_of(session.device_choice()), session.servo().rate_hz());
     }
     state.doctor.draw();

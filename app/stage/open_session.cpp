@@ -18,9 +18,9 @@ session::Session open_session(const session::SessionOptions &options) {
     return session::Session(options, &progress); // in place: a session cannot be moved
 }
 
-void print_new_remarks(session::Session &session) {
-    for (const std::string &remark : session.remarks().take_new()) {
-        std::cerr << "springdrive: " << remark << '\n';
+void print_new_warnings(session::Session &session) {
+    for (const std::string &warning : session.warnings().take_new()) {
+        std::cerr << "springdrive: " << warning << '\n';
     }
 }
 

@@ -9,7 +9,7 @@ namespace springdrive::app {
 /// @throw InputError as Session's constructor does
 [[nodiscard]] session::Session open_session(const session::SessionOptions &options);
 
-/// Prints each remark once, to standard error.
-void print_new_remarks(session::Session &session);
+/// Prints each warning once, to standard error.
+void print_new_warnings(session::Session &session);
 
 } // namespace springdrive::app

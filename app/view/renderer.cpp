@@ -62,7 +62,7 @@ void Renderer::upload(double duration_s) {
         }
     }
     check_gl("uploading the scene");
-    remarks_ = next_scene_->take_remarks();
+    warnings_ = next_scene_->take_warnings();
     if (done) {
         scene_ = std::move(*next_scene_);
         next_scene_.reset();

@@ -46,8 +46,8 @@ public:
     /// @throw std::runtime_error if OpenGL cannot hold it; the previous scene is then kept.
     void upload(double duration_s);
 
-    /// Remarks on how the scene being uploaded is drawn, each once.
-    [[nodiscard]] std::vector<std::string> take_remarks() { return std::exchange(remarks_, {}); }
+    /// Warnings on how the scene being uploaded is drawn, each once.
+    [[nodiscard]] std::vector<std::string> take_warnings() { return std::exchange(warnings_, {}); }
 
     /// Draws only into the viewport of the bound framebuffer. Leaves depth test, blending, culling
     /// and scissor test off, and no vertex array bound.
@@ -87,7 +87,7 @@ private:
     int mark_calls_ = 0;
     SceneMeshes scene_;
     std::optional<SceneMeshes> next_scene_; ///< being uploaded
-    std::vector<std::string> remarks_;
+    std::vector<std::string> warnings_;
     Floor floor_;
     Program depth_;
     Program depth_masked_;

@@ -60,8 +60,8 @@ void SceneMeshes::upload_texture(const scene::Texture &texture) {
     const auto size = [](const scene::Texture &of) {
         return std::to_string(of.width) + " x " + std::to_string(of.height);
     };
-    remarks_.push_back("a texture of " + size(texture) + " pixels is drawn with " + size(smaller) +
-                       ": OpenGL allows " + std::to_string(max_side) + " a side here");
+    warnings_.push_back("a texture of " + size(texture) + " pixels is drawn with " + size(smaller) +
+                        ": OpenGL allows " + std::to_string(max_side) + " a side here");
     textures_.push_back(uploaded(smaller));
 }
 

@@ -30,8 +30,8 @@ public:
     /// Uploads for about `duration_s`. @return whether everything is uploaded
     bool upload(double duration_s);
 
-    /// Remarks on textures of the scene that are not drawn as they are, each once.
-    [[nodiscard]] std::vector<std::string> take_remarks() { return std::exchange(remarks_, {}); }
+    /// Warnings on textures of the scene that are not drawn as they are, each once.
+    [[nodiscard]] std::vector<std::string> take_warnings() { return std::exchange(warnings_, {}); }
 
     /// The variants of shaders/lit.* that it is drawn with.
     [[nodiscard]] std::set<LitVariant> variants() const;
@@ -71,7 +71,7 @@ private:
     std::vector<Texture2D> textures_;         ///< the scene's, then a white one
     std::vector<Item> items_;                 ///< once uploaded, of one variant after the other
     std::optional<GpuLines> creases_;
-    std::vector<std::string> remarks_;
+    std::vector<std::string> warnings_;
 };
 
 } // namespace springdrive::app

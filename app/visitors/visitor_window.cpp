@@ -79,7 +79,7 @@ void VisitorWindow::report(const ParticipantPicture &picture, const SittingState
 SittingFrame VisitorWindow::show(const ParticipantPicture &picture, const SittingState &state) {
     requests_.begin_frame(hidden_.has_waiting_input());
     session_.advance(kFrame_s);
-    print_new_remarks(session_);
+    print_new_warnings(session_);
     hidden_.begin_frame();
     static_cast<void>(hidden_.take_keys());
     static_cast<void>(hidden_.take_dropped_files());

@@ -224,8 +224,8 @@ void Window::choose_font() {
         large_text_ = {add(40.0F), add(78.0F)};
         return;
     }
-    font_remark_ = "no font with Greek letters at " SPRINGDRIVE_FONT
-                   "; install fonts-dejavu-core to show the symbols";
+    font_warning_ = "no font with Greek letters at " SPRINGDRIVE_FONT
+                    "; install fonts-dejavu-core to show the symbols";
     ImFontConfig plain;
     plain.SizePixels = std::round(kFontPixels * scale_);
     ImFont *const only = io.Fonts->AddFontDefault(&plain);

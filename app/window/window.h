@@ -122,7 +122,7 @@ public:
     [[nodiscard]] GLFWwindow *glfw() const { return window_; }
 
     /// Why text may be missing letters; empty when the font was found.
-    [[nodiscard]] const std::string &font_remark() const { return font_remark_; }
+    [[nodiscard]] const std::string &font_warning() const { return font_warning_; }
 
 private:
     static void on_key(GLFWwindow *window, int key, int scancode, int action, int mods);
@@ -157,7 +157,7 @@ private:
     std::vector<unsigned char> last_frame_; ///< RGB, bottom row first
     Size last_frame_size_;
     bool keep_last_frame_ = false;
-    std::string font_remark_;
+    std::string font_warning_;
 
 public:
     /// Keeps every frame from now on for `write_screenshot`; costs a read-back per frame.

@@ -56,7 +56,7 @@ enum class DeviceHealth : std::uint8_t {
 struct LinkStatus {
     std::string speed;         ///< "high speed (480 Mbit/s)"
     std::string board_state;   ///< "driving"
-    std::string remark;        ///< what the system refused to the link; empty if nothing
+    std::string warning;       ///< what the system refused to the link; empty if nothing
     std::string last_problem;  ///< of a packet, in words; empty if there was none
     double report_rate_hz = 0; ///< requested
 

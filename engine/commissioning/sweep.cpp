@@ -164,7 +164,7 @@ StiffnessSweep::StiffnessSweep(device::HapticDevice &device, const SweepOptions 
     inputs_.release = true; // until d is measured
     inputs_.observes_resistance = options_.observes_resistance;
     if (options_.observes_resistance && !device.description().current_sensing.is_shared) {
-        remarks_.emplace_back(
+        warnings_.emplace_back(
             "the servo's current sensors are not those of the amplifiers, so R is "
             "not observed: dR is that of the device file's R");
     }
@@ -330,7 +330,7 @@ void StiffnessSweep::observe(const ServoSample &sample) {
     for (const std::size_t motor : options_.motors) {
         const control::ObservedMotor &known = sample.motor[motor];
         if (!is_known(motor) && known.is_trusted) { // others: note_distrust
-            remarks_.push_back(fmt::format(
+            warnings_.push_back(fmt::format(
                 "R of motor {} is known to {:.1f} mΩ, so dR may differ from what was asked for",
                 motor + 1, 1e3 * std::max(known.here.deviation_Ohm, known.mean.deviation_Ohm)));
         }
@@ -547,9 +547,9 @@ void StiffnessSweep::note_distrust() {
         return;
     }
     is_distrusted_[motor] = true;
-    remarks_.push_back(fmt::format("R of motor {} is not trusted as it was observed, so dR may "
-                                   "differ from what was asked for",
-                                   motor + 1));
+    warnings_.push_back(fmt::format("R of motor {} is not trusted as it was observed, so dR may "
+                                    "differ from what was asked for",
+                                    motor + 1));
 }
 
 void StiffnessSweep::take_block() {
@@ -635,7 +635,7 @@ SweepReport StiffnessSweep::report() const {
     SweepReport report;
     report.is_complete = is_complete_;
     report.problem = problem_;
-    report.remarks = remarks_;
+    report.warnings = warnings_;
     report.discarded_blocks = discarded_;
     for (const std::size_t motor : options_.motors) {
         // clang 14 cannot read std::ranges::equal_range of this standard library.

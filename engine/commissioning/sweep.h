@@ -53,7 +53,7 @@ struct SweepReport {
     bool is_complete = false;
     std::string problem; ///< that ended it; empty if there was none, or if it was stopped
     std::vector<MotorSweep> motors; ///< with what was measured until then
-    std::vector<std::string> remarks;
+    std::vector<std::string> warnings;
     unsigned discarded_blocks = 0; ///< since a measurement was late, or a limit acted
 
     /// Whether all was measured, and is known well enough.
@@ -164,7 +164,7 @@ private:
     double origin_s_ = 0.0;
     bool is_complete_ = false;
     std::string problem_;
-    std::vector<std::string> remarks_;
+    std::vector<std::string> warnings_;
 
     std::vector<Task> tasks_;
     std::size_t task_ = 0; ///< the present one

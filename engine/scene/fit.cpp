@@ -35,7 +35,7 @@ Fit fit_into(const device::Workspace &workspace, const BoundingBox &box) {
 
 bool lies_within(const device::Workspace &workspace, const BoundingBox &box) {
     const Vector3 half_size = 0.5 * workspace.size_m;
-    // The rounding of a file's single-precision coordinates is no reason for a remark.
+    // The rounding of a file's single-precision coordinates is no reason for a warning.
     constexpr double kRounding_m = 1e-6;
     return ((box.lower - workspace.centre_m + half_size).array() >= -kRounding_m).all() &&
            ((box.upper - workspace.centre_m - half_size).array() <= kRounding_m).all();

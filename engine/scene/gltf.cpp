@@ -10,10 +10,10 @@
 #include "engine/scene/gltf_mesh.h"
 #include "engine/scene/gltf_nodes.h"
 #include "engine/scene/load_allowance.h"
-#include "engine/scene/remark_list.h"
 #include "engine/scene/scene_extras.h"
 #include "engine/scene/shape_fit.h"
 #include "engine/scene/smooth_nodes.h"
+#include "engine/scene/warning_list.h"
 
 #include <tiny_gltf.h>
 
@@ -62,20 +62,21 @@ private:
     std::vector<std::optional<std::vector<PrimitiveData>>> meshes_;
 };
 
-void remark_on(const PlacedMesh &node, const PrimitiveGeometry &geometry, RemarkList &remarks) {
+void warn_about(const PlacedMesh &node, const PrimitiveGeometry &geometry, WarningList &warnings) {
     if (geometry.untouchable_count) {
-        remarks.add_of(node.label, &node, *geometry.untouchable_count,
-                       geometry.untouchable + " cannot be touched or drawn");
+        warnings.add_of(node.label, &node, *geometry.untouchable_count,
+                        geometry.untouchable + " cannot be touched or drawn");
     } else if (!geometry.untouchable.empty()) {
-        remarks.add_of(node.label, &node, geometry.untouchable + " cannot be touched or drawn");
+        warnings.add_of(node.label, &node, geometry.untouchable + " cannot be touched or drawn");
     }
     if (geometry.leftover_vertices > 0) {
-        remarks.add_of(node.label, &node, geometry.leftover_vertices,
-                       "vertices are left over and make no triangle");
+        warnings.add_of(node.label, &node, geometry.leftover_vertices,
+                        "vertices are left over and make no triangle");
     }
     if (geometry.has_morph_targets) {
-        remarks.add_of(node.label, &node,
-                       "its morph targets are left out; it is touched and drawn in its base shape");
+        warnings.add_of(
+            node.label, &node,
+            "its morph targets are left out; it is touched and drawn in its base shape");
     }
 }
 
@@ -146,11 +147,11 @@ void check_declared(const tinygltf::Model &model, const std::vector<PlacedMesh> 
 }
 
 /// The primitives of all nodes, those of one node adjacent, in the file's own world coordinates.
-/// `remarks` gains what cannot be touched or drawn.
+/// `warnings` gains what cannot be touched or drawn.
 /// @param nodes are pointed at by the result
 /// @throw InputError naming the node, for what cannot be read, is not finite or is too much.
 std::vector<PlacedPrimitive> gather(const tinygltf::Model &model,
-                                    const std::vector<PlacedMesh> &nodes, RemarkList &remarks,
+                                    const std::vector<PlacedMesh> &nodes, WarningList &warnings,
                                     LoadProgress &progress) {
     check_declared(model, nodes);
     std::vector<PlacedPrimitive> gathered;
@@ -159,14 +160,14 @@ std::vector<PlacedPrimitive> gather(const tinygltf::Model &model,
     std::size_t done = 0;
     for_each_node(nodes, [&](const PlacedMesh &node) {
         if (node.has_skin) {
-            remarks.add_of(node.label, &node,
-                           "its skin is left out; it is touched and drawn in the pose that it was "
-                           "modelled in");
+            warnings.add_of(node.label, &node,
+                            "its skin is left out; it is touched and drawn in the pose that it was "
+                            "modelled in");
         }
         for (const PrimitiveData &primitive : cache.primitives(node.mesh)) {
             stop_if_given_up();
             const PrimitiveGeometry &geometry = *primitive.geometry;
-            remark_on(node, geometry, remarks);
+            warn_about(node, geometry, warnings);
             if (!geometry.triangles.empty()) {
                 allowance.add(geometry.triangles.size(), geometry.position.count());
                 gathered.push_back({&node,
@@ -182,12 +183,12 @@ std::vector<PlacedPrimitive> gather(const tinygltf::Model &model,
     return gathered;
 }
 
-/// The remark that explains best why there is nothing to touch.
-std::string first_untouchable(const std::vector<std::string> &remarks) {
-    const auto found = std::ranges::find_if(remarks, [](const std::string &remark) {
-        return remark.find("cannot be touched") != std::string::npos;
+/// The warning that explains best why there is nothing to touch.
+std::string first_untouchable(const std::vector<std::string> &warnings) {
+    const auto found = std::ranges::find_if(warnings, [](const std::string &warning) {
+        return warning.find("cannot be touched") != std::string::npos;
     });
-    return found != remarks.end() ? *found : remarks.empty() ? std::string() : remarks.front();
+    return found != warnings.end() ? *found : warnings.empty() ? std::string() : warnings.front();
 }
 
 constexpr double kFarthest_m = 1000.0; // beyond this, "metres" must be a mistake
@@ -208,7 +209,7 @@ BoundingBox bounds_of(const std::vector<PlacedPrimitive> &primitives) {
 /// Moves the primitives into the device's frame.
 /// @return from the file's world coordinates to that frame
 Fit fit_scene(Scene &scene, std::vector<PlacedPrimitive> &primitives,
-              const device::Workspace &workspace, RemarkList &remarks) {
+              const device::Workspace &workspace, WarningList &warnings) {
     BoundingBox box = bounds_of(primitives);
     const Fit fit = fit_into(workspace, box); // also refuses what has no extent
     if (!scene.in_metres) {
@@ -224,7 +225,7 @@ Fit fit_scene(Scene &scene, std::vector<PlacedPrimitive> &primitives,
         throw InputError("it says that it is in metres, but reaches " + shortest_text(reach_m) +
                          " m far; leave extras.units out to have it fitted");
     } else if (!lies_within(workspace, box)) {
-        remarks.add("the scene is in metres and lies partly outside the device's workspace");
+        warnings.add("the scene is in metres and lies partly outside the device's workspace");
     }
     scene.lower_m = box.lower;
     scene.upper_m = box.upper;
@@ -314,7 +315,7 @@ contact::TriangleSoup flat_touch(std::vector<PlacedPrimitive> primitives, const 
 
 /// Frees the primitives one by one, so that the whole scene is never in memory twice.
 void build_meshes(Scene &scene, std::vector<PlacedPrimitive> primitives, const Fit &fit,
-                  const tinygltf::Model &model, RemarkList &remarks, LoadProgress &progress) {
+                  const tinygltf::Model &model, WarningList &warnings, LoadProgress &progress) {
     for (std::span rest(primitives); !rest.empty();) {
         const std::size_t size = first_node_size(rest);
         add_touch(scene, rest.first(size), fit);
@@ -323,7 +324,7 @@ void build_meshes(Scene &scene, std::vector<PlacedPrimitive> primitives, const F
     }
     TextureLibrary textures(model, folder_of(scene.file));
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-        std::ranges::move(visual_meshes(primitives[i], textures, remarks),
+        std::ranges::move(visual_meshes(primitives[i], textures, warnings),
                           std::back_inserter(scene.meshes));
         primitives[i] = {};
         progress.advance_to(static_cast<double>(i + 1) / static_cast<double>(primitives.size()));
@@ -338,18 +339,18 @@ Scene load(const std::filesystem::path &file, const device::Workspace &workspace
     progress.begin(Stage::reading, false);
     Scene scene;
     scene.file = file;
-    RemarkList remarks;
-    const tinygltf::Model model = read_model(file, remarks);
-    const SceneExtras extras = read_scene_extras(model, remarks);
+    WarningList warnings;
+    const tinygltf::Model model = read_model(file, warnings);
+    const SceneExtras extras = read_scene_extras(model, warnings);
     scene.in_metres = extras.in_metres;
     scene.planar = extras.planar;
     scene.tolerance = extras.tolerance;
     scene.lesson = extras.lesson;
-    const std::vector<PlacedMesh> nodes = place_meshes(model, remarks);
+    const std::vector<PlacedMesh> nodes = place_meshes(model, warnings);
     progress.begin(Stage::gathering, true);
-    std::vector<PlacedPrimitive> primitives = gather(model, nodes, remarks, progress);
+    std::vector<PlacedPrimitive> primitives = gather(model, nodes, warnings, progress);
     if (primitives.empty()) {
-        const std::string why = first_untouchable(remarks.lines());
+        const std::string why = first_untouchable(warnings.lines());
         throw InputError("has no triangle to touch" + (why.empty() ? "" : " (" + why + ")"));
     }
     progress.begin(Stage::bending, false);
@@ -357,17 +358,17 @@ Scene load(const std::filesystem::path &file, const device::Workspace &workspace
     if (has_smooth(primitives)) {
         flat = primitives;
     }
-    bend_smooth_nodes(primitives, remarks);
+    bend_smooth_nodes(primitives, warnings);
     progress.begin(Stage::placing, true);
-    const Fit fit = fit_scene(scene, primitives, workspace, remarks);
+    const Fit fit = fit_scene(scene, primitives, workspace, warnings);
     if (scene.lesson.spot) {
         scene.lesson.spot->point_m = fit(scene.lesson.spot->point_m);
     }
-    build_meshes(scene, std::move(primitives), fit, model, remarks, progress);
+    build_meshes(scene, std::move(primitives), fit, model, warnings, progress);
     if (!flat.empty()) {
         scene.flat_surface = flat_touch(std::move(flat), fit, scene.surface);
     }
-    scene.remarks = remarks.lines();
+    scene.warnings = warnings.lines();
     return scene;
 }
 

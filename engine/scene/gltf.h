@@ -47,7 +47,7 @@ namespace springdrive::scene {
 ///        that is missing, is no glTF, is truncated, refers outside its buffers or arrays, holds
 ///        coordinates that are not finite, needs an extension that is not supported, has no
 ///        triangle, or has extras about touch that contradict each other. Values other than the
-///        above are another program's, which may use the same names: left out, with a remark.
+///        above are another program's, which may use the same names: left out, with a warning.
 ///        Also for a scene that takes more than 8 GiB to load.
 /// @throw NotWanted soon after `progress` was given up
 /// @param progress is updated while loading; may be null

@@ -107,16 +107,17 @@ void check_versions_and_extensions(const json &document) {
     }
 }
 
-void remark_on_left_out(const json &document, RemarkList &remarks) {
+void warn_about_left_out(const json &document, WarningList &warnings) {
     for (const json &used : member_or(document, "extensionsUsed", json::array())) {
         const auto extension = used.get<std::string>();
         if (!is_supported(extension)) {
-            remarks.add("extension " + in_quotes(extension) + " is left out");
+            warnings.add("extension " + in_quotes(extension) + " is left out");
         }
     }
     if (const std::size_t count = member_or(document, "animations", json::array()).size();
         count > 0) {
-        remarks.add(std::to_string(count) + " animation(s) are not played: the scene stands still");
+        warnings.add(std::to_string(count) +
+                     " animation(s) are not played: the scene stands still");
     }
 }
 

@@ -1,7 +1,7 @@
 // Which versions and extensions of glTF can be read, and which can be left out.
 #pragma once
 
-#include "engine/scene/remark_list.h"
+#include "engine/scene/warning_list.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -14,6 +14,6 @@ void check_versions_and_extensions(const nlohmann::json &document);
 
 /// On what is left out of the file without harm: extensions that it uses but does not require, and
 /// animations.
-void remark_on_left_out(const nlohmann::json &document, RemarkList &remarks);
+void warn_about_left_out(const nlohmann::json &document, WarningList &warnings);
 
 } // namespace springdrive::scene::gltf

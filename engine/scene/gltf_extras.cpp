@@ -19,9 +19,9 @@ std::string shown(const nlohmann::json &value) {
 
 } // namespace
 
-Extras::Extras(const std::string &text, std::string owner, RemarkList &remarks)
+Extras::Extras(const std::string &text, std::string owner, WarningList &warnings)
     : values_(text.empty() ? nlohmann::json::object() : nlohmann::json::parse(text)),
-      owner_(std::move(owner)), remarks_(&remarks) {}
+      owner_(std::move(owner)), warnings_(&warnings) {}
 
 bool Extras::has(const char *key) const { return values_.is_object() && values_.contains(key); }
 
@@ -108,7 +108,7 @@ std::optional<Extras> Extras::object(const char *key, std::span<const std::strin
         leave_out(key, meaning);
         return std::nullopt;
     }
-    Extras inner("", owner_, *remarks_);
+    Extras inner("", owner_, *warnings_);
     inner.values_ = value;
     inner.path_ = path_ + key + ".";
     inner.is_ours_ = true;
@@ -140,9 +140,9 @@ void Extras::leave_out(const char *key, const std::string &meaning) const {
     const std::string text = path_ + key + " is " + shown(values_[key]) +
                              ": left out as another program's; it would have to be " + meaning;
     if (owner_.find(' ') == std::string::npos) {
-        remarks_->add(owner_ + ": " + text);
+        warnings_->add(owner_ + ": " + text);
     } else {
-        remarks_->add_of(owner_, nullptr, text);
+        warnings_->add_of(owner_, nullptr, text);
     }
 }
 

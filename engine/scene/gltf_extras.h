@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "engine/scene/remark_list.h"
+#include "engine/scene/warning_list.h"
 
 #include <nlohmann/json.hpp>
 
@@ -21,8 +21,8 @@ class Extras {
 public:
     /// @param text JSON of the extras; empty when there are none
     /// @param owner for messages: "node 'pad'"
-    /// @param remarks gains the values that are left out as another program's
-    Extras(const std::string &text, std::string owner, RemarkList &remarks);
+    /// @param warnings gains the values that are left out as another program's
+    Extras(const std::string &text, std::string owner, WarningList &warnings);
 
     [[nodiscard]] bool has(const char *key) const;
 
@@ -63,12 +63,12 @@ public:
     [[noreturn]] void refuse(const char *key, const std::string &meaning) const;
 
 private:
-    /// A remark, or in an object of our own a refusal.
+    /// A warning, or in an object of our own a refusal.
     void leave_out(const char *key, const std::string &meaning) const;
 
     nlohmann::json values_;
     std::string owner_;
-    RemarkList *remarks_;
+    WarningList *warnings_;
     bool is_ours_ = false;
     std::string path_ = "extras."; ///< before keys, in messages
 };

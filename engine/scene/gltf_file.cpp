@@ -249,13 +249,13 @@ std::filesystem::path folder_of(const std::filesystem::path &file) {
     return std::filesystem::absolute(file).parent_path();
 }
 
-tinygltf::Model read_model(const std::filesystem::path &file, RemarkList &remarks) {
+tinygltf::Model read_model(const std::filesystem::path &file, WarningList &warnings) {
     const Bytes bytes = read_bytes(file);
     const bool is_binary = is_glb(bytes);
     json document = parse_json(is_binary ? check_glb(bytes) : check_text(bytes));
     check_members(document);
     check_versions_and_extensions(document);
-    remark_on_left_out(document, remarks);
+    warn_about_left_out(document, warnings);
     const json buffers = take_array(document, "buffers"); // may be most of the file
     const json images = take_array(document, "images");
     take_out_unneeded(document);

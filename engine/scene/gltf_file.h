@@ -1,7 +1,7 @@
 // A glTF file from disk to tinygltf's model, with the checks that tinygltf leaves out.
 #pragma once
 
-#include "engine/scene/remark_list.h"
+#include "engine/scene/warning_list.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -20,11 +20,11 @@ using Bytes = std::vector<unsigned char>;
 /// Reads a .gltf or .glb, told apart by their first bytes, with the buffers it refers to; images
 /// remain in their files and data URIs. Skins, animations and cameras are left out. References
 /// between the model's arrays are not checked here.
-/// @param remarks gains what is left out of the file without harm
+/// @param warnings gains what is left out of the file without harm
 /// @throw InputError, without the file's name, for a file that is missing, empty, truncated, no
 ///        glTF 2.0, or needs an extension that is not supported; for members of a wrong type; and
 ///        for a buffer that cannot be read, is too short or lies outside the file's folder.
-[[nodiscard]] tinygltf::Model read_model(const std::filesystem::path &file, RemarkList &remarks);
+[[nodiscard]] tinygltf::Model read_model(const std::filesystem::path &file, WarningList &warnings);
 
 /// The folder in which `read_model` looks for buffers, and in which images are to be looked for.
 [[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path &file);

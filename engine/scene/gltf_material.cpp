@@ -102,12 +102,12 @@ template <typename Info> bool add_texture(const Info &info, DrawnMaterial &mater
 
 constexpr const char *kElsewhere = ", as it is placed differently from the material's others";
 
-/// @param name in remarks: "metallicFactor"
+/// @param name in warnings: "metallicFactor"
 double share(double number, const std::string &name, DrawnMaterial &material) {
     const double drawn = std::clamp(number, 0.0, 1.0);
     if (drawn != number) {
-        material.remarks.push_back("its material's " + name + " is " + shortest_text(number) +
-                                   ", drawn as " + shortest_text(drawn) + ": it is from 0 to 1");
+        material.warnings.push_back("its material's " + name + " is " + shortest_text(number) +
+                                    ", drawn as " + shortest_text(drawn) + ": it is from 0 to 1");
     }
     return drawn;
 }
@@ -121,22 +121,22 @@ void read_finish(const tinygltf::Material &source, const std::string &place,
     if (finish.metallicRoughnessTexture.index >= 0 &&
         !add_texture(finish.metallicRoughnessTexture, material,
                      material.metallic_roughness_texture)) {
-        material.remarks.push_back(std::string("its texture of metal and roughness is left out") +
-                                   kElsewhere);
+        material.warnings.push_back(std::string("its texture of metal and roughness is left out") +
+                                    kElsewhere);
     }
     if (source.normalTexture.index >= 0) {
         material.normal_scale = source.normalTexture.scale;
         require_drawable(std::array{material.normal_scale}, place + ": the normal texture's scale",
                          "a number");
         if (!add_texture(source.normalTexture, material, material.normal_texture)) {
-            material.remarks.push_back(std::string("its normal map is left out") + kElsewhere);
+            material.warnings.push_back(std::string("its normal map is left out") + kElsewhere);
         }
     }
     if (source.occlusionTexture.index >= 0) {
         material.occlusion_strength =
             share(source.occlusionTexture.strength, "occlusion strength", material);
         if (!add_texture(source.occlusionTexture, material, material.occlusion_texture)) {
-            material.remarks.push_back(std::string("its occlusion is left out") + kElsewhere);
+            material.warnings.push_back(std::string("its occlusion is left out") + kElsewhere);
         }
     }
 }
@@ -168,8 +168,9 @@ void read_emission(const tinygltf::Material &source, const std::string &place,
     }
     if (!add_texture(source.emissiveTexture, material, material.emissive_texture)) {
         material.emission = {0.0, 0.0, 0.0};
-        material.remarks.push_back("its emission is left out, as its texture is placed differently "
-                                   "from the material's others");
+        material.warnings.push_back(
+            "its emission is left out, as its texture is placed differently "
+            "from the material's others");
     }
 }
 
@@ -326,7 +327,7 @@ DrawnMaterial read_material(const tinygltf::Model &model, int material) {
     return drawn;
 }
 
-int TextureLibrary::find_or_load(int texture_index, TextureUse use, RemarkList &remarks) {
+int TextureLibrary::find_or_load(int texture_index, TextureUse use, WarningList &warnings) {
     if (texture_index < 0) {
         return -1;
     }
@@ -336,8 +337,8 @@ int TextureLibrary::find_or_load(int texture_index, TextureUse use, RemarkList &
     }
     const tinygltf::Texture &source = checked(model_.textures, texture_index, "texture");
     if (source.source < 0) {
-        remarks.add_of("texture " + std::to_string(texture_index), nullptr,
-                       "left out, as it names no PNG or JPEG");
+        warnings.add_of("texture " + std::to_string(texture_index), nullptr,
+                        "left out, as it names no PNG or JPEG");
         return -1;
     }
     const tinygltf::Image &image = checked(model_.images, source.source, "image");
@@ -348,8 +349,8 @@ int TextureLibrary::find_or_load(int texture_index, TextureUse use, RemarkList &
         texture = decode(encoded.bytes, kMaxPixels - pixels_, problem);
     }
     if (!problem.empty()) {
-        remarks.add_of("image " + name_of(image, source.source), &image,
-                       "left out, as it " + problem);
+        warnings.add_of("image " + name_of(image, source.source), &image,
+                        "left out, as it " + problem);
         return -1;
     }
     if (source.sampler >= 0) {

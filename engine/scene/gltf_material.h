@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/assertions.h"
-#include "engine/scene/remark_list.h"
 #include "engine/scene/scene.h"
+#include "engine/scene/warning_list.h"
 
 #include <array>
 #include <filesystem>
@@ -48,7 +48,7 @@ struct DrawnMaterial {
     AlphaMode alpha_mode = AlphaMode::opaque;
     double alpha_cutoff = 0.5; ///< of AlphaMode::mask
     bool double_sided = false;
-    std::vector<std::string> remarks; ///< on what of it is drawn differently
+    std::vector<std::string> warnings; ///< on what of it is drawn differently
 };
 
 /// @param material index into the model's materials; −1 gives glTF's default material
@@ -68,9 +68,9 @@ public:
 
     /// @param texture_index into the model's textures, or −1
     /// @return index into the textures, or −1 when there is none or its image cannot be decoded:
-    ///         then `remarks` gains the reason, once for each texture.
+    ///         then `warnings` gains the reason, once for each texture.
     /// @throw InputError for references to textures, images or samplers that do not exist.
-    int find_or_load(int texture_index, TextureUse use, RemarkList &remarks);
+    int find_or_load(int texture_index, TextureUse use, WarningList &warnings);
 
     /// Whether any of its pixels is not opaque. @pre `find_or_load` returned it
     [[nodiscard]] bool has_alpha(int texture) const {

@@ -251,7 +251,7 @@ bool has_alpha(const VisualMesh &mesh) {
 }
 
 /// Textures, finish and emission of `mesh`.
-void add_material(const PlacedPrimitive &primitive, TextureLibrary &textures, RemarkList &remarks,
+void add_material(const PlacedPrimitive &primitive, TextureLibrary &textures, WarningList &warnings,
                   VisualMesh &mesh) {
     const PlacedMesh &node = *primitive.node;
     const DrawnMaterial &material = primitive.material;
@@ -265,11 +265,11 @@ void add_material(const PlacedPrimitive &primitive, TextureLibrary &textures, Re
                                          material.alpha_mode == AlphaMode::opaque
                                              ? TextureUse::colours
                                              : TextureUse::colours_with_alpha,
-                                         remarks);
+                                         warnings);
     mesh.emissive_texture =
-        textures.find_or_load(material.emissive_texture, TextureUse::colours, remarks);
+        textures.find_or_load(material.emissive_texture, TextureUse::colours, warnings);
     const auto load_numbers = [&](int texture) {
-        return textures.find_or_load(texture, TextureUse::numbers, remarks);
+        return textures.find_or_load(texture, TextureUse::numbers, warnings);
     };
     finish.metallic_roughness_texture = load_numbers(material.metallic_roughness_texture);
     finish.normal_texture = load_numbers(material.normal_texture);
@@ -281,12 +281,12 @@ void add_material(const PlacedPrimitive &primitive, TextureLibrary &textures, Re
         for (int *const texture : all) {
             *texture = -1;
         }
-        remarks.add_of(node.label, &node,
-                       "it has a texture but no TEXCOORD_" + std::to_string(material.texture_set) +
-                           "; it is drawn without the texture");
+        warnings.add_of(node.label, &node,
+                        "it has a texture but no TEXCOORD_" + std::to_string(material.texture_set) +
+                            "; it is drawn without the texture");
     }
-    for (const std::string &remark : material.remarks) {
-        remarks.add_of(node.label, &node, remark);
+    for (const std::string &warning : material.warnings) {
+        warnings.add_of(node.label, &node, warning);
     }
     if (!has_emissive_texture || mesh.emissive_texture >= 0) {
         std::ranges::transform(material.emission, mesh.emission.begin(),
@@ -404,11 +404,11 @@ void add_surface(const PlacedPrimitive &primitive, std::uint16_t material,
 }
 
 std::vector<VisualMesh> visual_meshes(const PlacedPrimitive &primitive, TextureLibrary &textures,
-                                      RemarkList &remarks) {
+                                      WarningList &warnings) {
     VisualMesh mesh;
     mesh.name = primitive.node->name;
     mesh.double_sided = primitive.material.double_sided;
-    add_material(primitive, textures, remarks, mesh);
+    add_material(primitive, textures, warnings, mesh);
     if (primitive.geometry->normal.empty() && primitive.normals.empty()) {
         add_flat(primitive, mesh);
     } else {

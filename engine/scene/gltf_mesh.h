@@ -5,8 +5,8 @@
 #include "engine/scene/gltf_accessor.h"
 #include "engine/scene/gltf_material.h"
 #include "engine/scene/gltf_nodes.h"
-#include "engine/scene/remark_list.h"
 #include "engine/scene/scene.h"
+#include "engine/scene/warning_list.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -69,9 +69,9 @@ struct PlacedPrimitive {
 void add_surface(const PlacedPrimitive &primitive, std::uint16_t material,
                  contact::TriangleSoup &surface);
 
-/// What is drawn of the primitive; a large one is split into pieces. `remarks` gains what is left
+/// What is drawn of the primitive; a large one is split into pieces. `warnings` gains what is left
 /// out.
-[[nodiscard]] std::vector<VisualMesh> visual_meshes(const PlacedPrimitive &primitive,
-                                                    TextureLibrary &textures, RemarkList &remarks);
+[[nodiscard]] std::vector<VisualMesh>
+visual_meshes(const PlacedPrimitive &primitive, TextureLibrary &textures, WarningList &warnings);
 
 } // namespace springdrive::scene::gltf

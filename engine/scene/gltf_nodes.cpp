@@ -167,8 +167,8 @@ void push_all(std::vector<Visit> &stack, const std::vector<int> &nodes,
 } // namespace
 
 TouchExtras read_touch(const std::string &text, const TouchExtras &parent, const std::string &label,
-                       RemarkList &remarks) {
-    const Extras extras(text, label, remarks);
+                       WarningList &warnings) {
+    const Extras extras(text, label, warnings);
     TouchExtras touch = parent;
     touch.shape.reset();
     constexpr std::size_t kLongestCaption = 40;
@@ -190,7 +190,7 @@ TouchExtras read_touch(const std::string &text, const TouchExtras &parent, const
     return touch;
 }
 
-std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model, RemarkList &remarks) {
+std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model, WarningList &warnings) {
     std::vector<PlacedMesh> placed;
     std::vector<bool> seen(model.nodes.size(), false);
     std::vector<Visit> stack; // instead of recursion: a chain of nodes may be any length
@@ -212,16 +212,16 @@ std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model, RemarkList &r
             throw InputError(label + ": its transform is not finite");
         }
         const TouchExtras touch =
-            read_touch(node.extras_json_string, visit.parent_touch, label, remarks);
+            read_touch(node.extras_json_string, visit.parent_touch, label, warnings);
         if (node.mesh >= 0) {
             checked_index(node.mesh, model.meshes.size(), label + ": mesh");
             placed.push_back(
                 {name_of(model, index), label, node.mesh, to_world, touch, node.skin >= 0});
             placed.back().touch.material.name = placed.back().name;
         } else if (touch.shape) {
-            remarks.add_of(label, nullptr,
-                           "extras.shape is left out: it needs a mesh on the same node, to be "
-                           "fitted to");
+            warnings.add_of(label, nullptr,
+                            "extras.shape is left out: it needs a mesh on the same node, to be "
+                            "fitted to");
         }
         push_all(stack, node.children, to_world, touch);
     }

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "engine/contact/mesh/surface_material.h"
-#include "engine/scene/remark_list.h"
 #include "engine/scene/shape_fit.h"
+#include "engine/scene/warning_list.h"
 
 #include <Eigen/Geometry>
 
@@ -31,12 +31,12 @@ struct TouchExtras {
 /// @param text JSON of its extras
 /// @param parent what its parent passes on
 /// @param label of the node, for messages
-/// @param remarks gains the values of a wrong type, out of range or unknown: another program's,
+/// @param warnings gains the values of a wrong type, out of range or unknown: another program's,
 ///        which may use the same names; they are left out
 /// @throw InputError for dynamic friction above static, and for a shape that cannot be touched from
 ///        the sides that it asks for.
 [[nodiscard]] TouchExtras read_touch(const std::string &text, const TouchExtras &parent,
-                                     const std::string &label, RemarkList &remarks);
+                                     const std::string &label, WarningList &warnings);
 
 /// A node that holds a mesh.
 struct PlacedMesh {
@@ -54,6 +54,6 @@ struct PlacedMesh {
 ///        exist, transforms that are not finite or no affine maps, rotations that are no unit
 ///        quaternions, and extras as `read_touch` refuses them.
 [[nodiscard]] std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model,
-                                                   RemarkList &remarks);
+                                                   WarningList &warnings);
 
 } // namespace springdrive::scene::gltf

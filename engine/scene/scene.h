@@ -81,13 +81,13 @@ struct Scene {
     contact::TriangleSoup flat_surface;
     Vector3 lower_m{Vector3::Zero()}; ///< bounding box, device frame
     Vector3 upper_m{Vector3::Zero()};
-    double metres_per_unit = 1.0;     ///< how the file's units were scaled
-    bool in_metres = false;           ///< the file asked for metres, so nothing was fitted
-    bool planar = false;              ///< the hand stays in the linkage's plane
-    ModelTolerance tolerance;         ///< what a cheaper model may be off
-    Lesson lesson;                    ///< what there is to feel
-    std::vector<Caption> captions;    ///< of single nodes
-    std::vector<std::string> remarks; ///< what of the file cannot be touched or drawn, by name
+    double metres_per_unit = 1.0;      ///< how the file's units were scaled
+    bool in_metres = false;            ///< the file asked for metres, so nothing was fitted
+    bool planar = false;               ///< the hand stays in the linkage's plane
+    ModelTolerance tolerance;          ///< what a cheaper model may be off
+    Lesson lesson;                     ///< what there is to feel
+    std::vector<Caption> captions;     ///< of single nodes
+    std::vector<std::string> warnings; ///< what of the file cannot be touched or drawn, by name
 };
 
 } // namespace springdrive::scene

@@ -59,9 +59,9 @@ void read_lesson(const Extras &extras, Lesson &lesson) {
 }
 
 void read_scene(const std::string &text, const std::string &owner, SceneExtras &scene,
-                RemarkList &remarks) {
+                WarningList &warnings) {
     constexpr std::array<std::string_view, 1> kUnits = {"m"};
-    const Extras extras(text, owner, remarks);
+    const Extras extras(text, owner, warnings);
     scene.in_metres |= extras.word("units", kUnits, "'m' (metres)").has_value();
     scene.planar = extras.flag("planar").value_or(scene.planar);
     if (const auto tolerance = extras.object(
@@ -76,12 +76,12 @@ void read_scene(const std::string &text, const std::string &owner, SceneExtras &
 
 } // namespace
 
-SceneExtras read_scene_extras(const tinygltf::Model &model, RemarkList &remarks) {
+SceneExtras read_scene_extras(const tinygltf::Model &model, WarningList &warnings) {
     SceneExtras extras;
-    read_scene(model.asset.extras_json_string, "asset", extras, remarks);
+    read_scene(model.asset.extras_json_string, "asset", extras, warnings);
     const auto scene = static_cast<std::size_t>(std::max(model.defaultScene, 0));
     if (scene < model.scenes.size()) {
-        read_scene(model.scenes[scene].extras_json_string, "scene", extras, remarks);
+        read_scene(model.scenes[scene].extras_json_string, "scene", extras, warnings);
     }
     return extras;
 }

@@ -4,7 +4,7 @@
 
 #include "engine/scene/lesson.h"
 #include "engine/scene/model_tolerance.h"
-#include "engine/scene/remark_list.h"
+#include "engine/scene/warning_list.h"
 
 namespace tinygltf {
 class Model;
@@ -20,10 +20,10 @@ struct SceneExtras {
 };
 
 /// Of the asset and of the scene that `place_meshes` takes; the scene's values come first.
-/// @param remarks gains what is left out as another program's, see `Extras`
+/// @param warnings gains what is left out as another program's, see `Extras`
 /// @throw InputError for a value of a wrong type or out of range in a `tolerance` or a `lesson`
 ///        that has any of its keys, for a key there that is none, and for a lesson with a point but
 ///        no normal, or the reverse.
-[[nodiscard]] SceneExtras read_scene_extras(const tinygltf::Model &model, RemarkList &remarks);
+[[nodiscard]] SceneExtras read_scene_extras(const tinygltf::Model &model, WarningList &warnings);
 
 } // namespace springdrive::scene::gltf

@@ -106,7 +106,7 @@ bool have_normals(std::span<const PlacedPrimitive> primitives) {
 /// The smooth primitives, except those without normals and those with too many triangles to be
 /// divided even once.
 std::vector<SmoothNode> find_smooth_nodes(std::vector<PlacedPrimitive> &primitives,
-                                          RemarkList &remarks) {
+                                          WarningList &warnings) {
     std::vector<SmoothNode> nodes;
     for (std::span rest(primitives); !rest.empty();) {
         const std::span those = rest.first(first_node_size(rest));
@@ -117,14 +117,14 @@ std::vector<SmoothNode> find_smooth_nodes(std::vector<PlacedPrimitive> &primitiv
             continue;
         }
         if (4 * triangles > kMaxCurvedTriangles) {
-            remarks.add_of(node->label, node,
-                           "is too large to be smoothed further; its " + std::to_string(triangles) +
-                               " triangles stay flat");
+            warnings.add_of(node->label, node,
+                            "is too large to be smoothed further; its " +
+                                std::to_string(triangles) + " triangles stay flat");
             continue;
         }
         if (!have_normals(those)) {
-            remarks.add_of(node->label, node,
-                           "extras.smooth is left out: it needs normals; export it with them");
+            warnings.add_of(node->label, node,
+                            "extras.smooth is left out: it needs normals; export it with them");
             continue;
         }
         CurvedPatches patches(joined(those));
@@ -147,7 +147,7 @@ void keep_within_allowance(std::vector<SmoothNode> &nodes) {
     }
 }
 
-void remark_on(const SmoothNode &node, RemarkList &remarks) {
+void warn_about(const SmoothNode &node, WarningList &warnings) {
     if (node.cuts == node.wanted_cuts && node.cuts < kMaxCuts) {
         return; // as smooth as it should be
     }
@@ -156,22 +156,22 @@ void remark_on(const SmoothNode &node, RemarkList &remarks) {
     const double reached_deg = node.cuts == 1 ? 2.0 * turn_deg : turn_deg;
     if (reached_deg > kSmooth_deg) {
         const PlacedMesh *const place = node.primitives.front().node;
-        remarks.add_of(place->label, place,
-                       "its " + std::to_string(node.triangles * node.cuts * node.cuts) +
-                           " curved facets still differ by up to " +
-                           shortest_text(std::round(100.0 * reached_deg) / 100.0) +
-                           " degrees from their neighbours, instead of " +
-                           shortest_text(kSmooth_deg));
+        warnings.add_of(place->label, place,
+                        "its " + std::to_string(node.triangles * node.cuts * node.cuts) +
+                            " curved facets still differ by up to " +
+                            shortest_text(std::round(100.0 * reached_deg) / 100.0) +
+                            " degrees from their neighbours, instead of " +
+                            shortest_text(kSmooth_deg));
     }
 }
 
 } // namespace
 
-void bend_smooth_nodes(std::vector<PlacedPrimitive> &primitives, RemarkList &remarks) {
-    std::vector<SmoothNode> nodes = find_smooth_nodes(primitives, remarks);
+void bend_smooth_nodes(std::vector<PlacedPrimitive> &primitives, WarningList &warnings) {
+    std::vector<SmoothNode> nodes = find_smooth_nodes(primitives, warnings);
     keep_within_allowance(nodes);
     for (const SmoothNode &node : nodes) {
-        remark_on(node, remarks);
+        warn_about(node, warnings);
         if (node.cuts > 1) {
             bend(node);
         }

@@ -16,9 +16,9 @@ inline constexpr std::size_t kMaxCurvedTriangles = 2'000'000;
 
 /// Replaces the primitives of smooth nodes by curved, finely divided ones; all primitives of a node
 /// are divided alike, so that they stay joined. If this would exceed `kMaxCurvedTriangles`, all are
-/// divided more coarsely, and `remarks` states the resulting angle between neighbouring facets.
-/// Nodes without normals stay as they are, with a remark.
+/// divided more coarsely, and `warnings` states the resulting angle between neighbouring facets.
+/// Nodes without normals stay as they are, with a warning.
 /// @throw InputError naming the node if a smooth one has normals of length zero.
-void bend_smooth_nodes(std::vector<PlacedPrimitive> &primitives, RemarkList &remarks);
+void bend_smooth_nodes(std::vector<PlacedPrimitive> &primitives, WarningList &warnings);
 
 } // namespace springdrive::scene::gltf

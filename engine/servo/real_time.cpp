@@ -75,10 +75,10 @@ bool request_locked_memory() {
 }
 
 std::vector<std::string> make_this_thread_real_time(std::optional<int> cpu) {
-    std::vector<std::string> remarks;
-    const auto keep = [&remarks](std::string remark) {
-        if (!remark.empty()) {
-            remarks.push_back(std::move(remark));
+    std::vector<std::string> warnings;
+    const auto keep = [&warnings](std::string warning) {
+        if (!warning.empty()) {
+            warnings.push_back(std::move(warning));
         }
     };
     keep(ask_for_priority());
@@ -87,7 +87,7 @@ std::vector<std::string> make_this_thread_real_time(std::optional<int> cpu) {
         keep(ask_for_processor(*cpu));
     }
     touch_stack();
-    return remarks;
+    return warnings;
 }
 
 ShortIdle::ShortIdle() : file_(open(kIdleFile, O_WRONLY | O_CLOEXEC)) {
@@ -96,13 +96,13 @@ ShortIdle::ShortIdle() : file_(open(kIdleFile, O_WRONLY | O_CLOEXEC)) {
         return;
     }
     const bool has_none = errno == ENOENT;
-    remark_ = "processors may idle deeply, ticks may come some 0.1 ms late; ";
+    warning_ = "processors may idle deeply, ticks may come some 0.1 ms late; ";
     if (has_none) {
-        remark_ += "this system has no ";
-        remark_ += kIdleFile;
+        warning_ += "this system has no ";
+        warning_ += kIdleFile;
     } else {
-        remark_ += "to allow it: echo 'KERNEL==\"cpu_dma_latency\", MODE=\"0666\"' | sudo tee "
-                   "/etc/udev/rules.d/99-springdrive.rules, and restart";
+        warning_ += "to allow it: echo 'KERNEL==\"cpu_dma_latency\", MODE=\"0666\"' | sudo tee "
+                    "/etc/udev/rules.d/99-springdrive.rules, and restart";
     }
 }
 

@@ -16,7 +16,7 @@ inline constexpr int kServoPriority = 80;
 [[nodiscard]] bool request_locked_memory();
 
 /// Requests for the calling thread SCHED_FIFO at kServoPriority, locked memory and, if `cpu` is
-/// given, affinity to that processor; also touches its stack in advance. Returns a remark for each
+/// given, affinity to that processor; also touches its stack in advance. Returns a warning for each
 /// refusal, with a remedy after a semicolon; empty if all was granted. Call once at a thread's
 /// start: allocates.
 [[nodiscard]] std::vector<std::string> make_this_thread_real_time(std::optional<int> cpu);
@@ -30,11 +30,11 @@ public:
     ShortIdle &operator=(const ShortIdle &) = delete;
 
     /// Why it could not, with the remedy; empty on success.
-    [[nodiscard]] const std::string &remark() const { return remark_; }
+    [[nodiscard]] const std::string &warning() const { return warning_; }
 
 private:
     int file_ = -1;
-    std::string remark_;
+    std::string warning_;
 };
 
 /// Checks the option `--cpu`.

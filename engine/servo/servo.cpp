@@ -99,12 +99,12 @@ std::vector<std::string> Servo::start(const ServoThread &how) {
     has_started_ = true;
     origin_ = Clock::now();
     short_idle_.emplace(); // before the first deadline
-    std::vector<std::string> remarks = run_on_a_thread();
+    std::vector<std::string> warnings = run_on_a_thread();
     how_.on_start = nullptr;
-    if (!short_idle_->remark().empty()) {
-        remarks.push_back(short_idle_->remark());
+    if (!short_idle_->warning().empty()) {
+        warnings.push_back(short_idle_->warning());
     }
-    return remarks;
+    return warnings;
 }
 
 std::vector<std::string> Servo::run_on_a_thread() {

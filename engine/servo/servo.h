@@ -57,7 +57,7 @@ public:
     /// Sets the inputs from the next tick on. One thread at a time.
     void publish(const ServoInputs &inputs) noexcept { inputs_.publish(inputs); }
 
-    /// Starts the servo's own thread, with real-time priority if permitted. Returns a remark for
+    /// Starts the servo's own thread, with real-time priority if permitted. Returns a warning for
     /// each request that the system refused.
     std::vector<std::string> start(const ServoThread &how = {});
 

@@ -2,7 +2,7 @@
 
 #include "base/sha256.h"
 #include "base/wanted.h"
-#include "engine/contact/mesh/mesh_remarks.h"
+#include "engine/contact/mesh/mesh_warnings.h"
 #include "engine/scene/gltf.h"
 #include "engine/scene/scene_surface.h"
 
@@ -20,8 +20,8 @@ std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
     scene::Scene scene = scene::load_gltf(file, workspace, &progress);
     progress.begin(scene::LoadProgress::Stage::preparing, false);
     contact::HapticSurface surface = scene::haptic_surface_of(scene);
-    std::ranges::move(contact::remarks_on(surface.report(), scene.surface.materials),
-                      std::back_inserter(scene.remarks));
+    std::ranges::move(contact::warnings_about(surface.report(), scene.surface.materials),
+                      std::back_inserter(scene.warnings));
     return std::make_unique<LoadedScene>(
         LoadedScene{std::move(scene), std::move(surface), sha256_of_file(file)});
 }

@@ -66,7 +66,7 @@ public:
     /// Ramps the force down and keeps the motors braking until called with false.
     void release(bool asked);
 
-    /// Starts the servo's thread, unless in lockstep. Returns remarks on what the system refused.
+    /// Starts the servo's thread, unless in lockstep. Returns warnings on what the system refused.
     /// @param on_thread  see ServoThread
     std::vector<std::string> start(const std::function<void()> &on_thread = {});
 

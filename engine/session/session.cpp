@@ -16,7 +16,7 @@ namespace springdrive::session {
 
 namespace {
 
-/// Longest pause of a simulated device that causes no remark.
+/// Longest pause of a simulated device that causes no warning.
 constexpr double kReportedStandstill_s = 0.05;
 
 } // namespace
@@ -80,7 +80,7 @@ void Session::start(const std::function<void()> &on_thread) {
         zero_device(Vector3::Zero());
     }
     if (!is_zeroed()) {
-        remarks_.add(
+        warnings_.add(
             "no motor is driven until the device has been zeroed; in the window see Plant, "
             "or start with --at-zero");
     }
@@ -92,10 +92,10 @@ void Session::start(const std::function<void()> &on_thread) {
 
 void Session::start_servo() {
     for (const std::string &refused : servo_->start(on_thread_)) {
-        remarks_.add(refused);
+        warnings_.add(refused);
     }
-    if (const auto link = device_->device().link(); link && !link->remark.empty()) {
-        remarks_.add(link->remark);
+    if (const auto link = device_->device().link(); link && !link->warning.empty()) {
+        warnings_.add(link->warning);
     }
 }
 
@@ -134,8 +134,8 @@ void Session::note_standstill() {
     const double longest_s = servo_->standstills().longest_s;
     if (!reported_standstill_ && longest_s > kReportedStandstill_s) {
         reported_standstill_ = true;
-        remarks_.add("this computer was busy for " + std::to_string(std::lround(1e3 * longest_s)) +
-                     " ms; the simulation waited");
+        warnings_.add("this computer was busy for " + std::to_string(std::lround(1e3 * longest_s)) +
+                      " ms; the simulation waited");
     }
 }
 

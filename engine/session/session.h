@@ -31,8 +31,8 @@
 
 namespace springdrive::session {
 
-/// Remarks for the user, each one once.
-class Remarks {
+/// Warnings for the user, each one once.
+class Warnings {
 public:
     /// One line, with a remedy after a semicolon. Ignored if it was added before.
     void add(const std::string &text) {
@@ -43,7 +43,7 @@ public:
 
     [[nodiscard]] const std::vector<std::string> &all() const { return all_; }
 
-    /// The remarks not yet taken, for printing.
+    /// The warnings not yet taken, for printing.
     [[nodiscard]] std::vector<std::string> take_new() {
         const auto first = all_.begin() + static_cast<std::ptrdiff_t>(taken_);
         taken_ = all_.size();
@@ -67,7 +67,7 @@ public:
     Session &operator=(const Session &) = delete;
 
     /// Starts the servo's thread, unless in lockstep, and the recording, if requested. Adds a
-    /// remark for what the system refused. @param on_thread  see ServoThread
+    /// warning for what the system refused. @param on_thread  see ServoThread
     /// @throw InputError if the record cannot be created.
     void start(const std::function<void()> &on_thread = {});
 
@@ -202,8 +202,8 @@ public:
     /// The options of the simulated device, including the hand's path from the start.
     [[nodiscard]] const simulated::SimulationOptions &simulation() const { return simulation_; }
     [[nodiscard]] const std::string &program_version() const { return options_.program_version; }
-    [[nodiscard]] Remarks &remarks() { return remarks_; }
-    [[nodiscard]] const Remarks &remarks() const { return remarks_; }
+    [[nodiscard]] Warnings &warnings() { return warnings_; }
+    [[nodiscard]] const Warnings &warnings() const { return warnings_; }
 
 private:
     struct Prepared; ///< an opened device with all that is needed to start on it
@@ -281,7 +281,7 @@ private:
     double next_look_s_ = 0.0;      ///< at the link, by the servo's time
     int reconnections_ = 0;         ///< by `advance`
     std::function<void()> on_thread_;
-    Remarks remarks_;
+    Warnings warnings_;
     std::string loan_error_;
     std::unique_ptr<Loan> loan_; ///< ends first
 };

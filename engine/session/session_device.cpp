@@ -123,7 +123,7 @@ void Session::prepare_again() {
         exchange_device(choice);
     } catch (const InputError &error) {
         release_until_zeroed();
-        remarks_.add(error.what());
+        warnings_.add(error.what());
     }
 }
 
@@ -200,10 +200,10 @@ void Session::begin_part(const std::filesystem::path &part_before, const char *w
         const std::filesystem::path part = recording_->begin_part(header_of_record());
         if (!part.empty()) {
             recording_->note(dump({{"continues", part_before.string()}}));
-            remarks_.add("the record continues in " + part.string() + ", " + why);
+            warnings_.add("the record continues in " + part.string() + ", " + why);
         }
     } catch (const InputError &error) {
-        remarks_.add(error.what());
+        warnings_.add(error.what());
     }
 }
 

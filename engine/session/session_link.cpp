@@ -66,9 +66,10 @@ void Session::watch_zero() {
         return;
     }
     note(dump({{"device", "zero void"}, {"after_tick", latest().tick}}));
-    remarks_.add(servo::description(latest().safety) +
-                 ": its zero is void, and no motor is driven until it is zeroed again; reset the "
-                 "stop, hold the device in its zero pose, and zero it, in the window in tab Plant");
+    warnings_.add(
+        servo::description(latest().safety) +
+        ": its zero is void, and no motor is driven until it is zeroed again; reset the "
+        "stop, hold the device in its zero pose, and zero it, in the window in tab Plant");
     release_until_zeroed();
 }
 
@@ -91,15 +92,15 @@ void Session::watch_link() {
     }
     const std::string error = error_text_of([this] { reconnect_device(); });
     if (!error.empty()) {
-        remarks_.add(error);
+        warnings_.add(error);
         return;
     }
     const std::string again =
         ++reconnections_ == 1
             ? "the device is connected again"
             : fmt::format("the device is connected again, {} times by now", reconnections_);
-    remarks_.add(again +
-                 (is_zeroed() ? "; reset the stop to go on" : ", but lost its counts; zero it"));
+    warnings_.add(again +
+                  (is_zeroed() ? "; reset the stop to go on" : ", but lost its counts; zero it"));
 }
 
 /// While no motor is driven: the servo pauses for it.

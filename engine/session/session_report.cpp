@@ -102,7 +102,7 @@ void write_session_json(std::ostream &out, const Session &session) {
     json["read"] = json_of(servo.read());
     json["compute"] = json_of(servo.compute());
     json["write"] = json_of(servo.write());
-    json["refused"] = session.remarks().all();
+    json["refused"] = session.warnings().all();
     json["trip"] = safety.state == servo::SafetyState::tripped ? servo::description(safety) : "";
     json["record"] = {{"file", session.recording().file().string()},
                       {"files", names_of(session.recording().parts())},

@@ -1,4 +1,4 @@
-// Covers app/commands/typed_session.cpp: its errors and remarks, from outside.
+// Covers app/commands/typed_session.cpp: its errors and warnings, from outside.
 #include "engine/control/tuning_file.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
@@ -78,8 +78,8 @@ TEST_F(TypedSession, AnEmulatedBoardIsTouchedByItsScriptAndItsFaultStopsIt) {
 }
 
 /// A tuning file states the rate and the delay for which it was found: a slower rate or a longer
-/// delay causes a remark, others do not.
-TEST_F(TypedSession, ATuningOfAFasterOrEarlierServoIsRemarkedUpon) {
+/// delay causes a warning, others do not.
+TEST_F(TypedSession, ATuningOfAFasterOrEarlierServoIsWarnedOf) {
     const std::filesystem::path folder = testing::fresh_folder("margins");
     control::TuningFile file;
     file.margins = control::TuningMargins{1000.0, 1.0, 1.5, 2, 0.25, 0.5, "firm", 0.75};
@@ -87,7 +87,7 @@ TEST_F(TypedSession, ATuningOfAFasterOrEarlierServoIsRemarkedUpon) {
     control::write_tuning_file(text, file);
     const std::filesystem::path tuning = folder / "found.toml";
     std::ofstream(tuning) << text.str();
-    const auto remark = [&](const char *servo_hz, const char *delay) {
+    const auto warning = [&](const char *servo_hz, const char *delay) {
         const testing::Ending ending =
             testing::run_program({"record", folder / (std::string(servo_hz) + "_" + delay + ".rec"),
                                   "--lockstep", "--seconds", "0.01", "--tuning-file", tuning,
@@ -95,10 +95,10 @@ TEST_F(TypedSession, ATuningOfAFasterOrEarlierServoIsRemarkedUpon) {
         EXPECT_EQ(ending.exit_status, 0) << ending.error;
         return ending.error.find("was found for 1000 Hz and a delay of 1") != std::string::npos;
     };
-    EXPECT_FALSE(remark("1000", "1"));
-    EXPECT_FALSE(remark("2000", "0.5"));
-    EXPECT_TRUE(remark("999", "1"));
-    EXPECT_TRUE(remark("1000", "1.25"));
+    EXPECT_FALSE(warning("1000", "1"));
+    EXPECT_FALSE(warning("2000", "0.5"));
+    EXPECT_TRUE(warning("999", "1"));
+    EXPECT_TRUE(warning("1000", "1.25"));
     std::filesystem::remove_all(folder);
 }
 

@@ -4,7 +4,7 @@
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "device/simulated/hand_path.h"
-#include "engine/contact/mesh/mesh_remarks.h"
+#include "engine/contact/mesh/mesh_warnings.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/tuning_file.h"
 #include "engine/record/record_reader.h"
@@ -34,7 +34,7 @@ void read_scene(const fs::path &file) {
     constexpr std::size_t kQuicklyPrepared = 10'000;
     if (scene.surface.triangles.size() <= kQuicklyPrepared) {
         const contact::HapticSurface surface(scene.surface, scene.shapes);
-        static_cast<void>(contact::remarks_on(surface.report(), surface.materials()));
+        static_cast<void>(contact::warnings_about(surface.report(), surface.materials()));
     }
 }
 

@@ -118,7 +118,7 @@ void run_person_session(study::StudyStore &store, const study::Protocol &protoco
     say_what_it_is(session);
     study_screen::StudyWindow window(typed.window, session, store, protocol);
     session.start();
-    print_new_remarks(session);
+    print_new_warnings(session);
     study_screen::Sitting sitting(
         store,
         {protocol, setting, folders, code, typed.keeps_records, typed.plays_noise, window.facts()},

@@ -67,7 +67,7 @@ void try_typed(const TypedTry &typed) {
     options.reports = typed.sitting.window.reports;
     visitors::VisitorWindow window(options, session);
     session.start();
-    print_new_remarks(session);
+    print_new_warnings(session);
     visitors::Visits visits(std::move(plan), session,
                             [&window](const scene::Scene &scene, const scene::TouchSpot &spot) {
                                 window.show_scene(scene, spot);

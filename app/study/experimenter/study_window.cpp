@@ -145,7 +145,7 @@ void StudyWindow::report_participant(const SittingState &state, const Participan
 SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingState &state) {
     requests_.begin_frame(window_.has_waiting_input());
     session_.advance(kFrame_s);
-    print_new_remarks(session_);
+    print_new_warnings(session_);
     window_.begin_frame();
     window_.clear();
     static_cast<void>(window_.take_keys());

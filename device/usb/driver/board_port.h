@@ -67,7 +67,7 @@ public:
     [[nodiscard]] virtual std::string_view speed() const = 0;
 
     /// What the system refused to the connection, with what to do; empty if nothing.
-    [[nodiscard]] virtual std::string_view remark() const { return {}; }
+    [[nodiscard]] virtual std::string_view warning() const { return {}; }
 };
 
 } // namespace springdrive::usb

@@ -85,7 +85,7 @@ public:
     void close() noexcept override { end(); }
     void open(const std::string &serial) override;
     [[nodiscard]] std::string_view speed() const override { return speed_; }
-    [[nodiscard]] std::string_view remark() const override { return remark_; }
+    [[nodiscard]] std::string_view warning() const override { return warning_; }
 
 private:
     static constexpr std::size_t kTransfersIn = 4;
@@ -150,7 +150,7 @@ private:
     Handle handle_;
     Endpoints endpoints_;
     std::string speed_ = "not connected";
-    std::string remark_;
+    std::string warning_;
     std::vector<pollfd> files_; ///< that this port's thread waits for
     std::array<Transfer, kTransfersIn> in_;
     std::array<Transfer, kTransfersOut> out_;
@@ -201,11 +201,11 @@ void LibusbPort::open(const std::string &serial) {
         refused->set_value(request_priority(kPortThreadPriority));
         run();
     });
-    remark_ = refused->get_future().get() == 0
-                  ? std::string()
-                  : fmt::format("the thread that serves USB has no real-time priority ({} was "
-                                "refused), so reports may be late; see springdrive doctor",
-                                kPortThreadPriority);
+    warning_ = refused->get_future().get() == 0
+                   ? std::string()
+                   : fmt::format("the thread that serves USB has no real-time priority ({} was "
+                                 "refused), so reports may be late; see springdrive doctor",
+                                 kPortThreadPriority);
 }
 
 /// What `run` waits for: its own wake-up, and the files of libusb, which stay the same while the

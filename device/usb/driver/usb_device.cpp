@@ -358,7 +358,7 @@ std::optional<device::LinkStatus> UsbDevice::link() const {
     }
     return device::LinkStatus{std::string(port_->speed()),
                               description_of(now.newest.state),
-                              std::string(port_->remark()),
+                              std::string(port_->warning()),
                               std::move(problem),
                               1.0 / period_s_,
                               now.delay_s,

@@ -168,18 +168,18 @@ private:
     std::size_t reports_ = 0;
 };
 
-std::vector<std::string> remarks_on(const ModelSelection &choice, const SceneModels &models) {
-    std::vector<std::string> remarks;
+std::vector<std::string> warnings_about(const ModelSelection &choice, const SceneModels &models) {
+    std::vector<std::string> warnings;
     if (!models.touches()) {
-        remarks.emplace_back("the hand path for the comparison did not touch the scene: the "
-                             "choice is valid for free space only");
+        warnings.emplace_back("the hand path for the comparison did not touch the scene: the "
+                              "choice is valid for free space only");
     }
     const ModelAxis &joints = choice.axis(ModelAspect::joints);
     if (joints.candidates.size() > 1 && joints.chosen != 0) {
-        remarks.emplace_back("the scene is declared planar, but its surface pushes sideways: "
-                             "all three joints are simulated");
+        warnings.emplace_back("the scene is declared planar, but its surface pushes sideways: "
+                              "all three joints are simulated");
     }
-    return remarks;
+    return warnings;
 }
 
 } // namespace
@@ -199,7 +199,7 @@ ModelSelection choose_scene_model(const ModelQuestion &question, const ModelProg
     }
     choice.cost_ns = models.cost_ns(picks);
     choice.fullest_cost_ns = models.cost_ns(models.fullest_picks());
-    choice.remarks = remarks_on(choice, models);
+    choice.warnings = warnings_about(choice, models);
     return choice;
 }
 

@@ -92,7 +92,7 @@ ModelSelection read(const Json &json) {
     choice.error = error_of(json.at("error"));
     choice.cost_ns = json.at("cost_ns").get<double>();
     choice.fullest_cost_ns = json.at("fullest_cost_ns").get<double>();
-    choice.remarks = json.at("remarks").get<std::vector<std::string>>();
+    choice.warnings = json.at("remarks").get<std::vector<std::string>>();
     return choice;
 }
 
@@ -111,7 +111,7 @@ Json json_of(const ModelSelection &choice) {
             {"error", error_json(choice.error)},
             {"cost_ns", choice.cost_ns},
             {"fullest_cost_ns", choice.fullest_cost_ns},
-            {"remarks", choice.remarks}};
+            {"remarks", choice.warnings}};
 }
 
 ModelSelection model_selection_of(const Json &json) {

@@ -52,7 +52,7 @@ struct ModelSelection {
     ModelError error;            ///< of the chosen model as a whole
     double cost_ns = 0.0;        ///< of that model per servo tick: plant, proxy and map
     double fullest_cost_ns = 0.0;
-    std::vector<std::string> remarks;
+    std::vector<std::string> warnings;
 
     [[nodiscard]] const ModelAxis &axis(ModelAspect aspect) const {
         return axes[static_cast<std::size_t>(aspect)];

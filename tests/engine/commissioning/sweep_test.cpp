@@ -260,7 +260,7 @@ TEST(StiffnessSweep, AgreesWithThePredictionInCounts) {
     // Half a percent and a third of a degree: rounding of motions of two counts, and deviations.
     EXPECT_TRUE(report.is_within(0.006, 0.006));
     EXPECT_EQ(report.discarded_blocks, 0U);
-    EXPECT_TRUE(report.remarks.empty());
+    EXPECT_TRUE(report.warnings.empty());
     ASSERT_EQ(report.motors.size(), 2U);
     EXPECT_EQ(report.motors[1].motor, 2U);
     ASSERT_EQ(report.motors[1].points.size(), 3U);

@@ -209,7 +209,7 @@ TEST(TuningFile, RefusesInvalidMarginsWithTheirLine) {
         std::string to;
         std::string said;
     };
-    // [margins] is line 12: a description, two names, six parameters, a gap and a remark before.
+    // [margins] is line 12: a description, two names, six parameters, a gap and a warning before.
     const std::vector<Bad> all{
         {"servo_hz = 1000.0", "servo_hz = 0.0", ":13: margins.servo_hz is 0; it must be"},
         {"delay_periods = 1", "delay_periods = -1", ":14: margins.delay_periods"},

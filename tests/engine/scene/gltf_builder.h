@@ -202,9 +202,9 @@ inline void expect_failure(const GltfBuilder &builder, const std::string &part) 
     EXPECT_NE(message.find(part), std::string::npos) << message;
 }
 
-inline bool has_remark(const Scene &scene, const std::string &part) {
-    for (const std::string &remark : scene.remarks) {
-        if (remark.find(part) != std::string::npos) {
+inline bool has_warning(const Scene &scene, const std::string &part) {
+    for (const std::string &warning : scene.warnings) {
+        if (warning.find(part) != std::string::npos) {
             return true;
         }
     }

@@ -40,17 +40,17 @@ TEST(GltfExtensions, RequiredSpecularGlossinessNeedsAnotherColourBesideIt) {
               "material 2 needs the extension '" + extension +
                   "', which is not supported; export it with metallic-roughness");
     builder.more = R"("extensionsUsed": [")" + extension + "\"], ";
-    EXPECT_TRUE(has_remark(load(builder), "extension '" + extension + "' is left out"));
+    EXPECT_TRUE(has_warning(load(builder), "extension '" + extension + "' is left out"));
 }
 
-TEST(GltfExtensions, WhatIsLeftOutIsRemarkedOn) {
+TEST(GltfExtensions, WhatIsLeftOutIsWarnedOf) {
     GltfBuilder builder = one_triangle();
     builder.more = R"("extensionsUsed": ["EXT_mesh_gpu_instancing", "KHR_materials_velvet"],
                       "animations": [{}, {}], )";
     const Scene scene = load(builder);
-    EXPECT_TRUE(has_remark(scene, "extension 'EXT_mesh_gpu_instancing' is left out"));
-    EXPECT_TRUE(has_remark(scene, "extension 'KHR_materials_velvet' is left out"));
-    EXPECT_TRUE(has_remark(scene, "2 animation(s) are not played"));
+    EXPECT_TRUE(has_warning(scene, "extension 'EXT_mesh_gpu_instancing' is left out"));
+    EXPECT_TRUE(has_warning(scene, "extension 'KHR_materials_velvet' is left out"));
+    EXPECT_TRUE(has_warning(scene, "2 animation(s) are not played"));
 }
 
 TEST(GltfExtensions, AMinimumVersionAboveOursIsRefused) {

@@ -129,19 +129,19 @@ TEST(GltfMaterial, MetalAndRoughnessComeThroughAndAreOneByDefault) {
     EXPECT_EQ(finish.metallic_roughness_texture, 0);
 }
 
-TEST(GltfMaterial, NumbersBeyondTheirRangeAreDrawnAtItsEndAndRemarkedOn) {
+TEST(GltfMaterial, NumbersBeyondTheirRangeAreDrawnAtItsEndAndWarnedOf) {
     const Scene scene = load(with_material(
         R"("pbrMetallicRoughness": {"metallicFactor": 1.5, "roughnessFactor": -0.5})"));
     EXPECT_EQ(scene.meshes.front().finish.metallic, 1.0F);
     EXPECT_EQ(scene.meshes.front().finish.roughness, 0.0F);
-    EXPECT_TRUE(has_remark(scene, "node 'picture': its material's metallicFactor is 1.5, drawn as "
-                                  "1: it is from 0 to 1"));
-    EXPECT_TRUE(has_remark(scene, "roughnessFactor is -0.5, drawn as 0"));
+    EXPECT_TRUE(has_warning(scene, "node 'picture': its material's metallicFactor is 1.5, drawn as "
+                                   "1: it is from 0 to 1"));
+    EXPECT_TRUE(has_warning(scene, "roughnessFactor is -0.5, drawn as 0"));
     for (const double edge : {0.0, 1.0}) {
         EXPECT_FALSE(
-            has_remark(load(with_material(R"("pbrMetallicRoughness": {"metallicFactor": )" +
-                                          std::to_string(edge) + "}")),
-                       "metallicFactor"));
+            has_warning(load(with_material(R"("pbrMetallicRoughness": {"metallicFactor": )" +
+                                           std::to_string(edge) + "}")),
+                        "metallicFactor"));
     }
     EXPECT_EQ(
         line_of_failure(with_material(R"("normalTexture": {"index": 0, "scale": 1e39})").gltf()),
@@ -171,26 +171,26 @@ TEST(GltfMaterial, TexturesOfNumbersAreNoColoursAndHaveNoAlpha) {
     }
 }
 
-TEST(GltfMaterial, TexturesOfNumbersThatCannotBeDrawnAreRemarkedOn) {
+TEST(GltfMaterial, TexturesOfNumbersThatCannotBeDrawnAreWarnedOf) {
     const std::string finish = R"("pbrMetallicRoughness": {"metallicFactor": 0.5,
                                    "metallicRoughnessTexture": {"index": 0}})";
     GltfBuilder missing = with_material(finish);
     missing.images = {R"({"uri": "none.png"})"};
-    EXPECT_TRUE(has_remark(load(missing), "image 'none.png': left out, as it cannot be read"));
+    EXPECT_TRUE(has_warning(load(missing), "image 'none.png': left out, as it cannot be read"));
     EXPECT_EQ(load(missing).meshes.front().finish.metallic_roughness_texture, -1);
     EXPECT_EQ(load(missing).meshes.front().finish.metallic, 0.5F);
     const std::string elsewhere = R"("normalTexture": {"index": 0, "texCoord": 1},
                                      "occlusionTexture": {"index": 0, "texCoord": 1}, )";
     const Scene placed = load(with_material(elsewhere + finish));
-    EXPECT_TRUE(has_remark(placed, "node 'picture': its normal map is left out, as it is placed "
-                                   "differently from the material's others"));
-    EXPECT_TRUE(has_remark(placed, "its occlusion is left out, as it is placed differently"));
+    EXPECT_TRUE(has_warning(placed, "node 'picture': its normal map is left out, as it is placed "
+                                    "differently from the material's others"));
+    EXPECT_TRUE(has_warning(placed, "its occlusion is left out, as it is placed differently"));
     EXPECT_EQ(placed.meshes.front().finish.normal_texture, -1);
     EXPECT_EQ(placed.meshes.front().finish.occlusion_texture, -1);
     EXPECT_EQ(placed.meshes.front().finish.metallic_roughness_texture, 0);
     // Alone, it is drawn at its own place.
     const Scene unplaced = load(with_material(R"("normalTexture": {"index": 0, "texCoord": 1})"));
-    EXPECT_TRUE(has_remark(unplaced, "node 'picture': it has a texture but no TEXCOORD_1"));
+    EXPECT_TRUE(has_warning(unplaced, "node 'picture': it has a texture but no TEXCOORD_1"));
     EXPECT_EQ(unplaced.meshes.front().finish.normal_texture, -1);
 }
 
@@ -240,15 +240,15 @@ TEST(GltfMaterial, WrapModesFollowTheSampler) {
     EXPECT_EQ(texture.wrap_t, Texture::Wrap::mirror);
 }
 
-TEST(GltfMaterial, ImagesThatCannotBeHadAreRemarkedOnAndLeftOut) {
-    const auto expect_left_out = [](const GltfBuilder &builder, const std::string &remark) {
+TEST(GltfMaterial, ImagesThatCannotBeHadAreWarnedOfAndLeftOut) {
+    const auto expect_left_out = [](const GltfBuilder &builder, const std::string &warning) {
         const Scene scene = load(builder);
         EXPECT_EQ(scene.surface.triangles.size(), 1U);
         EXPECT_EQ(scene.meshes.front().texture, -1);
         EXPECT_TRUE(scene.textures.empty());
-        EXPECT_TRUE(std::ranges::count(scene.remarks, remark) == 1)
-            << remark << '\n'
-            << (scene.remarks.empty() ? "" : scene.remarks.back());
+        EXPECT_TRUE(std::ranges::count(scene.warnings, warning) == 1)
+            << warning << '\n'
+            << (scene.warnings.empty() ? "" : scene.warnings.back());
     };
     const auto in_uri = [](const std::string &bytes, const std::string &members = "") {
         return textured(R"({"uri": "data:image/png;base64,)" + to_base64(bytes) + "\"" + members +
@@ -283,7 +283,7 @@ TEST(GltfMaterial, ImagesThatCannotBeHadAreRemarkedOnAndLeftOut) {
     webp.textures = {R"({"extensions": {"EXT_texture_webp": {"source": 0}}})"};
     webp.more = R"("extensionsUsed": ["EXT_texture_webp"], )";
     expect_left_out(webp, "texture 0: left out, as it names no PNG or JPEG");
-    EXPECT_TRUE(has_remark(load(webp), "extension 'EXT_texture_webp' is left out"));
+    EXPECT_TRUE(has_warning(load(webp), "extension 'EXT_texture_webp' is left out"));
 }
 
 TEST(GltfMaterial, ColoursBeyondSinglePrecisionAreRefused) {
@@ -317,7 +317,7 @@ TEST(GltfMaterial, RefusesReferencesToWhatIsNotThere) {
 
 TEST(GltfMaterial, TheTextureSetIsChosenByTheMaterial) {
     GltfBuilder builder = textured(embedded_image(), "", R"(, "texCoord": 1)");
-    EXPECT_TRUE(has_remark(load(builder), "node 'picture': it has a texture but no TEXCOORD_1"));
+    EXPECT_TRUE(has_warning(load(builder), "node 'picture': it has a texture but no TEXCOORD_1"));
     EXPECT_EQ(load(builder).meshes.front().texture, -1);
     // A second set, of bytes four apart.
     const std::vector<std::uint8_t> bytes = {51, 102, 0, 0, 255, 0, 0, 0, 0, 255, 0, 0};
@@ -377,7 +377,7 @@ TEST(GltfMaterial, EmissionComesThroughWithItsTexture) {
     EXPECT_EQ(both.meshes.front().emission, kEmission);
     EXPECT_EQ(both.meshes.front().texture, 0);
     EXPECT_EQ(both.meshes.front().emissive_texture, 0);
-    EXPECT_TRUE(both.remarks.empty() || !has_remark(both, "emission"));
+    EXPECT_TRUE(both.warnings.empty() || !has_warning(both, "emission"));
 }
 
 TEST(GltfMaterial, EmissionIsMultipliedByItsStrength) {
@@ -393,15 +393,16 @@ TEST(GltfMaterial, EmissionWhoseTextureCannotBeDrawnIsLeftOut) {
                                           R"(, "extensions": {"KHR_texture_transform":
                                               {"scale": [2, 2]}})"));
     EXPECT_EQ(elsewhere.meshes.front().emission, kDark);
-    EXPECT_TRUE(has_remark(elsewhere, "node 'picture': its emission is left out, as its texture is "
-                                      "placed differently from the material's others"));
+    EXPECT_TRUE(has_warning(elsewhere,
+                            "node 'picture': its emission is left out, as its texture is "
+                            "placed differently from the material's others"));
     GltfBuilder missing = emissive("");
     missing.images = {R"({"uri": "none.png"})"};
     EXPECT_EQ(load(missing).meshes.front().emission, kDark);
-    EXPECT_TRUE(has_remark(load(missing), "image 'none.png': left out"));
+    EXPECT_TRUE(has_warning(load(missing), "image 'none.png': left out"));
     const Scene without = load(emissive("", R"(, "texCoord": 1)"));
     EXPECT_EQ(without.meshes.front().emission, kDark);
-    EXPECT_TRUE(has_remark(without, "node 'picture': it has a texture but no TEXCOORD_1"));
+    EXPECT_TRUE(has_warning(without, "node 'picture': it has a texture but no TEXCOORD_1"));
 }
 
 TEST(GltfMaterial, DoubleSidedComesThrough) {

@@ -114,14 +114,14 @@ TEST(GltfPrimitive, PointsAndLinesAreLeftOutByName) {
         EXPECT_EQ(scene.meshes.size(), 1U);
         EXPECT_EQ(scene.surface.materials.size(), 1U);
         EXPECT_TRUE(
-            has_remark(scene, "node 'wire': " + expected[mode] + " cannot be touched or drawn"));
+            has_warning(scene, "node 'wire': " + expected[mode] + " cannot be touched or drawn"));
     }
 }
 
 TEST(GltfPrimitive, LeftoverVerticesAreSaid) {
     const Scene scene = load_primitive(zigzag(8), "");
     EXPECT_EQ(scene.surface.triangles.size(), 2U);
-    EXPECT_TRUE(has_remark(scene, "node 'ribbon': 2 vertices are left over"));
+    EXPECT_TRUE(has_warning(scene, "node 'ribbon': 2 vertices are left over"));
 }
 
 TEST(GltfPrimitive, QuantisedPositionsAreScaledAsDeclared) {

@@ -18,7 +18,7 @@ protected:
     static Scene load_model(const std::string &name) {
         const Scene scene =
             load_gltf(std::filesystem::path(SPRINGDRIVE_MODELS_DIR) / name, small_workspace());
-        EXPECT_TRUE(scene.remarks.empty()) << scene.remarks.front();
+        EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.front();
         EXPECT_TRUE(scene.lower_m.allFinite() && scene.upper_m.allFinite());
         const Vector3 share =
             (scene.upper_m - scene.lower_m).cwiseQuotient(small_workspace().size_m);

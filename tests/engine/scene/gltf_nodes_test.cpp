@@ -168,19 +168,19 @@ TEST(GltfNodes, NamesFallBackToTheMeshAndThenToTheNumber) {
 }
 
 gltf::TouchExtras read(const std::string &json, const gltf::TouchExtras &parent = {}) {
-    RemarkList remarks;
-    return gltf::read_touch(json, parent, "node 'pad'", remarks);
+    WarningList warnings;
+    return gltf::read_touch(json, parent, "node 'pad'", warnings);
 }
 
-/// With `value` under `key` a file loads as without, and a remark names node, key, value and what
+/// With `value` under `key` a file loads as without, and a warning names node, key, value and what
 /// it would have to be: other programs use the same names.
 void expect_left_out(const std::string &key, const std::string &value, const std::string &shown,
                      const std::string &wanted) {
     const Scene scene =
         load(one_triangle(R"("name": "pad", "extras": {")" + key + "\": " + value + "}"));
-    EXPECT_TRUE(has_remark(scene, "node 'pad': extras." + key + " is " + shown +
-                                      ": left out as another program's; it would have to be " +
-                                      wanted))
+    EXPECT_TRUE(has_warning(scene, "node 'pad': extras." + key + " is " + shown +
+                                       ": left out as another program's; it would have to be " +
+                                       wanted))
         << key << ' ' << value;
     ASSERT_EQ(scene.surface.materials.size(), 1U);
     contact::SurfaceMaterial plain;
@@ -375,9 +375,9 @@ TEST(SceneExtras, TheEndsOfTheRangesAreAllowedAndNothingBeyond) {
 }
 
 TEST(SceneExtras, LeavesWhatIsNoToleranceAndNoFlagToOtherPrograms) {
-    const auto expect_left_out = [](const std::string &extras, const std::string &remark) {
+    const auto expect_left_out = [](const std::string &extras, const std::string &warning) {
         const Scene scene = load(with_scene_extras(extras));
-        EXPECT_TRUE(has_remark(scene, remark)) << remark;
+        EXPECT_TRUE(has_warning(scene, warning)) << warning;
         EXPECT_EQ(scene.tolerance.force_N, ModelTolerance{}.force_N);
         EXPECT_FALSE(scene.planar);
     };
@@ -425,8 +425,8 @@ TEST(SceneExtras, ALessonOfAnotherKindIsLeftOutAndAWrongOneRefused) {
     for (const std::string value : {"\"touch\"", "null", "[1]", R"({"chapter":1})"}) {
         const Scene scene = load(with_scene_extras(R"({"lesson": )" + value + "}"));
         EXPECT_TRUE(scene.lesson.is_empty());
-        EXPECT_TRUE(has_remark(scene, "left out as another program's; it would have to be an "
-                                      "object of title, feel, point and normal"))
+        EXPECT_TRUE(has_warning(scene, "left out as another program's; it would have to be an "
+                                       "object of title, feel, point and normal"))
             << value;
     }
     const auto lesson = [](const std::string &members) {
@@ -464,12 +464,12 @@ TEST(TouchExtras, ACaptionStandsOnItsNodeAloneAndAnotherProgramsIsLeftOut) {
     EXPECT_NEAR(scene.captions.front().at_m.y(), scene.upper_m.y(), 1e-12);
     const Scene other = load(one_triangle(R"("extras": {"caption": 7})"));
     EXPECT_TRUE(other.captions.empty());
-    EXPECT_TRUE(has_remark(other, "extras.caption is 7: left out as another program's; it would "
-                                  "have to be a text of 1 to 40 bytes"));
-    RemarkList remarks;
+    EXPECT_TRUE(has_warning(other, "extras.caption is 7: left out as another program's; it would "
+                                   "have to be a text of 1 to 40 bytes"));
+    WarningList warnings;
     gltf::TouchExtras parent;
     parent.caption = "all of it";
-    EXPECT_EQ(gltf::read_touch("{}", parent, "node 'child'", remarks).caption, "");
+    EXPECT_EQ(gltf::read_touch("{}", parent, "node 'child'", warnings).caption, "");
 }
 
 TEST(GltfNodes, AMillionChildrenOfOneNodeAreRefusedByName) {

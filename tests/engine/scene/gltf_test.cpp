@@ -50,10 +50,10 @@ TEST(Gltf, MetresAreTakenAsTheyStandFromAssetOrScene) {
 
 TEST(Gltf, OtherUnitsAreAnotherProgramsAndTheSceneIsFitted) {
     const std::string other = ": left out as another program's; it would have to be 'm' (metres)";
-    const auto expect_fitted = [&](const GltfBuilder &builder, const std::string &remark) {
+    const auto expect_fitted = [&](const GltfBuilder &builder, const std::string &warning) {
         const Scene scene = load(builder);
         EXPECT_FALSE(scene.in_metres);
-        EXPECT_TRUE(has_remark(scene, remark + other)) << remark;
+        EXPECT_TRUE(has_warning(scene, warning + other)) << warning;
     };
     GltfBuilder builder = one_triangle();
     builder.asset = R"({"version": "2.0", "extras": {"units": "centimeters"}})";
@@ -65,9 +65,9 @@ TEST(Gltf, OtherUnitsAreAnotherProgramsAndTheSceneIsFitted) {
     expect_fitted(builder, "scene: extras.units is null");
 }
 
-TEST(Gltf, MetresOutsideTheWorkspaceAreRemarkedOnAndAbsurdOnesRefused) {
-    EXPECT_TRUE(has_remark(load(one_triangle()), "outside the device's workspace"));
-    EXPECT_FALSE(has_remark(load(one_triangle(R"("scale": [0.1, 0.1, 0.1])")), "outside"));
+TEST(Gltf, MetresOutsideTheWorkspaceAreWarnedOfAndAbsurdOnesRefused) {
+    EXPECT_TRUE(has_warning(load(one_triangle()), "outside the device's workspace"));
+    EXPECT_FALSE(has_warning(load(one_triangle(R"("scale": [0.1, 0.1, 0.1])")), "outside"));
     expect_failure(one_triangle(R"("scale": [-4000, 1, 1])"), "reaches 2000 m far");
 }
 
@@ -103,15 +103,15 @@ TEST(Gltf, PrimitivesWithoutPositionsAreLeftOut) {
                           {"attributes": {"POSITION": 0}}, {"attributes": {"NORMAL": 0}}]})"};
     const Scene scene = load(builder);
     EXPECT_EQ(scene.surface.triangles.size(), 1U);
-    EXPECT_TRUE(has_remark(scene, "node 'part': a primitive without POSITION cannot be touched or "
-                                  "drawn"));
+    EXPECT_TRUE(has_warning(scene, "node 'part': a primitive without POSITION cannot be touched or "
+                                   "drawn"));
     builder.meshes = {R"({"primitives": [{"attributes": {}}]})"};
     EXPECT_EQ(line_of_failure(builder.gltf()),
               "has no triangle to touch (node 'part': a primitive without POSITION cannot be "
               "touched or drawn)");
 }
 
-TEST(Gltf, EqualRemarksOnManyNodesAreOneLine) {
+TEST(Gltf, EqualWarningsOnManyNodesAreOneLine) {
     GltfBuilder builder = one_triangle();
     builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}, "targets": [{}]},
                           {"attributes": {"POSITION": 0}, "targets": [{}]}]})"};
@@ -120,7 +120,7 @@ TEST(Gltf, EqualRemarksOnManyNodesAreOneLine) {
     for (int i = 0; i < kNodes; ++i) {
         builder.nodes.emplace_back(R"({"mesh": 0, "skin": 0})");
     }
-    EXPECT_EQ(load(builder).remarks,
+    EXPECT_EQ(load(builder).warnings,
               (std::vector<std::string>{
                   "nodes 0, 1, 2 and 4997 more: its skin is left out; it is touched and drawn in "
                   "the pose that it was modelled in",
@@ -155,15 +155,15 @@ TEST(Gltf, MoreMaterialsThanTrianglesCanNameAreRefused) {
     expect_failure(builder, "has more than 65536 nodes with triangles");
 }
 
-TEST(Gltf, SkinsAndMorphTargetsAreTouchedAtRestAndRemarkedOn) {
+TEST(Gltf, SkinsAndMorphTargetsAreTouchedAtRestAndWarnedOf) {
     GltfBuilder builder = one_triangle(R"("name": "figure", "skin": 0)");
     builder.meshes = {
         R"({"primitives": [{"attributes": {"POSITION": 0}, "targets": [{"POSITION": 0}]}]})"};
     builder.more = R"("skins": [{"joints": [0]}], )";
     const Scene scene = load(builder);
     EXPECT_EQ(scene.surface.vertices_m[1], Vector3(0.5, 0, 0));
-    EXPECT_TRUE(has_remark(scene, "node 'figure': its skin is left out"));
-    EXPECT_TRUE(has_remark(scene, "node 'figure': its morph targets are left out"));
+    EXPECT_TRUE(has_warning(scene, "node 'figure': its skin is left out"));
+    EXPECT_TRUE(has_warning(scene, "node 'figure': its morph targets are left out"));
 }
 
 TEST(Gltf, ANameWithLineEndsStillMakesOneLine) {

@@ -92,7 +92,7 @@ TEST(OwnScenes, EveryOneIsClosedWoundOutwardsAndWithinTheWorkspace) {
     for (const scenes::SceneDescription &description : scenes::all_scenes()) {
         SCOPED_TRACE(description.name);
         const Scene scene = load_own(description.name);
-        EXPECT_TRUE(scene.remarks.empty()) << scene.remarks.front();
+        EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.front();
         EXPECT_EQ(scene.in_metres, description.in_metres);
         expect_closed_and_consistently_wound(scene.surface);
         EXPECT_GT(volume_of(scene.surface), 0.0);

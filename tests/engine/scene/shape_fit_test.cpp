@@ -241,8 +241,9 @@ TEST(ShapeFit, FilesWithShapesThatCannotBeAreRefusedInOneLine) {
                    "node 'X': cannot be touched as a sphere: its transform scales by 1 by 2 by 1");
     GltfBuilder builder = cube(R"("name": "X")");
     builder.nodes.emplace_back(R"({"name": "empty", "extras": {"shape": "box"}})");
-    EXPECT_TRUE(has_remark(load(builder), "node 'empty': extras.shape is left out: it needs a mesh "
-                                          "on the same node, to be fitted to"));
+    EXPECT_TRUE(has_warning(load(builder),
+                            "node 'empty': extras.shape is left out: it needs a mesh "
+                            "on the same node, to be fitted to"));
 }
 
 contact::TriangleSoup soup_of(const scenes::Part &part, const Eigen::Isometry3d &place) {

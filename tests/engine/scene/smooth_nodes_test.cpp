@@ -61,7 +61,7 @@ TEST(SmoothNodes, EyeAndHandGetTheSameCurvedSurface) {
         const Vector3 normal(vertex.normal[0], vertex.normal[1], vertex.normal[2]);
         ASSERT_GT(normal.dot(point.normalized()), 1.0 - 2e-6); // 0.1°
     }
-    EXPECT_FALSE(has_remark(scene, "ball")); // as smooth as it should be
+    EXPECT_FALSE(has_warning(scene, "ball")); // as smooth as it should be
 }
 
 TEST(SmoothNodes, OthersKeepTheirTriangles) {
@@ -141,8 +141,9 @@ TEST(SmoothNodes, PrimitivesOfOneNodeStayJoined) {
 TEST(SmoothNodes, MeshesWithoutNormalsStayFlatAndThoseOfLengthZeroAreRefused) {
     const Scene flat = load(one_triangle(R"("name": "X", "extras": {"smooth": true})"));
     EXPECT_EQ(flat.surface.triangles.size(), 1U);
-    EXPECT_TRUE(has_remark(flat, "node 'X': extras.smooth is left out: it needs normals; export it "
-                                 "with them"));
+    EXPECT_TRUE(has_warning(flat,
+                            "node 'X': extras.smooth is left out: it needs normals; export it "
+                            "with them"));
     GltfBuilder builder = ball(kSmoothBall);
     const std::string zeros(12, '\0'); // the normal of vertex 2
     builder.buffer.replace(42 * 12 + 24, 12, zeros);
@@ -156,10 +157,10 @@ TEST(SmoothNodes, ManyShareTheAllowanceAndSayHowFarTheyGot) {
     const Scene scene = load(builder);
     EXPECT_LE(scene.surface.triangles.size(), gltf::kMaxCurvedTriangles);
     EXPECT_GT(scene.surface.triangles.size(), gltf::kMaxCurvedTriangles / 2);
-    EXPECT_TRUE(
-        has_remark(scene, "nodes 'ball', 'ball', 'ball' and 27 more: its 62720 curved facets still "
-                          "differ by up to 0.8"));
-    EXPECT_TRUE(has_remark(scene, "degrees from their neighbours, instead of 0.5"));
+    EXPECT_TRUE(has_warning(
+        scene, "nodes 'ball', 'ball', 'ball' and 27 more: its 62720 curved facets still "
+               "differ by up to 0.8"));
+    EXPECT_TRUE(has_warning(scene, "degrees from their neighbours, instead of 0.5"));
 }
 
 TEST(SmoothNodes, WhatIsFineEnoughOrTooLargeStaysAsItIs) {
@@ -173,7 +174,8 @@ TEST(SmoothNodes, WhatIsFineEnoughOrTooLargeStaysAsItIs) {
     builder.nodes[1] = R"({"mesh": 1})";
     const Scene scene = load(builder);
     EXPECT_EQ(scene.surface.triangles.size(), 500'002U);
-    EXPECT_TRUE(has_remark(scene, "node 'large': is too large to be smoothed further; its 500001"));
+    EXPECT_TRUE(
+        has_warning(scene, "node 'large': is too large to be smoothed further; its 500001"));
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-// Covers engine/servo/real_time.cpp: what the system grants a thread, and the remarks if it
+// Covers engine/servo/real_time.cpp: what the system grants a thread, and the warnings if it
 // refuses.
 #include "engine/servo/real_time.h"
 
@@ -73,8 +73,8 @@ TEST(Rights, EachRefusalIsReportedWithItsRemedy) {
         if (!give_up_rights()) {
             return std::string("rights stay");
         }
-        for (const std::string &remark : make_this_thread_real_time(std::nullopt)) {
-            all += remark + "\n";
+        for (const std::string &warning : make_this_thread_real_time(std::nullopt)) {
+            all += warning + "\n";
         }
         return all;
     });
@@ -111,8 +111,8 @@ TEST(Rights, AMissingProcessorIsRejectedByNumber) {
     }
     const std::string said = said_elsewhere([] {
         std::string all;
-        for (const std::string &remark : make_this_thread_real_time(1023)) {
-            all += remark + "\n";
+        for (const std::string &warning : make_this_thread_real_time(1023)) {
+            all += warning + "\n";
         }
         return all;
     });

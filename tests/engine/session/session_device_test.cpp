@@ -127,11 +127,11 @@ TEST(SessionDevice, TheRecordContinuesInANewFileForTheOtherDevice) {
     EXPECT_EQ(record::RecordReader(expected[2]).header().device_name, "PHANTOM 1.0");
     EXPECT_NE(notes_of(expected[0]).find("exchanged"), std::string::npos);
     EXPECT_NE(notes_of(expected[1]).find("touch.rec"), std::string::npos);
-    std::string remarks;
-    for (const std::string &remark : session.remarks().take_new()) {
-        remarks += remark;
+    std::string warnings;
+    for (const std::string &warning : session.warnings().take_new()) {
+        warnings += warning;
     }
-    EXPECT_NE(remarks.find("touch-3.rec"), std::string::npos);
+    EXPECT_NE(warnings.find("touch-3.rec"), std::string::npos);
     EXPECT_EQ(testing::contents_of(folder / "touch-2.rec"), "of somebody else");
     std::filesystem::remove_all(folder);
 }

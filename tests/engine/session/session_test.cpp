@@ -235,8 +235,8 @@ TEST(Session, TheSimulationWaitsWhileTheWindowIsSilent) {
     EXPECT_GT(session.servo().standstills().seconds, 0.4 * silence_s);
     EXPECT_GT(session.servo().standstills().longest_s, 0.4 * silence_s);
     int told = 0;
-    for (const std::string &remark : session.remarks().take_new()) {
-        told += remark.find("the simulation waited") != std::string::npos ? 1 : 0;
+    for (const std::string &warning : session.warnings().take_new()) {
+        told += warning.find("the simulation waited") != std::string::npos ? 1 : 0;
     }
     EXPECT_EQ(told, 1);
 }

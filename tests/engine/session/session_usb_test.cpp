@@ -126,10 +126,10 @@ TEST(SessionOnUsb, SaysEachTimeThatItIsConnectedAgain) {
         usb.port->pass(0.01);
         testing::run(usb.session, 0.6);
         ASSERT_EQ(usb.session.latest().health, device::DeviceHealth::lost);
-        static_cast<void>(usb.session.remarks().take_new());
+        static_cast<void>(usb.session.warnings().take_new());
         usb.port->is_plugged = true;
         testing::run(usb.session, 0.6);
-        const std::vector<std::string> said = usb.session.remarks().take_new();
+        const std::vector<std::string> said = usb.session.warnings().take_new();
         EXPECT_EQ(said.size(), 1U) << time;
         EXPECT_TRUE(!said.empty() && said[0].find("connected again") != std::string::npos);
     }
@@ -171,8 +171,8 @@ TEST(SessionOnUsb, ABoardThatLostItsPowerMustBeZeroedAgain) {
 TEST(SessionOnUsb, SaysThatItMustBeZeroed) {
     UsbSession usb;
     bool says = false;
-    for (const std::string &remark : usb.session.remarks().all()) {
-        says = says || remark.find("zeroed") != std::string::npos;
+    for (const std::string &warning : usb.session.warnings().all()) {
+        says = says || warning.find("zeroed") != std::string::npos;
     }
     EXPECT_TRUE(says);
 }

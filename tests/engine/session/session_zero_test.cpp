@@ -23,8 +23,8 @@ using servo::TripCause;
 const Vector3 kFreeStart_m(0.0, 0.03, 0.0);
 
 bool says(const Session &session, const std::string &part) {
-    return std::ranges::any_of(session.remarks().all(), [&](const std::string &remark) {
-        return remark.find(part) != std::string::npos;
+    return std::ranges::any_of(session.warnings().all(), [&](const std::string &warning) {
+        return warning.find(part) != std::string::npos;
     });
 }
 

@@ -47,7 +47,7 @@ TEST(SceneModel, WithZeroToleranceEveryAxisHasZeroError) {
     EXPECT_EQ(choice.chosen(ModelAspect::controller), "transpose_on_the_fly");
 }
 
-TEST(SceneModel, ASurfaceThatPushesSidewaysKeepsThreeJointsWithARemark) {
+TEST(SceneModel, ASurfaceThatPushesSidewaysKeepsThreeJointsWithAWarning) {
     scene::Scene scene = testing::own_scene("profile");
     ASSERT_TRUE(scene.planar);
     for (Vector3 &vertex_m : scene.surface.vertices_m) { // leaning by 27° to the side
@@ -58,8 +58,8 @@ TEST(SceneModel, ASurfaceThatPushesSidewaysKeepsThreeJointsWithARemark) {
     scene.tolerance = {0.1, 0.1, 100.0};
     const ModelSelection choice = chosen_for(scene);
     EXPECT_EQ(choice.chosen(ModelAspect::joints), "3");
-    ASSERT_EQ(choice.remarks.size(), 1U);
-    EXPECT_NE(choice.remarks[0].find("pushes sideways"), std::string::npos);
+    ASSERT_EQ(choice.warnings.size(), 1U);
+    EXPECT_NE(choice.warnings[0].find("pushes sideways"), std::string::npos);
 }
 
 TEST(SceneModel, ReportsWhereNothingWasTouched) {
@@ -70,8 +70,8 @@ TEST(SceneModel, ReportsWhereNothingWasTouched) {
     scene.lower_m.y() += 2.0;
     scene.upper_m.y() += 2.0;
     const ModelSelection choice = chosen_for(scene);
-    ASSERT_EQ(choice.remarks.size(), 1U);
-    EXPECT_NE(choice.remarks[0].find("did not touch"), std::string::npos);
+    ASSERT_EQ(choice.warnings.size(), 1U);
+    EXPECT_NE(choice.warnings[0].find("did not touch"), std::string::npos);
 }
 
 } // namespace

@@ -33,7 +33,7 @@ ModelSelection some_selection() {
     choice.error = {0.01, 0.02};
     choice.cost_ns = 1234.5;
     choice.fullest_cost_ns = 5432.1;
-    choice.remarks = {"a remark"};
+    choice.warnings = {"a remark"};
     return choice;
 }
 

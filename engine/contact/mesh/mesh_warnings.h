@@ -11,7 +11,7 @@ namespace springdrive::contact {
 
 /// One line for each way in which a surface differs from a closed, clean mesh, with the names of
 /// the nodes it concerns; empty for a clean one.
-[[nodiscard]] std::vector<std::string> remarks_on(const MeshReport &report,
-                                                  const std::vector<SurfaceMaterial> &materials);
+[[nodiscard]] std::vector<std::string>
+warnings_about(const MeshReport &report, const std::vector<SurfaceMaterial> &materials);
 
 } // namespace springdrive::contact

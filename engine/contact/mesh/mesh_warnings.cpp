@@ -1,4 +1,4 @@
-#include "engine/contact/mesh/mesh_remarks.h"
+#include "engine/contact/mesh/mesh_warnings.h"
 
 #include "engine/contact/mesh/fan_grading.h"
 
@@ -53,54 +53,54 @@ std::string on_closing(const MeshReport &report) {
 
 } // namespace
 
-std::vector<std::string> remarks_on(const MeshReport &report,
-                                    const std::vector<SurfaceMaterial> &materials) {
+std::vector<std::string> warnings_about(const MeshReport &report,
+                                        const std::vector<SurfaceMaterial> &materials) {
     const bool is_automatic = std::ranges::all_of(materials, [](const SurfaceMaterial &material) {
         return material.sides == TouchSides::automatic;
     });
     const std::string unless = is_automatic ? "" : ", unless their nodes specify otherwise";
-    std::vector<std::string> remarks;
+    std::vector<std::string> warnings;
     const std::size_t left_out = report.degenerate_triangles + report.duplicate_triangles;
     if (left_out > 0) {
-        remarks.push_back(names_of(report.left_out_of_material, materials) + ": " +
-                          std::to_string(left_out) + " of " +
-                          std::to_string(report.triangles_given) +
-                          " triangles cannot be touched: too thin, or duplicates of others");
+        warnings.push_back(names_of(report.left_out_of_material, materials) + ": " +
+                           std::to_string(left_out) + " of " +
+                           std::to_string(report.triangles_given) +
+                           " triangles cannot be touched: too thin, or duplicates of others");
     }
     if (report.closed_cracks + report.split_triangles > 0) {
-        remarks.push_back(on_closing(report));
+        warnings.push_back(on_closing(report));
     }
     if (report.graded_fans.coarse > 0) {
-        remarks.push_back(counted(report.graded_fans.coarse, "fan", "has", "have") +
-                          " many triangles at one vertex: divided anew, within " +
-                          micrometres(kCoarseGradingError_m));
+        warnings.push_back(counted(report.graded_fans.coarse, "fan", "has", "have") +
+                           " many triangles at one vertex: divided anew, within " +
+                           micrometres(kCoarseGradingError_m));
     }
     if (report.merged_triangles > 0) {
-        remarks.push_back(counted(report.merged_triangles, "triangle", "is", "are") +
-                          " given in both windings: touched from both sides");
+        warnings.push_back(counted(report.merged_triangles, "triangle", "is", "are") +
+                           " given in both windings: touched from both sides");
     }
     if (report.flipped_triangles > 0) {
-        remarks.push_back(counted(report.flipped_triangles, "triangle", "was", "were") +
-                          " wound opposite to neighbours: turned");
+        warnings.push_back(counted(report.flipped_triangles, "triangle", "was", "were") +
+                           " wound opposite to neighbours: turned");
     }
     if (report.unorientable_components > 0) {
-        remarks.push_back(counted(report.unorientable_components, "surface", "has", "have") +
-                          " no outside, like a Möbius strip: touched from both sides");
+        warnings.push_back(counted(report.unorientable_components, "surface", "has", "have") +
+                           " no outside, like a Möbius strip: touched from both sides");
     }
     if (report.closed_components < report.components) {
-        remarks.push_back(std::to_string(report.components - report.closed_components) + " of " +
-                          std::to_string(report.components) +
-                          " surfaces are open: touched from both sides" + unless);
+        warnings.push_back(std::to_string(report.components - report.closed_components) + " of " +
+                           std::to_string(report.components) +
+                           " surfaces are open: touched from both sides" + unless);
     }
     if (report.non_manifold_edges > 0) {
-        remarks.push_back(std::to_string(report.non_manifold_edges) +
-                          " edges join more than two triangles: left unchanged");
+        warnings.push_back(std::to_string(report.non_manifold_edges) +
+                           " edges join more than two triangles: left unchanged");
     }
     if (report.inward_components > 0) {
-        remarks.push_back(std::to_string(report.inward_components) +
-                          " closed surfaces face inwards: touched from within only" + unless);
+        warnings.push_back(std::to_string(report.inward_components) +
+                           " closed surfaces face inwards: touched from within only" + unless);
     }
-    return remarks;
+    return warnings;
 }
 
 } // namespace springdrive::contact

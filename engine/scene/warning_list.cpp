@@ -1,4 +1,4 @@
-#include "engine/scene/remark_list.h"
+#include "engine/scene/warning_list.h"
 
 #include <algorithm>
 
@@ -10,21 +10,21 @@ constexpr std::size_t kNamesInFull = 3;
 
 } // namespace
 
-void RemarkList::add(const std::string &text) { ++group_of("", nullptr, text).count; }
+void WarningList::add(const std::string &text) { ++group_of("", nullptr, text).count; }
 
-void RemarkList::add_of(const std::string &owner, const void *identity, const std::string &text) {
+void WarningList::add_of(const std::string &owner, const void *identity, const std::string &text) {
     group_of(owner, identity, text);
 }
 
-void RemarkList::add_of(const std::string &owner, const void *identity, std::size_t number,
-                        const std::string &text) {
+void WarningList::add_of(const std::string &owner, const void *identity, std::size_t number,
+                         const std::string &text) {
     Group &group = group_of(owner, identity, text);
     group.has_number = true;
     group.number += number;
 }
 
-RemarkList::Group &RemarkList::group_of(const std::string &owner, const void *identity,
-                                        const std::string &text) {
+WarningList::Group &WarningList::group_of(const std::string &owner, const void *identity,
+                                          const std::string &text) {
     const std::size_t end_of_kind = std::min(owner.find(' '), owner.size());
     const std::string kind = owner.substr(0, end_of_kind);
     const auto [entry, is_new] = index_.try_emplace({kind, text}, groups_.size());
@@ -43,10 +43,10 @@ RemarkList::Group &RemarkList::group_of(const std::string &owner, const void *id
     return group;
 }
 
-std::vector<std::string> RemarkList::lines() const {
+std::vector<std::string> WarningList::lines() const {
     std::vector<std::string> lines;
     for (const Group &group : groups_) {
-        if (lines.size() + 1 == kMaxRemarkLines && groups_.size() > kMaxRemarkLines) {
+        if (lines.size() + 1 == kMaxWarningLines && groups_.size() > kMaxWarningLines) {
             lines.push_back("and " + std::to_string(groups_.size() - lines.size()) +
                             " more remarks");
             break;

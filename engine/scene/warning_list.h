@@ -1,4 +1,4 @@
-// Remarks on what a scene leaves out, with equal ones on several things on one line.
+// Warnings on what a scene leaves out, with equal ones on several things on one line.
 #pragma once
 
 #include <cstddef>
@@ -9,17 +9,17 @@
 
 namespace springdrive::scene {
 
-/// However many remarks there are, `RemarkList::lines` gives no more lines than this.
-inline constexpr std::size_t kMaxRemarkLines = 60;
+/// However many warnings there are, `WarningList::lines` gives no more lines than this.
+inline constexpr std::size_t kMaxWarningLines = 60;
 
-class RemarkList {
+class WarningList {
 public:
     /// On the file as a whole, or on something that nothing else resembles.
     void add(const std::string &text);
 
     /// On one of several things.
     /// @param owner what it is, a space and its name: "node 'pad'"
-    /// @param identity remarks in a row with the same one count once; null if each counts
+    /// @param identity warnings in a row with the same one count once; null if each counts
     void add_of(const std::string &owner, const void *identity, const std::string &text);
 
     /// The same for a text that begins with a number; a line gives the sum.
