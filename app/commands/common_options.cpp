@@ -216,7 +216,7 @@ control::Tuning TuningOptions::tuning() const {
             value[i].value_or(tuning.*control::kParameters[i].value);
         if (!control::lies_in_range(control::kParameters[i], tuning)) {
             throw InputError("--" + std::string(control::kParameters[i].option) + ": " +
-                             control::what_is_wrong_with(tuning));
+                             control::validate(tuning));
         }
     }
     tuning.map = map.empty() ? tuning.map : *control::motion_map_named(map);

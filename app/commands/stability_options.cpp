@@ -25,7 +25,7 @@ bool is_of_hand(const loops::StabilityParameter &parameter) {
 }
 
 void check(const std::string &option, const loops::StabilityParameter &parameter, double value) {
-    if (const std::string wrong = what_is_wrong_with(parameter, value); !wrong.empty()) {
+    if (const std::string wrong = validate(parameter, value); !wrong.empty()) {
         throw InputError(option + ": " + wrong);
     }
 }

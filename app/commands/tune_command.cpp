@@ -37,7 +37,7 @@ limits::AutoTuneRequest request_of(const TypedTune &typed) {
     which.device = device::read_device_file(typed.device_file);
     which.tuning.dR_Ohm = typed.dR_Ohm;
     which.tuning.map = *control::motion_map_named(typed.kinematics);
-    if (const std::string wrong = control::what_is_wrong_with(which.tuning); !wrong.empty()) {
+    if (const std::string wrong = control::validate(which.tuning); !wrong.empty()) {
         throw InputError("--dR: " + wrong);
     }
     check_dR(which.device, which.tuning);

@@ -32,7 +32,7 @@ Levels levels_of(const study::Protocol &protocol) {
 
 } // namespace
 
-std::string what_is_wrong_for_visitors(const study::Protocol &protocol) {
+std::string validate_for_visitors(const study::Protocol &protocol) {
     if (!study::is_forced_choice(protocol.task.kind) ||
         std::holds_alternative<study::Adjustment>(protocol.method)) {
         return "is no forced choice, of which a visitor's own curve could be drawn; name another "

@@ -13,7 +13,7 @@ namespace springdrive::app::visitors {
 
 /// Why a protocol is no task for visitors, in a line with what to do; empty when it is one: one
 /// condition, a forced choice about an angle on a logarithmic scale, no questions.
-[[nodiscard]] std::string what_is_wrong_for_visitors(const study::Protocol &protocol);
+[[nodiscard]] std::string validate_for_visitors(const study::Protocol &protocol);
 
 // @pre of the following: the protocol is a task for visitors
 

@@ -157,7 +157,7 @@ Calibration read_calibration(StrictTomlTable table, const DeviceDescription &dev
     return calibration;
 }
 
-std::string what_is_wrong_with(const Calibration &calibration, const DeviceDescription &device) {
+std::string validate(const Calibration &calibration, const DeviceDescription &device) {
     const auto check = [](const std::string &name, double value, NumberRange range) {
         return unless_from_to(name, value, range.minimum, range.maximum);
     };

@@ -28,8 +28,7 @@ calibration_fields(const DeviceDescription &device, std::size_t motor, double ai
 [[nodiscard]] Calibration read_calibration(StrictTomlTable table, const DeviceDescription &device);
 
 /// Empty, or in one line which number is impossible for this kind of device, and its range.
-[[nodiscard]] std::string what_is_wrong_with(const Calibration &calibration,
-                                             const DeviceDescription &device);
+[[nodiscard]] std::string validate(const Calibration &calibration, const DeviceDescription &device);
 
 /// A device file's text with this calibration, instead of any that it has.
 [[nodiscard]] std::string with_calibration(const std::string &device_text,

@@ -61,8 +61,7 @@ void use_calibration(usb::UsbDevice &device) {
     if (!stored) {
         return;
     }
-    if (const std::string wrong = device::what_is_wrong_with(*stored, device.description());
-        !wrong.empty()) {
+    if (const std::string wrong = device::validate(*stored, device.description()); !wrong.empty()) {
         throw InputError("the USB board " + serial + ": of its stored calibration, " + wrong +
                          "; use the device file of this machine, or calibrate it again: "
                          "springdrive device calibrate --to-board");
@@ -115,8 +114,7 @@ void OpenDevice::take_calibration(const device::Calibration &calibration) {
     device::DeviceDescription calibrated = device_->description();
     calibrated.calibration = calibration;
     device::require_calibration_of(calibrated, identity().serial);
-    if (const std::string wrong = device::what_is_wrong_with(calibration, calibrated);
-        !wrong.empty()) {
+    if (const std::string wrong = device::validate(calibration, calibrated); !wrong.empty()) {
         throw InputError("of the calibration, " + wrong + "; calibrate the device again");
     }
     if (emulated_ != nullptr) {

@@ -247,7 +247,7 @@ void CalibrationRun::finish() {
     }
     device::DeviceDescription calibrated = file;
     calibrated.calibration = calibration();
-    if (const std::string wrong = device::what_is_wrong_with(*calibrated.calibration, file);
+    if (const std::string wrong = device::validate(*calibrated.calibration, file);
         problem_.empty() && !wrong.empty()) {
         refuse(CalibrationProblem::of_another_kind,
                wrong + ": it is another motor than the device file's; correct the device file");

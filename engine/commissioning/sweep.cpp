@@ -143,7 +143,7 @@ SweepOptions StiffnessSweep::checked(const device::HapticDevice &device, SweepOp
         std::ranges::adjacent_find(options.motors) != options.motors.end()) {
         throw InputError("sweep: the motors must be some of 1, 2 and 3, each once");
     }
-    if (const std::string wrong = control::what_is_wrong_with(options.tuning); !wrong.empty()) {
+    if (const std::string wrong = control::validate(options.tuning); !wrong.empty()) {
         throw InputError("sweep: " + wrong);
     }
     if (!device.is_zeroed()) {

@@ -29,7 +29,7 @@ bool is_valid(const Tuning &tuning) noexcept {
                        [&tuning](const Parameter &p) { return lies_in_range(p, tuning); });
 }
 
-std::string what_is_wrong_with(const Tuning &tuning) {
+std::string validate(const Tuning &tuning) {
     for (const Parameter &parameter : kParameters) {
         if (std::string wrong = unless_from_to(parameter.name, tuning.*parameter.value,
                                                parameter.minimum, parameter.maximum);

@@ -85,7 +85,7 @@ inline constexpr std::array<Parameter, 6> kParameters{{
 
 /// Why `tuning` cannot be used: the first parameter out of its range or not finite, with the
 /// range; empty when it can.
-[[nodiscard]] std::string what_is_wrong_with(const Tuning &tuning);
+[[nodiscard]] std::string validate(const Tuning &tuning);
 
 /// The same question without the words. RT-safe.
 [[nodiscard]] bool is_valid(const Tuning &tuning) noexcept;

@@ -37,7 +37,7 @@ TEST(TuneCommand, WritesATuningThatIsStable) {
     EXPECT_NE(told.out.find("margins: "), std::string::npos) << told.out;
 
     const control::TuningFile found = control::read_whole_tuning_file(file);
-    EXPECT_EQ(control::what_is_wrong_with(found.tuning), "");
+    EXPECT_EQ(control::validate(found.tuning), "");
     EXPECT_EQ(found.tuning.dR_Ohm, 0.8);
     ASSERT_TRUE(found.margins);
     EXPECT_NEAR(found.margins->servo_hz, 500.0, 1e-9);

@@ -70,7 +70,7 @@ study::PsychometricFunction observer_of(const TypedObserver &typed,
     function.threshold = typed.threshold.value_or(function.threshold);
     function.slope = typed.slope.value_or(function.slope);
     function.lapse = typed.lapse.value_or(function.lapse);
-    if (const std::string wrong = study::what_is_wrong_with(function); !wrong.empty()) {
+    if (const std::string wrong = study::validate(function); !wrong.empty()) {
         throw InputError("simulated observer: " + wrong);
     }
     return function;

@@ -110,7 +110,7 @@ session::SessionOptions session_options_of(const study::Protocol &protocol,
 void run_person_session(study::StudyStore &store, const study::Protocol &protocol,
                         const study::StudySetting &setting, const study::ProtocolFolders &folders,
                         const std::string &code, const TypedSitting &typed) {
-    if (const std::string wrong = study_screen::what_keeps_persons_out(protocol, setting);
+    if (const std::string wrong = study_screen::validate_for_participants(protocol, setting);
         !wrong.empty()) {
         throw InputError(store.file().string() + ": " + wrong);
     }

@@ -87,8 +87,7 @@ void plan_typed(const TypedPlan &typed) {
     if (typed.precision) {
         plan.wanted = wanted_width(*typed.precision, plan.question.analysis.family.scale);
     }
-    if (const std::string wrong = study::what_is_wrong_with(plan.question, protocol.task);
-        !wrong.empty()) {
+    if (const std::string wrong = study::validate(plan.question, protocol.task); !wrong.empty()) {
         throw InputError("study plan: " + wrong);
     }
     if (!typed.out.empty()) {

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr int kMostParticipants = 9999; ///< codes have four digits at most
 
 void refuse_code(const std::string &code) {
-    if (const std::string wrong = study::what_is_wrong_with_code(code); !wrong.empty()) {
+    if (const std::string wrong = study::validate_code(code); !wrong.empty()) {
         throw InputError(wrong);
     }
 }
@@ -57,7 +57,8 @@ void run_typed(const TypedRun &typed) {
             }
             const study::StudySetting setting =
                 study::study_setting(protocol, folders_beside(typed.file));
-            if (const std::string wrong = study_screen::what_keeps_persons_out(protocol, setting);
+            if (const std::string wrong =
+                    study_screen::validate_for_participants(protocol, setting);
                 !wrong.empty()) {
                 throw InputError(typed.file.string() + ": " + wrong);
             }

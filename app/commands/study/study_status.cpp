@@ -17,7 +17,7 @@ void add_study_status_command(Command &study) {
         const OpenedStudy opened = read_opened_study(*file);
         write_study_status(std::cout, *file, opened,
                            study::progress_of(opened.protocol, opened.contents),
-                           study::what_is_wrong_with_records(*file, opened.contents));
+                           study::validate_records(*file, opened.contents));
     });
 }
 

@@ -38,8 +38,7 @@ void try_typed(const TypedTry &typed) {
     const study::ProtocolFolders folders{file.parent_path(), asset_folder()};
     visitors::VisitsPlan plan;
     plan.protocol = study::read_protocol_file(file);
-    if (const std::string wrong = visitors::what_is_wrong_for_visitors(plan.protocol);
-        !wrong.empty()) {
+    if (const std::string wrong = visitors::validate_for_visitors(plan.protocol); !wrong.empty()) {
         throw InputError(file.string() + ": " + wrong);
     }
     plan.folders = folders;

@@ -41,7 +41,7 @@ bool is_right_before_left(const study::ResponseWays &ways) {
 
 std::span<const Gesture> gestures() { return kGestures; }
 
-std::string what_is_wrong_with_answers(const study::ResponseWays &ways) {
+std::string validate_answers(const study::ResponseWays &ways) {
     for (const std::string &key : ways.keys) {
         const std::string name = input_name(key);
         switch (ways.device) {

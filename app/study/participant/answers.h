@@ -27,7 +27,7 @@ inline constexpr double kGesture_m = 0.02;
 
 /// The first name in `responses.keys` that this program cannot take as an answer, in a line; empty
 /// if it can take all.
-[[nodiscard]] std::string what_is_wrong_with_answers(const study::ResponseWays &ways);
+[[nodiscard]] std::string validate_answers(const study::ResponseWays &ways);
 
 /// Which alternative an input gives, from 0.
 [[nodiscard]] std::optional<std::size_t> alternative_of(const study::ResponseWays &ways,

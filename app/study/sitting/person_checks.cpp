@@ -56,7 +56,7 @@ std::optional<study::ProtocolFinding> gesture_error(const study::Protocol &proto
 study::ProtocolFindings errors_for_persons(const study::Protocol &protocol,
                                            const study::StudySetting &setting) {
     study::ProtocolFindings errors;
-    if (const std::string wrong = what_is_wrong_with_answers(protocol.responses); !wrong.empty()) {
+    if (const std::string wrong = validate_answers(protocol.responses); !wrong.empty()) {
         errors.push_back({study::Severity::error, kWhere, wrong, ""});
     }
     if (std::optional<study::ProtocolFinding> error = gesture_error(protocol, setting)) {
@@ -120,8 +120,8 @@ study::ProtocolFindings check_for_persons(const study::Protocol &protocol,
     return findings;
 }
 
-std::string what_keeps_persons_out(const study::Protocol &protocol,
-                                   const study::StudySetting &setting) {
+std::string validate_for_participants(const study::Protocol &protocol,
+                                      const study::StudySetting &setting) {
     const study::ProtocolFindings errors = errors_for_persons(protocol, setting);
     if (errors.empty()) {
         return {};

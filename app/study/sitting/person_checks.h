@@ -18,7 +18,7 @@ namespace springdrive::app::study_screen {
                                                         const study::StudySetting &setting);
 
 /// The first of its errors as "WHERE: WHAT; REMEDY"; empty if there is none.
-[[nodiscard]] std::string what_keeps_persons_out(const study::Protocol &protocol,
-                                                 const study::StudySetting &setting);
+[[nodiscard]] std::string validate_for_participants(const study::Protocol &protocol,
+                                                    const study::StudySetting &setting);
 
 } // namespace springdrive::app::study_screen

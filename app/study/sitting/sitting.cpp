@@ -43,7 +43,7 @@ Sitting::Sitting(study::StudyStore &store, SittingPlan plan, session::Session &s
                   [this](ParticipantPicture picture) { return show(std::move(picture)); }}),
       stops_(session_, plan_.is_attended || !session_.device().device().can_reach_a_hand(),
              [this](const std::string &what) { note("safety", what); }) {
-    if (const std::string wrong = what_keeps_persons_out(plan_.protocol, plan_.setting);
+    if (const std::string wrong = validate_for_participants(plan_.protocol, plan_.setting);
         !wrong.empty()) {
         throw InputError(wrong);
     }

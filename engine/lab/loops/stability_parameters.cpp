@@ -124,7 +124,7 @@ std::string names_of_stability_parameters() {
     return names;
 }
 
-std::string what_is_wrong_with(const StabilityParameter &parameter, double value) {
+std::string validate(const StabilityParameter &parameter, double value) {
     const bool in_range = value >= parameter.minimum && value <= parameter.maximum;
     const bool zero_dR = parameter.name == "dR" && value == 0.0;
     if (in_range && !zero_dR) {

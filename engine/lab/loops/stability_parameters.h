@@ -33,6 +33,6 @@ struct StabilityParameter {
 [[nodiscard]] std::string names_of_stability_parameters();
 
 /// Why the parameter cannot have the value, with its range; empty when it can.
-[[nodiscard]] std::string what_is_wrong_with(const StabilityParameter &parameter, double value);
+[[nodiscard]] std::string validate(const StabilityParameter &parameter, double value);
 
 } // namespace springdrive::loops

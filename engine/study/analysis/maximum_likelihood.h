@@ -33,7 +33,7 @@ struct LikelihoodFit {
     std::array<bool, 4> is_at_end{};
 };
 
-/// @pre what_is_wrong_with(priors) is empty; at least one trial
+/// @pre validate(priors) is empty; at least one trial
 [[nodiscard]] LikelihoodFit maximum_likelihood(std::span<const LevelCount> counts,
                                                const FunctionPriors &priors);
 

@@ -28,7 +28,7 @@ struct PosteriorSummary {
 
 class Posterior {
 public:
-    /// @pre what_is_wrong_with(priors) is empty
+    /// @pre validate(priors) is empty
     Posterior(std::span<const LevelCount> counts, const FunctionPriors &priors);
 
     /// @pre 0 < confidence < 1, here and below

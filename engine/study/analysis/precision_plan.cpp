@@ -92,11 +92,11 @@ Method with_trials(const Method &method, int trials) {
                       method);
 }
 
-std::string what_is_wrong_with(const PrecisionQuestion &question, const Task &task) {
+std::string validate(const PrecisionQuestion &question, const Task &task) {
     const std::vector<double> trials(question.trials.begin(), question.trials.end());
     std::string error =
-        first_of({what_is_wrong_with(question.method, task), what_is_wrong_with(question.analysis),
-                  what_is_wrong_with(question.observers), unless_rising("trials", trials, 1),
+        first_of({validate(question.method, task), validate(question.analysis),
+                  validate(question.observers), unless_rising("trials", trials, 1),
                   unless_from_to("trials (each)", trials.empty() ? 0.0 : trials.front(), 2, 10000),
                   unless_from_to("trials (each)", trials.empty() ? 0.0 : trials.back(), 2, 10000),
                   unless_from_to("studies", question.studies, 1, 1e6)});

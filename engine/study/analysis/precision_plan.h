@@ -22,7 +22,7 @@ struct PrecisionQuestion {
 };
 
 /// Empty if the question can be answered; else the first bad key, with value and range.
-[[nodiscard]] std::string what_is_wrong_with(const PrecisionQuestion &question, const Task &task);
+[[nodiscard]] std::string validate(const PrecisionQuestion &question, const Task &task);
 
 /// What one number of trials gives. Widths and errors are on the scale of the function, so on a
 /// logarithmic scale they are logarithms of ratios.
@@ -40,7 +40,7 @@ struct Precision {
 [[nodiscard]] Method with_trials(const Method &method, int trials);
 
 /// One row for each number of trials. Runs on all processors.
-/// @pre what_is_wrong_with(question, task) is empty
+/// @pre validate(question, task) is empty
 /// @throw NotWanted if the calling thread's work was cancelled
 [[nodiscard]] std::vector<Precision> precision_by_trials(const PrecisionQuestion &question);
 

@@ -14,7 +14,7 @@ namespace springdrive::study {
 [[nodiscard]] Outcome answer_of(const PsychometricFunction &observer, double level, RandomKey key);
 
 /// All trials of the method.
-/// @pre what_is_wrong_with(method, task) is empty
+/// @pre validate(method, task) is empty
 [[nodiscard]] std::vector<PastMethodTrial>
 simulated_trials(const Method &method, const PsychometricFunction &observer, RandomKey key);
 

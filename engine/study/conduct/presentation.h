@@ -13,7 +13,7 @@ namespace springdrive::study {
 /// Index into `Protocol::conditions`. @pre the trial is of a sequence of the protocol
 [[nodiscard]] std::size_t condition_of(const Protocol &protocol, const PlannedTrial &planned);
 
-/// One after the other. @pre what_is_wrong_with(protocol) is empty; the trial is of its sequence
+/// One after the other. @pre validate(protocol) is empty; the trial is of its sequence
 [[nodiscard]] std::vector<Presented> intervals_of(const Protocol &protocol,
                                                   const PlannedTrial &planned);
 

@@ -29,7 +29,7 @@ struct EndedBlock {
 class Sequence {
 public:
     /// @param participant  the number, from 1
-    /// @pre what_is_wrong_with(protocol) is empty
+    /// @pre validate(protocol) is empty
     Sequence(const Protocol &protocol, int participant);
 
     /// The same however often it is asked; nothing after the last trial of the last block.

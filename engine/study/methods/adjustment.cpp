@@ -6,7 +6,7 @@
 
 namespace springdrive::study {
 
-std::string what_is_wrong_with(const Adjustment &method) {
+std::string validate(const Adjustment &method) {
     return first_of({unless_level("minimum_level", method.minimum_level, method.scale),
                      unless_above("maximum_level", method.maximum_level, method.minimum_level),
                      unless_from_to("minimum_start", method.minimum_start, method.minimum_level,

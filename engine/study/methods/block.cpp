@@ -27,7 +27,7 @@ RandomKey key_for(RandomKey block, Drawn what, int number) {
                  static_cast<std::uint64_t>(number));
 }
 
-std::string what_is_wrong_with(const Practice &practice) {
+std::string validate(const Practice &practice) {
     return first_of(
         {unless_finite("practice.levels", practice.levels),
          unless_from_to("practice.most_trials", practice.most_trials, 0, 1000),
@@ -39,7 +39,7 @@ std::string what_is_wrong_with(const Practice &practice) {
              : std::string()});
 }
 
-std::string what_is_wrong_with(const CatchTrials &catch_trials) {
+std::string validate(const CatchTrials &catch_trials) {
     return first_of({unless_finite("catch_trials.levels", catch_trials.levels),
                      catch_trials.one_in == 0
                          ? std::string()
@@ -51,16 +51,16 @@ std::string what_is_wrong_with(const CatchTrials &catch_trials) {
 
 } // namespace
 
-std::string what_is_wrong_with(const Block &block) {
+std::string validate(const Block &block) {
     constexpr int kMostSeries = 100;
     std::string error =
-        first_of({what_is_wrong_with(block.task),
+        first_of({validate(block.task),
                   unless_from_to("series (how many)", static_cast<double>(block.series.size()), 1,
                                  kMostSeries),
-                  what_is_wrong_with(block.practice), what_is_wrong_with(block.catch_trials),
+                  validate(block.practice), validate(block.catch_trials),
                   unless_from_to("most_marked", block.most_marked, 0, 10000)});
     for (std::size_t i = 0; i < block.series.size() && error.empty(); ++i) {
-        error = what_is_wrong_with(block.series[i], block.task);
+        error = validate(block.series[i], block.task);
         if (!error.empty()) {
             error = fmt::format("series[{}]: {}", i, error);
         }

@@ -68,7 +68,7 @@ struct Block {
 };
 
 /// Empty if the block can be run; else the first bad key, with value and range.
-[[nodiscard]] std::string what_is_wrong_with(const Block &block);
+[[nodiscard]] std::string validate(const Block &block);
 
 /// An upper bound of its trials, not counting marked ones.
 [[nodiscard]] int most_trials(const Block &block);
@@ -102,7 +102,7 @@ enum class BlockState : std::uint8_t { running, complete, too_many_marked };
 /// A block while it runs, trial by trial.
 class BlockRun {
 public:
-    /// @pre what_is_wrong_with(block) is empty
+    /// @pre validate(block) is empty
     BlockRun(const Block &block, RandomKey key);
 
     /// The same however often it is asked; nothing unless the state is `running`.

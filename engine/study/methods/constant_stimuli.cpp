@@ -7,7 +7,7 @@
 
 namespace springdrive::study {
 
-std::string what_is_wrong_with(const ConstantStimuli &method) {
+std::string validate(const ConstantStimuli &method) {
     return first_of(
         {unless_rising("levels", method.levels, 1), out_of_range(kConstantStimuliFields, method)});
 }

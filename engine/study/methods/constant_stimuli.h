@@ -30,7 +30,7 @@ inline constexpr auto kConstantStimuliFields = std::to_array<Field<ConstantStimu
 });
 
 /// Empty if the method can be used; else the first bad key, with value and range.
-[[nodiscard]] std::string what_is_wrong_with(const ConstantStimuli &method);
+[[nodiscard]] std::string validate(const ConstantStimuli &method);
 
 [[nodiscard]] int most_trials(const ConstantStimuli &method);
 

@@ -47,7 +47,7 @@ std::vector<int> williams_order(int count, int index) {
 
 } // namespace
 
-std::string what_is_wrong_with(Counterbalancing kind, int conditions) {
+std::string validate(Counterbalancing kind, int conditions) {
     constexpr int kMost = 100;
     return unless_from_to("conditions", conditions, 1,
                           kind == Counterbalancing::full ? kMostFullyCounterbalanced : kMost);
@@ -67,7 +67,7 @@ int participants_to_balance(Counterbalancing kind, int conditions) {
 }
 
 std::vector<int> order_of(Counterbalancing kind, int conditions, int participant, RandomKey key) {
-    SPRINGDRIVE_ASSERT(participant >= 1 && what_is_wrong_with(kind, conditions).empty());
+    SPRINGDRIVE_ASSERT(participant >= 1 && validate(kind, conditions).empty());
     const int index = (participant - 1) % participants_to_balance(kind, conditions);
     switch (kind) {
     case Counterbalancing::full:

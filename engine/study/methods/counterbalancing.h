@@ -31,7 +31,7 @@ inline constexpr std::array<std::string_view, 4> kCounterbalancingNames{
 inline constexpr int kMostFullyCounterbalanced = 6;
 
 /// Empty if so many conditions can be ordered so.
-[[nodiscard]] std::string what_is_wrong_with(Counterbalancing kind, int conditions);
+[[nodiscard]] std::string validate(Counterbalancing kind, int conditions);
 
 /// The number of participants, or a multiple of it, that balances the orders; 1 if none does.
 [[nodiscard]] int participants_to_balance(Counterbalancing kind, int conditions);

@@ -9,11 +9,10 @@
 
 namespace springdrive::study {
 
-std::string what_is_wrong_with(const FunctionPriors &priors) {
-    const std::string error = first_of({what_is_wrong_with(priors.threshold, "threshold"),
-                                        what_is_wrong_with(priors.slope, "slope"),
-                                        what_is_wrong_with(priors.guess, "guess"),
-                                        what_is_wrong_with(priors.lapse, "lapse")});
+std::string validate(const FunctionPriors &priors) {
+    const std::string error =
+        first_of({validate(priors.threshold, "threshold"), validate(priors.slope, "slope"),
+                  validate(priors.guess, "guess"), validate(priors.lapse, "lapse")});
     if (!error.empty()) {
         return error;
     }

@@ -28,7 +28,7 @@ struct FunctionPriors {
 };
 
 /// Empty if the priors can be used; else the first bad key, with value and range.
-[[nodiscard]] std::string what_is_wrong_with(const FunctionPriors &priors);
+[[nodiscard]] std::string validate(const FunctionPriors &priors);
 
 /// Priors that let the trials speak: with W the span of the levels on the scale, the threshold is
 /// uniform on the scale from W/2 below the lowest level to W/2 above the highest one, the slope

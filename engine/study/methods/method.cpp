@@ -16,7 +16,7 @@ AnyRun started(const QuestPlus &method, RandomKey) { return QuestPlusRun(method)
 AnyRun started(const Adjustment &method, RandomKey key) { return AdjustmentRun(method, key); }
 
 /// What a method that is well in itself asks of its task.
-std::string what_is_wrong_with_task(const Staircases &method, const Task &task) {
+std::string validate_task(const Staircases &method, const Task &task) {
     const double target = convergence_proportion(method);
     const double chance = guess_range(task).minimum;
     return target > chance
@@ -26,7 +26,7 @@ std::string what_is_wrong_with_task(const Staircases &method, const Task &task) 
                              method.correct_for_down, method.up_to_down, target, chance);
 }
 
-std::string what_is_wrong_with_task(const QuestPlus &method, const Task &task) {
+std::string validate_task(const QuestPlus &method, const Task &task) {
     const GuessRange range = guess_range(task);
     const Prior &guess = method.guess.prior;
     return guess.minimum >= range.minimum && guess.maximum <= range.maximum
@@ -36,12 +36,12 @@ std::string what_is_wrong_with_task(const QuestPlus &method, const Task &task) {
                      guess.minimum, guess.maximum, range.minimum, range.maximum);
 }
 
-std::string what_is_wrong_with_task(const ConstantStimuli &, const Task &) { return {}; }
-std::string what_is_wrong_with_task(const Adjustment &, const Task &) { return {}; }
+std::string validate_task(const ConstantStimuli &, const Task &) { return {}; }
+std::string validate_task(const Adjustment &, const Task &) { return {}; }
 
 } // namespace
 
-std::string what_is_wrong_with(const Method &method, const Task &task) {
+std::string validate(const Method &method, const Task &task) {
     if (std::holds_alternative<Adjustment>(method) != (task.kind == TaskKind::adjustment)) {
         return fmt::format("method is {} and the task is {}; adjustment is both or neither",
                            kMethodNames[method.index()],
@@ -49,8 +49,8 @@ std::string what_is_wrong_with(const Method &method, const Task &task) {
     }
     return std::visit(
         [&](const auto &one) {
-            const std::string error = what_is_wrong_with(one);
-            return error.empty() ? what_is_wrong_with_task(one, task) : error;
+            const std::string error = validate(one);
+            return error.empty() ? validate_task(one, task) : error;
         },
         method);
 }

@@ -25,7 +25,7 @@ inline constexpr std::array<std::string_view, 4> kMethodNames{"constant_stimuli"
                                                               "quest_plus", "adjustment"};
 
 /// Empty if the method can be used for the task; else the first bad key, with value and range.
-[[nodiscard]] std::string what_is_wrong_with(const Method &method, const Task &task);
+[[nodiscard]] std::string validate(const Method &method, const Task &task);
 
 /// An upper bound of its trials, not counting marked ones.
 [[nodiscard]] int most_trials(const Method &method);
@@ -33,7 +33,7 @@ inline constexpr std::array<std::string_view, 4> kMethodNames{"constant_stimuli"
 /// A method while it runs, trial by trial.
 class MethodRun {
 public:
-    /// @pre what_is_wrong_with(method, task) is empty
+    /// @pre validate(method, task) is empty
     MethodRun(const Method &method, RandomKey key);
 
     [[nodiscard]] bool is_done() const;

@@ -26,7 +26,7 @@ Prior known(double value) {
     return prior;
 }
 
-std::string what_is_wrong_with(const Prior &prior, std::string_view name) {
+std::string validate(const Prior &prior, std::string_view name) {
     const auto key = [&](std::string_view member) { return fmt::format("{}.{}", name, member); };
     const bool ratios = prior.scale == Scale::logarithmic;
     constexpr double kMost = std::numeric_limits<double>::max();

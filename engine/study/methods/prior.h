@@ -49,7 +49,7 @@ inline constexpr auto kPriorFields = std::to_array<Field<Prior>>({
 [[nodiscard]] Prior known(double value);
 
 /// Empty if the prior can be used; else "NAME.KEY is VALUE; it must be …".
-[[nodiscard]] std::string what_is_wrong_with(const Prior &prior, std::string_view name);
+[[nodiscard]] std::string validate(const Prior &prior, std::string_view name);
 
 /// Nodes of the midpoint rule: the range is cut into cells of equal width on the scale, and each
 /// node stands for its cell.

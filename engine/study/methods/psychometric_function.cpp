@@ -26,7 +26,7 @@ double normal_argument(double proportion) {
 
 } // namespace
 
-std::string what_is_wrong_with(const PsychometricFunction &function) {
+std::string validate(const PsychometricFunction &function) {
     return first_of({unless_level("threshold", function.threshold, function.family.scale),
                      unless_level("slope", function.slope, Scale::logarithmic),
                      unless_from_to("guess", function.guess, 0.0, 1.0),

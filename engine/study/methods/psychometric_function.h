@@ -50,7 +50,7 @@ struct PsychometricFunction {
 };
 
 /// Empty if the function can be evaluated; else its first bad parameter, with value and range.
-[[nodiscard]] std::string what_is_wrong_with(const PsychometricFunction &function);
+[[nodiscard]] std::string validate(const PsychometricFunction &function);
 
 /// F(z): without guesses and lapses.
 [[nodiscard]] double core_proportion(Shape shape, double z);

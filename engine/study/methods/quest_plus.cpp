@@ -23,7 +23,7 @@ FunctionPriors priors_of(const QuestPlus &method) {
             method.lapse.prior};
 }
 
-std::string what_is_wrong_with(const QuestPlus &method) {
+std::string validate(const QuestPlus &method) {
     constexpr double kMostPoints = 1000.0;
     const double cells = static_cast<double>(method.levels.size()) * method.threshold.points *
                          method.slope.points * method.guess.points * method.lapse.points;
@@ -34,7 +34,7 @@ std::string what_is_wrong_with(const QuestPlus &method) {
              : unless_level("levels (each)", method.levels.front(), method.family.scale),
          unless_level("threshold.minimum", method.threshold.prior.minimum, method.family.scale),
          unless_level("slope.minimum", method.slope.prior.minimum, Scale::logarithmic),
-         what_is_wrong_with(priors_of(method)),
+         validate(priors_of(method)),
          unless_from_to("threshold.points", method.threshold.points, 2, kMostPoints),
          unless_from_to("slope.points", method.slope.points, 1, kMostPoints),
          unless_from_to("guess.points", method.guess.points, 1, kMostPoints),

@@ -65,7 +65,7 @@ inline constexpr auto kQuestPlusFields = std::to_array<Field<QuestPlus>>({
 inline constexpr double kLargestQuestTable = 5e6;
 
 /// Empty if the method can be used; else the first bad key, with value and range.
-[[nodiscard]] std::string what_is_wrong_with(const QuestPlus &method);
+[[nodiscard]] std::string validate(const QuestPlus &method);
 
 [[nodiscard]] inline int most_trials(const QuestPlus &method) { return method.most_trials; }
 

@@ -14,7 +14,7 @@ namespace springdrive::study {
 
 namespace {
 
-std::string what_is_wrong_with_steps(const Staircases &method) {
+std::string validate_steps(const Staircases &method) {
     if (method.steps.empty()) {
         return "steps is empty; it must have at least one";
     }
@@ -36,11 +36,11 @@ std::string what_is_wrong_with_steps(const Staircases &method) {
 
 } // namespace
 
-std::string what_is_wrong_with(const Staircases &method) {
+std::string validate(const Staircases &method) {
     if (std::string error =
             first_of({unless_level("minimum_level", method.minimum_level, method.scale),
                       unless_above("maximum_level", method.maximum_level, method.minimum_level),
-                      out_of_range(kStaircaseFields, method), what_is_wrong_with_steps(method),
+                      out_of_range(kStaircaseFields, method), validate_steps(method),
                       unless_from_to("start_levels (how many)",
                                      static_cast<double>(method.start_levels.size()), 1, 16)});
         !error.empty()) {

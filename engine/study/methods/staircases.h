@@ -71,7 +71,7 @@ inline constexpr auto kStaircaseFields = std::to_array<Field<Staircases>>({
 });
 
 /// Empty if the method can be used; else the first bad key, with value and range.
-[[nodiscard]] std::string what_is_wrong_with(const Staircases &method);
+[[nodiscard]] std::string validate(const Staircases &method);
 
 /// The proportion of correct answers (or of "yes") to which the tracks converge, see above.
 [[nodiscard]] double convergence_proportion(const Staircases &method);

@@ -4,7 +4,7 @@
 
 namespace springdrive::study {
 
-std::string what_is_wrong_with(const Task &task) {
+std::string validate(const Task &task) {
     return first_of({out_of_range(kTaskFields, task),
                      is_forced_choice(task.kind)
                          ? std::string()

@@ -41,7 +41,7 @@ inline constexpr auto kTaskFields = std::to_array<Field<Task>>({
 });
 
 /// Empty if the task can be used; else the first bad key, with value and range.
-[[nodiscard]] std::string what_is_wrong_with(const Task &task);
+[[nodiscard]] std::string validate(const Task &task);
 
 [[nodiscard]] constexpr bool is_forced_choice(TaskKind kind) {
     return kind == TaskKind::forced_choice_by_interval || kind == TaskKind::forced_choice_by_place;

@@ -46,7 +46,7 @@ enum class FeltStimuli : std::uint8_t {
 class SimulatedSitting {
 public:
     /// Keeps copies of what it is given.
-    /// @pre what_is_wrong_with(protocol) is empty; the setting is the protocol's
+    /// @pre validate(protocol) is empty; the setting is the protocol's
     SimulatedSitting(const Protocol &protocol, const StudySetting &setting,
                      const SimulatedParticipant &participant,
                      FeltStimuli felt = FeltStimuli::each_simulated);

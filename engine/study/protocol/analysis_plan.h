@@ -6,7 +6,7 @@
 
 namespace springdrive::study {
 
-// @pre of all: what_is_wrong_with(protocol) is empty
+// @pre of all: validate(protocol) is empty
 
 /// The function that is fitted: the method's own (QUEST+), or that of [expected]. Without both, a
 /// cumulative normal on a linear scale, or Weibull's function on a logarithmic one; the scale is

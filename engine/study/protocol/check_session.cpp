@@ -113,7 +113,7 @@ ProtocolFindings check_precision(const Protocol &protocol) {
     PrecisionQuestion question = precision_question(protocol, observer);
     question.studies = 60; // a median width to within some 5 %
     question.trials = {usual_trials(protocol, observer)};
-    if (const std::string wrong = what_is_wrong_with(question, protocol.task); !wrong.empty()) {
+    if (const std::string wrong = validate(question, protocol.task); !wrong.empty()) {
         return {{Severity::warning, "precision", "cannot be reckoned: " + wrong,
                  "give [expected] a function that fits the method"}};
     }

@@ -116,12 +116,12 @@ std::string wrong_blocks(const Protocol &protocol) {
                                "conditions once",
                                block.name);
         }
-        if (std::string wrong = what_is_wrong_with(block_of(protocol, i, true)); !wrong.empty()) {
+        if (std::string wrong = validate(block_of(protocol, i, true)); !wrong.empty()) {
             return wrong;
         }
     }
     const std::string order =
-        what_is_wrong_with(protocol.counterbalancing, static_cast<int>(protocol.blocks.size()));
+        validate(protocol.counterbalancing, static_cast<int>(protocol.blocks.size()));
     return order.empty() ? order : "counterbalancing: " + order;
 }
 
@@ -262,20 +262,20 @@ int presentations_per_trial(const Protocol &protocol) {
     return 1;
 }
 
-std::string what_is_wrong_with(const Protocol &protocol) {
+std::string validate(const Protocol &protocol) {
     const auto under = [](std::string_view table, const std::string &wrong) {
         return wrong.empty() ? wrong : fmt::format("{}.{}", table, wrong);
     };
     if (std::string wrong =
-            first_of({under("texts", what_is_wrong_with(protocol.texts)),
-                      wrong_free_space(protocol), under("task", what_is_wrong_with(protocol.task)),
-                      under("method", what_is_wrong_with(protocol.method, protocol.task))});
+            first_of({under("texts", validate(protocol.texts)), wrong_free_space(protocol),
+                      under("task", validate(protocol.task)),
+                      under("method", validate(protocol.method, protocol.task))});
         !wrong.empty()) {
         return wrong; // the others rely on these
     }
     return first_of(
         {wrong_variable(protocol), wrong_blocks(protocol), wrong_responses(protocol),
-         protocol.expected ? under("expected", what_is_wrong_with(expected_observer(protocol)))
+         protocol.expected ? under("expected", validate(expected_observer(protocol)))
                            : std::string(),
          protocol.windings.to_C > protocol.windings.from_C
              ? std::string()

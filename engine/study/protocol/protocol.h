@@ -174,7 +174,7 @@ struct Protocol {
 
 /// The first that makes the values, each as its field allows it, no protocol: "KEY is VALUE; it
 /// must be …". Empty if there is none. Whether it is a good one is for protocol_check.h.
-[[nodiscard]] std::string what_is_wrong_with(const Protocol &protocol);
+[[nodiscard]] std::string validate(const Protocol &protocol);
 
 /// The index of the condition of that name.
 [[nodiscard]] std::optional<std::size_t> condition_named(const Protocol &protocol,
@@ -189,7 +189,7 @@ template <typename Named> [[nodiscard]] std::string names_of(const Named &all) {
     return names;
 }
 
-// @pre of all below: what_is_wrong_with(protocol) is empty
+// @pre of all below: validate(protocol) is empty
 
 [[nodiscard]] const ParameterFacts &variable_of(const Protocol &protocol);
 

@@ -23,7 +23,7 @@ struct CheckedProtocol {
 };
 
 /// All checks, whatever they find.
-/// @pre what_is_wrong_with(protocol) is empty
+/// @pre validate(protocol) is empty
 /// @throw InputError if the device cannot be read.
 [[nodiscard]] CheckedProtocol check_protocol(const Protocol &protocol,
                                              const ProtocolFolders &folders,

@@ -206,7 +206,7 @@ void read_questions(StrictTomlTable &file, std::vector<QuestionnaireItem> &items
         read_if(QuestionnaireKind::scale, table, kScaleFields, item);
         read_if(QuestionnaireKind::choice, table, kChoiceFields, item);
         table.refuse_unknown_keys();
-        refuse_as(table, what_is_wrong_with(item));
+        refuse_as(table, validate(item));
         check_name(table, item.name, items);
         items.push_back(std::move(item));
     });
@@ -226,7 +226,7 @@ Protocol protocol_in(StrictTomlTable file) {
     read_blocks(file, protocol);
     read_questions(file, protocol.questionnaire);
     file.refuse_unknown_keys();
-    refuse_as(file, what_is_wrong_with(protocol));
+    refuse_as(file, validate(protocol));
     return protocol;
 }
 

@@ -66,7 +66,7 @@ std::string wrong_choices(const QuestionnaireItem &item) {
 
 } // namespace
 
-std::string what_is_wrong_with(const QuestionnaireItem &item) {
+std::string validate(const QuestionnaireItem &item) {
     if (!is_item_name(item.name)) {
         return fmt::format("name is {}; it must be 1 to {} of a-z, 0-9 and _, beginning with a "
                            "letter",
@@ -88,7 +88,7 @@ std::string what_is_wrong_with(const QuestionnaireItem &item) {
     return {};
 }
 
-std::string what_is_wrong_with_answer(const QuestionnaireItem &item, const std::string &answer) {
+std::string validate_answer(const QuestionnaireItem &item, const std::string &answer) {
     if (item.kind == QuestionnaireKind::text) {
         if (answer.size() > kLongestAnswer) {
             return fmt::format("answer has {} bytes; it must have 0 to {}", answer.size(),

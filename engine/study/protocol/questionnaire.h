@@ -74,12 +74,11 @@ inline constexpr auto kChoiceFields = std::to_array<Field<QuestionnaireItem>>({
 
 /// The first that makes an item as its fields allow it none: "KEY is VALUE; it must be …". Empty if
 /// there is none.
-[[nodiscard]] std::string what_is_wrong_with(const QuestionnaireItem &item);
+[[nodiscard]] std::string validate(const QuestionnaireItem &item);
 
 /// "answer is VALUE; it must be …" if it is no possible answer; else empty. A free text may be
 /// empty and may have lines.
-[[nodiscard]] std::string what_is_wrong_with_answer(const QuestionnaireItem &item,
-                                                    const std::string &answer);
+[[nodiscard]] std::string validate_answer(const QuestionnaireItem &item, const std::string &answer);
 
 /// The possible answers of a scale or choice, in order; none of a free text.
 [[nodiscard]] std::vector<std::string> possible_answers(const QuestionnaireItem &item);

@@ -48,7 +48,7 @@ std::string wrong_placeholders(std::string_view key, std::string_view text,
 
 } // namespace
 
-std::string what_is_wrong_with(const Texts &texts) {
+std::string validate(const Texts &texts) {
     const Texts by_default;
     for (const Field<Texts> &field : kTextFields) {
         const auto text = std::get<std::string Texts::*>(field.member);

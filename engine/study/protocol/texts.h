@@ -111,7 +111,7 @@ inline constexpr auto kTextFields = std::to_array<Field<Texts>>({
 
 /// The first placeholder of a default that a text lacks or has twice, or "{…}" that is none:
 /// "KEY has …". Empty if there is none.
-[[nodiscard]] std::string what_is_wrong_with(const Texts &texts);
+[[nodiscard]] std::string validate(const Texts &texts);
 
 /// The text with its `placeholder` replaced; the text itself where it has none.
 [[nodiscard]] std::string filled(std::string text, std::string_view placeholder,

@@ -26,7 +26,7 @@ struct Progress {
 };
 
 /// Of all participants, in the order in which they were added.
-/// @pre what_is_wrong_with(protocol) is empty
+/// @pre validate(protocol) is empty
 /// @throw InputError as `sequence_after` does
 [[nodiscard]] std::vector<Progress> progress_of(const Protocol &protocol,
                                                 const StudyContents &contents);

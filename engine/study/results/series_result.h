@@ -58,7 +58,7 @@ struct SeriesResult {
 };
 
 /// Deterministic; a tenth of a second or so, most of it for the goodness of fit.
-/// @pre what_is_wrong_with(protocol) is empty
+/// @pre validate(protocol) is empty
 [[nodiscard]] SeriesResult result_of(const Protocol &protocol, Series series);
 
 /// |comparison at threshold − standard|/standard of the parameter under test; of η the fraction of

@@ -32,7 +32,7 @@ struct StudyResults {
 using ResultsProgress = std::function<void(double)>;
 
 /// All of them, on all processors.
-/// @pre what_is_wrong_with(protocol) is empty
+/// @pre validate(protocol) is empty
 [[nodiscard]] StudyResults results_of(const Protocol &protocol, const StudyContents &contents,
                                       DeviceKind device, const ResultsProgress &progress);
 

@@ -32,7 +32,7 @@ std::size_t find_code(std::string_view text, std::string_view code, std::size_t 
             ++end;
         }
         const std::string_view longest = text.substr(first, end - first);
-        if (longest.size() == code.size() || !what_is_wrong_with_code(longest).empty()) {
+        if (longest.size() == code.size() || !validate_code(longest).empty()) {
             return at;
         }
     }
@@ -41,7 +41,7 @@ std::size_t find_code(std::string_view text, std::string_view code, std::size_t 
 
 } // namespace
 
-std::string what_is_wrong_with_code(std::string_view code) {
+std::string validate_code(std::string_view code) {
     const auto digits = std::ranges::find_if_not(code, is_capital);
     const auto letters_count = digits - code.begin();
     const auto digits_count = code.end() - digits;

@@ -8,7 +8,7 @@ namespace springdrive::study {
 
 /// Why a text is no participant's code; empty when it is one. A code is one to three capital
 /// letters, one to four digits and nothing else, such as P01: a name cannot be typed by mistake.
-[[nodiscard]] std::string what_is_wrong_with_code(std::string_view code);
+[[nodiscard]] std::string validate_code(std::string_view code);
 
 /// Whether a text has the code, in letters of either case and not as a part of another code:
 /// "p01, left-handed" has P01; "P012" and "XP01" have not.

@@ -54,7 +54,7 @@ int remove_participant(const Database &database, const std::filesystem::path &to
         const std::filesystem::path records = study_row(database).row.facts.records_folder;
         return path_without_links(top, records / code);
     };
-    if (what_is_wrong_with_code(code).empty()) {
+    if (validate_code(code).empty()) {
         static_cast<void>(folder()); // which cannot be removed: nothing is begun
     }
     const std::int64_t id = mark_as_being_removed(database, code);

@@ -297,7 +297,7 @@ StudyContents read_contents(const Database &database) {
         }
     };
     for (auto &[id, row] : rows<ParticipantRow>(database)) {
-        check(what_is_wrong_with(row.participant));
+        check(validate(row.participant));
         if (row.is_being_removed) {
             contents.unfinished_removals.push_back(row.participant.code);
         } else {

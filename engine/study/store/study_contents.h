@@ -52,7 +52,7 @@ struct StudyFacts {
 };
 
 struct Participant {
-    std::string code; ///< see `what_is_wrong_with_code`
+    std::string code; ///< see `validate_code`
     int number = 1;   ///< from 1, for counterbalancing; no two share one
     UtcTime added{};
 

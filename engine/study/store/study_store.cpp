@@ -104,7 +104,7 @@ StudyContents StudyStore::contents() const {
 
 void StudyStore::add(const Participant &participant) {
     const Database &database = parts_->database;
-    parts_->check(what_is_wrong_with(participant));
+    parts_->check(validate(participant));
     Transaction transaction(database, Transaction::Kind::write);
     for (const auto &[id, row] : rows<ParticipantRow>(database)) {
         if (row.participant.code == participant.code) {
@@ -121,7 +121,7 @@ void StudyStore::add(const Participant &participant) {
 
 SessionId StudyStore::begin(const Session &session) {
     const Database &database = parts_->database;
-    parts_->check(what_is_wrong_with(session));
+    parts_->check(validate(session));
     Transaction transaction(database, Transaction::Kind::write);
     parts_->check_participant(session.participant);
     Session begun = session;
@@ -148,7 +148,7 @@ void StudyStore::end(SessionId session, SessionEnding ending, UtcTime at) {
 Appended StudyStore::append(const Trial &trial) {
     const Database &database = parts_->database;
     Transaction transaction(database, Transaction::Kind::write);
-    parts_->check(what_is_wrong_with(trial, study_row(database).row.facts.records_folder));
+    parts_->check(validate(trial, study_row(database).row.facts.records_folder));
     if (const auto stored = trial_row(database, trial.participant, trial.place)) {
         if (digest_of(0, stored->row) != digest_of(0, trial)) {
             database.refuse(fmt::format("has another trial of {} already: {}", trial.participant,
@@ -172,7 +172,7 @@ Appended StudyStore::append(const Trial &trial) {
 
 Appended StudyStore::add(const QuestionnaireAnswer &answer) {
     const Database &database = parts_->database;
-    parts_->check(what_is_wrong_with(answer));
+    parts_->check(validate(answer));
     Transaction transaction(database, Transaction::Kind::write);
     parts_->check_participant(answer.participant);
     parts_->check_session(answer.session, answer.participant);
@@ -191,7 +191,7 @@ Appended StudyStore::add(const QuestionnaireAnswer &answer) {
 
 void StudyStore::append(const Note &note) {
     const Database &database = parts_->database;
-    parts_->check(what_is_wrong_with(note));
+    parts_->check(validate(note));
     Transaction transaction(database, Transaction::Kind::write);
     if (note.participant) {
         parts_->check_participant(*note.participant);
@@ -243,8 +243,8 @@ RecordLink StudyStore::link_to(const std::filesystem::path &record) const {
     return link;
 }
 
-std::vector<std::string> what_is_wrong_with_records(const std::filesystem::path &file,
-                                                    const StudyContents &contents) {
+std::vector<std::string> validate_records(const std::filesystem::path &file,
+                                          const StudyContents &contents) {
     std::vector<std::string> problems;
     const std::filesystem::path top = resolved_name(file).parent_path();
     for (const Trial &trial : contents.trials) {

@@ -130,7 +130,7 @@ private:
 
 /// What is wrong with the servo records of a study, a line for each: missing, or not the file that
 /// was linked. Reads them all.
-[[nodiscard]] std::vector<std::string> what_is_wrong_with_records(const std::filesystem::path &file,
-                                                                  const StudyContents &contents);
+[[nodiscard]] std::vector<std::string> validate_records(const std::filesystem::path &file,
+                                                        const StudyContents &contents);
 
 } // namespace springdrive::study

@@ -23,7 +23,7 @@ bool is_name(std::string_view name) {
 }
 
 /// Of settings or stimulus values.
-template <typename Named> std::string what_is_wrong_with_names(const std::vector<Named> &values) {
+template <typename Named> std::string validate_names(const std::vector<Named> &values) {
     for (auto value = values.begin(); value != values.end(); ++value) {
         if (!is_name(value->name)) {
             return in_quotes(value->name) + " is no name: letters, digits and _";
@@ -37,23 +37,23 @@ template <typename Named> std::string what_is_wrong_with_names(const std::vector
     return {};
 }
 
-std::string what_is_wrong_with_settings(const std::vector<Setting> &settings) {
+std::string validate_settings(const std::vector<Setting> &settings) {
     for (const Setting &setting : settings) {
         const auto *const number = std::get_if<double>(&setting.value);
         if (number != nullptr && std::isnan(*number)) {
             return in_quotes(setting.name) + " is not a number; leave it out if it is not known";
         }
     }
-    return what_is_wrong_with_names(settings);
+    return validate_names(settings);
 }
 
-std::string what_is_wrong_with_place(const TrialPlace &place) {
+std::string validate_place(const TrialPlace &place) {
     return std::min({place.block, place.position, place.attempt}) >= 1
                ? std::string()
                : text_of(place) + ": block, position and attempt are counted from 1";
 }
 
-std::string what_is_wrong_with_response(const Response &response) {
+std::string validate_response(const Response &response) {
     if (const auto *const chosen = std::get_if<Chosen>(&response)) {
         return chosen->alternative >= 1 ? "" : "alternatives are counted from 1";
     }
@@ -103,7 +103,7 @@ std::string first_of(std::initializer_list<std::string> problems) {
 bool is_blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") == text.npos; }
 
 /// Of what people type.
-std::string what_is_wrong_with_text(std::string_view what, std::string_view text) {
+std::string validate_text(std::string_view what, std::string_view text) {
     if (text.size() > kMostBytesOfText) {
         return fmt::format("{} of {} bytes is longer than {}; shorten it, and keep long texts "
                            "outside of the study",
@@ -117,48 +117,46 @@ std::string what_is_wrong_with_text(std::string_view what, std::string_view text
 
 } // namespace
 
-std::string what_is_wrong_with(const Participant &participant) {
-    return first_of({what_is_wrong_with_code(participant.code),
+std::string validate(const Participant &participant) {
+    return first_of({validate_code(participant.code),
                      participant.number >= 1 ? "" : "participants are numbered from 1"});
 }
 
-std::string what_is_wrong_with(const Session &session) {
-    return what_is_wrong_with_settings(session.facts);
-}
+std::string validate(const Session &session) { return validate_settings(session.facts); }
 
-std::string what_is_wrong_with(const Trial &trial, std::string_view records_folder) {
-    std::string problem = first_of(
-        {what_is_wrong_with_place(trial.place), what_is_wrong_with_settings(trial.tuning),
-         what_is_wrong_with_response(trial.response), validate_record(trial, records_folder),
-         std::ranges::find(trial.marks, std::string()) == trial.marks.end()
-             ? ""
-             : "a mark has no reason",
-         trial.is_presented_again && trial.marks.empty()
-             ? "it is presented again, and nothing says why"
-             : ""});
+std::string validate(const Trial &trial, std::string_view records_folder) {
+    std::string problem =
+        first_of({validate_place(trial.place), validate_settings(trial.tuning),
+                  validate_response(trial.response), validate_record(trial, records_folder),
+                  std::ranges::find(trial.marks, std::string()) == trial.marks.end()
+                      ? ""
+                      : "a mark has no reason",
+                  trial.is_presented_again && trial.marks.empty()
+                      ? "it is presented again, and nothing says why"
+                      : ""});
     for (const Presentation &presentation : trial.presentations) {
-        problem = first_of({problem, what_is_wrong_with_names(presentation.values)});
+        problem = first_of({problem, validate_names(presentation.values)});
     }
     return problem.empty() ? problem
                            : fmt::format("trial of {}, {}: {}", in_quotes(trial.participant),
                                          text_of(trial.place), problem);
 }
 
-std::string what_is_wrong_with(const QuestionnaireAnswer &answer) {
+std::string validate(const QuestionnaireAnswer &answer) {
     const std::string problem = first_of(
         {is_name(answer.item) ? "" : in_quotes(answer.item) + " is no name: letters, digits and _",
          is_blank(answer.question) ? "the question has no text" : "",
-         what_is_wrong_with_text("an answer", answer.answer)});
+         validate_text("an answer", answer.answer)});
     return problem.empty()
                ? problem
                : fmt::format("answer of {}: {}", in_quotes(answer.participant), problem);
 }
 
-std::string what_is_wrong_with(const Note &note) {
+std::string validate(const Note &note) {
     return first_of(
         {note.kind.empty() ? "a note has no kind" : "",
          is_blank(note.text) ? "a note has no text; type some" : "",
-         what_is_wrong_with_text("a note", note.text),
+         validate_text("a note", note.text),
          note.session && !note.participant ? "a note of a session needs its participant" : ""});
 }
 

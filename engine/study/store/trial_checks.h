@@ -13,13 +13,13 @@ namespace springdrive::study {
 
 /// The folder of servo records: NAME.records, beside the study.
 [[nodiscard]] std::string validate_records_folder(std::string_view name);
-[[nodiscard]] std::string what_is_wrong_with(const Participant &participant);
-[[nodiscard]] std::string what_is_wrong_with(const Session &session);
+[[nodiscard]] std::string validate(const Participant &participant);
+[[nodiscard]] std::string validate(const Session &session);
 /// @param records_folder  of the study
-[[nodiscard]] std::string what_is_wrong_with(const Trial &trial, std::string_view records_folder);
+[[nodiscard]] std::string validate(const Trial &trial, std::string_view records_folder);
 /// The trial's record, if it has one, which must be in its participant's folder.
 [[nodiscard]] std::string validate_record(const Trial &trial, std::string_view records_folder);
-[[nodiscard]] std::string what_is_wrong_with(const QuestionnaireAnswer &answer);
-[[nodiscard]] std::string what_is_wrong_with(const Note &note);
+[[nodiscard]] std::string validate(const QuestionnaireAnswer &answer);
+[[nodiscard]] std::string validate(const Note &note);
 
 } // namespace springdrive::study

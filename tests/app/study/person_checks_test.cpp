@@ -27,7 +27,7 @@ study::StudySetting on_floor(const study::Protocol &protocol) {
 }
 
 std::string kept_out(const study::Protocol &protocol) {
-    return what_keeps_persons_out(protocol, on_floor(protocol));
+    return validate_for_participants(protocol, on_floor(protocol));
 }
 
 std::string said_of(const study::Protocol &protocol) {
@@ -64,7 +64,7 @@ TEST(PersonChecks, FindGesturesThatLeaveTheSurface) {
         const double angle = degrees * std::numbers::pi / 180.0;
         setting.conditions.front().spot.normal = {0.0, std::cos(angle), std::sin(angle)};
     };
-    const auto wrong = [&] { return what_keeps_persons_out(protocol, setting); };
+    const auto wrong = [&] { return validate_for_participants(protocol, setting); };
     protocol.responses = {study::ResponseDevice::gesture, {"left", "right"}};
     EXPECT_EQ(wrong(), "");
     protocol.responses.keys = {"left", "Down"};

@@ -109,19 +109,19 @@ TEST(CurveOfAnswers, SaysTheThresholdInPlainWords) {
 }
 
 TEST(CurveOfAnswers, TakesTheVisitorsProtocolAndRefusesOthers) {
-    EXPECT_EQ(what_is_wrong_for_visitors(shipped("can_you_feel_it")), "");
+    EXPECT_EQ(validate_for_visitors(shipped("can_you_feel_it")), "");
     for (const char *name : {"direction", "stiffness", "blow", "hardness", "mass"}) {
-        EXPECT_NE(what_is_wrong_for_visitors(shipped(name)), "") << name;
+        EXPECT_NE(validate_for_visitors(shipped(name)), "") << name;
     }
     study::Protocol protocol = shipped("can_you_feel_it");
     protocol.variable.parameter = "eta";
-    EXPECT_NE(what_is_wrong_for_visitors(protocol).find("turn_deg"), std::string::npos);
+    EXPECT_NE(validate_for_visitors(protocol).find("turn_deg"), std::string::npos);
     protocol = shipped("can_you_feel_it");
     protocol.noise = study::MaskingNoise{-30.0};
-    EXPECT_NE(what_is_wrong_for_visitors(protocol).find("[noise]"), std::string::npos);
+    EXPECT_NE(validate_for_visitors(protocol).find("[noise]"), std::string::npos);
     protocol = shipped("can_you_feel_it");
     protocol.questionnaire = shipped("direction").questionnaire;
-    EXPECT_NE(what_is_wrong_for_visitors(protocol).find("[[questions]]"), std::string::npos);
+    EXPECT_NE(validate_for_visitors(protocol).find("[[questions]]"), std::string::npos);
 }
 
 } // namespace

@@ -99,7 +99,7 @@ TEST(CalibrationFile, RefusesImpossibleNumbers) {
                 Calibration calibration = possible();
                 calibration.motor[j].*field.value = limit - outward * step;
                 EXPECT_EQ(error(calibration), "") << field.key;
-                EXPECT_EQ(what_is_wrong_with(calibration, kind), "") << field.key;
+                EXPECT_EQ(validate(calibration, kind), "") << field.key;
                 calibration.motor[j].*field.value = limit + outward * step;
                 const std::string message = error(calibration);
                 for (const std::string &part :
@@ -108,7 +108,7 @@ TEST(CalibrationFile, RefusesImpossibleNumbers) {
                     EXPECT_NE(message.find(part), std::string::npos) << part << ": " << message;
                 }
                 EXPECT_EQ(message.find('\n'), std::string::npos);
-                EXPECT_NE(what_is_wrong_with(calibration, kind).find(field.key), std::string::npos);
+                EXPECT_NE(validate(calibration, kind).find(field.key), std::string::npos);
             }
         }
     }
@@ -116,7 +116,7 @@ TEST(CalibrationFile, RefusesImpossibleNumbers) {
         Calibration calibration = possible();
         calibration.motor[1].resistance_Ohm = absurd;
         EXPECT_NE(error(calibration), "") << absurd;
-        EXPECT_NE(what_is_wrong_with(calibration, kind), "") << absurd;
+        EXPECT_NE(validate(calibration, kind), "") << absurd;
     }
 }
 
@@ -156,7 +156,7 @@ TEST(CalibrationFile, CutAnywhereIsRefusedOrPossible) {
         try {
             const DeviceDescription read = read_device_text(whole.substr(0, size), "cut.toml");
             if (read.calibration) {
-                EXPECT_EQ(what_is_wrong_with(*read.calibration, read), "") << size;
+                EXPECT_EQ(validate(*read.calibration, read), "") << size;
             }
         } catch (const InputError &error) {
             ++refused;

@@ -193,7 +193,7 @@ TEST(CalibratedObserver, AWrongOneNeverCancelsMoreThanThereIs) {
                     is_deviation ? field.range.minimum : 0.999 * field.range.maximum;
             }
         }
-        ASSERT_EQ(device::what_is_wrong_with(wrong, device), "");
+        ASSERT_EQ(device::validate(wrong, device), "");
         device.calibration = wrong;
         EXPECT_GT(least_dR_Ohm(device, seed), 0.005 * 2.18) << seed;
     }

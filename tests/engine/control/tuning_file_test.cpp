@@ -43,7 +43,7 @@ TEST(TuningFile, TheShippedTuningsAreValidAndGrowStiffer) {
     for (const char *name : {"soft", "firm", "stiffest_1kHz", "stiffest_4kHz"}) {
         const Tuning tuning =
             read_tuning_file(testing::assets() / "tunings" / (std::string(name) + ".toml"));
-        EXPECT_EQ(what_is_wrong_with(tuning), "");
+        EXPECT_EQ(validate(tuning), "");
         const double stiffness = tuning.K_P_V_per_rad / tuning.dR_Ohm;
         EXPECT_GT(stiffness, before);
         before = stiffness;
@@ -257,7 +257,7 @@ TEST(Parameters, BothSidesOfEveryRange) {
             Tuning tuning;
             tuning.*parameter.value = bad;
             EXPECT_FALSE(is_valid(tuning)) << parameter.name << " " << bad;
-            EXPECT_NE(what_is_wrong_with(tuning).find(parameter.name), std::string::npos);
+            EXPECT_NE(validate(tuning).find(parameter.name), std::string::npos);
         }
     }
 }

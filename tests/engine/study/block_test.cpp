@@ -188,31 +188,31 @@ TEST(Blocks, EndUnfinishedAfterTooManyMarkedTrials) {
 }
 
 TEST(Blocks, SayWhatIsWrongWithThem) {
-    EXPECT_EQ(what_is_wrong_with(mixed_block()), "");
+    EXPECT_EQ(validate(mixed_block()), "");
     Block bad = mixed_block();
     bad.series.clear();
-    EXPECT_EQ(what_is_wrong_with(bad), "series (how many) is 0; it must be from 1 to 100");
+    EXPECT_EQ(validate(bad), "series (how many) is 0; it must be from 1 to 100");
     bad = mixed_block();
     bad.series[2] = ConstantStimuli{{1.0}, 1, 0};
-    EXPECT_EQ(what_is_wrong_with(bad), "series[2]: blocks is 0; it must be from 1 to 1000");
+    EXPECT_EQ(validate(bad), "series[2]: blocks is 0; it must be from 1 to 1000");
     bad = mixed_block();
     bad.practice.levels.clear();
-    EXPECT_EQ(what_is_wrong_with(bad), "practice.levels is empty; it must have at least one");
+    EXPECT_EQ(validate(bad), "practice.levels is empty; it must have at least one");
     bad = mixed_block();
     bad.practice.fewest_trials = 21;
-    EXPECT_EQ(what_is_wrong_with(bad), "practice.fewest_trials is 21; it must be from 0 to 20");
+    EXPECT_EQ(validate(bad), "practice.fewest_trials is 21; it must be from 0 to 20");
     bad = mixed_block();
     bad.catch_trials.one_in = 1;
-    EXPECT_EQ(what_is_wrong_with(bad), "catch_trials.one_in is 1; it must be from 2 to 1000");
+    EXPECT_EQ(validate(bad), "catch_trials.one_in is 1; it must be from 2 to 1000");
     bad = mixed_block();
     bad.catch_trials.levels.clear();
-    EXPECT_EQ(what_is_wrong_with(bad), "catch_trials.levels is empty; it must have at least one");
+    EXPECT_EQ(validate(bad), "catch_trials.levels is empty; it must have at least one");
     bad = mixed_block();
     bad.task.alternatives = 1;
-    EXPECT_EQ(what_is_wrong_with(bad), "alternatives is 1; it must be from 2 to 8");
+    EXPECT_EQ(validate(bad), "alternatives is 1; it must be from 2 to 8");
     bad = mixed_block();
     bad.most_marked = -1;
-    EXPECT_EQ(what_is_wrong_with(bad), "most_marked is -1; it must be from 0 to 10000");
+    EXPECT_EQ(validate(bad), "most_marked is -1; it must be from 0 to 10000");
 }
 
 } // namespace

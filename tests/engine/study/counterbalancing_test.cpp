@@ -100,12 +100,10 @@ TEST(Counterbalancing, RandomOrdersAreThoseOfTheParticipant) {
 }
 
 TEST(Counterbalancing, SaysHowManyConditionsItCanOrder) {
-    EXPECT_EQ(what_is_wrong_with(Counterbalancing::full, 6), "");
-    EXPECT_EQ(what_is_wrong_with(Counterbalancing::full, 7),
-              "conditions is 7; it must be from 1 to 6");
-    EXPECT_EQ(what_is_wrong_with(Counterbalancing::balanced_latin_square, 7), "");
-    EXPECT_EQ(what_is_wrong_with(Counterbalancing::fixed, 0),
-              "conditions is 0; it must be from 1 to 100");
+    EXPECT_EQ(validate(Counterbalancing::full, 6), "");
+    EXPECT_EQ(validate(Counterbalancing::full, 7), "conditions is 7; it must be from 1 to 6");
+    EXPECT_EQ(validate(Counterbalancing::balanced_latin_square, 7), "");
+    EXPECT_EQ(validate(Counterbalancing::fixed, 0), "conditions is 0; it must be from 1 to 100");
 }
 
 } // namespace

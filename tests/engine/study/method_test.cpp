@@ -183,12 +183,12 @@ TEST(Methods, SayWhatIsWrongWithThem) {
     const Task adjusting{TaskKind::adjustment, 2, 0.5};
     for (const Method &method : one_of_each()) {
         const bool adjusts = std::holds_alternative<Adjustment>(method);
-        EXPECT_EQ(what_is_wrong_with(method, adjusts ? adjusting : choice), "");
-        EXPECT_NE(what_is_wrong_with(method, adjusts ? choice : adjusting).find("adjustment"),
+        EXPECT_EQ(validate(method, adjusts ? adjusting : choice), "");
+        EXPECT_NE(validate(method, adjusts ? choice : adjusting).find("adjustment"),
                   std::string::npos);
     }
 
-    const auto error = [&](Method method) { return what_is_wrong_with(method, choice); };
+    const auto error = [&](Method method) { return validate(method, choice); };
     EXPECT_EQ(error(ConstantStimuli{}), "levels has 0 levels; it must have at least 1");
     EXPECT_EQ(error(ConstantStimuli{{1.0, 1.0}, 1, 1}),
               "levels has 1 after 1; each must be above the one before");
@@ -220,8 +220,7 @@ TEST(Methods, SayWhatIsWrongWithThem) {
     quest = quest_of_two();
     quest.guess = {known(0.25), 1};
     EXPECT_EQ(error(quest), "guess is from 0.25 to 0.25; in this task it must be from 0.5 to 0.5");
-    EXPECT_EQ(what_is_wrong_with(Method(quest), Task{TaskKind::forced_choice_by_place, 4, 0.5}),
-              "");
+    EXPECT_EQ(validate(Method(quest), Task{TaskKind::forced_choice_by_place, 4, 0.5}), "");
     quest = quest_of_two();
     quest.threshold.points = 1000;
     quest.slope.points = 1001;
@@ -242,9 +241,7 @@ TEST(Methods, SayWhatIsWrongWithThem) {
     quest.fewest_trials = 26;
     EXPECT_EQ(error(quest), "fewest_trials is 26; it must be from 1 to 25");
 
-    const auto adjusted = [&](Adjustment method) {
-        return what_is_wrong_with(Method(method), adjusting);
-    };
+    const auto adjusted = [&](Adjustment method) { return validate(Method(method), adjusting); };
     EXPECT_EQ(adjusted({Scale::linear, 0.0, 2.0, 0.0, 1.0, 5}),
               "maximum_start is 2; it must be from 0 to 1");
     EXPECT_EQ(adjusted({Scale::logarithmic, 0.5, 1.0, 0.0, 1.0, 5}),
@@ -254,12 +251,12 @@ TEST(Methods, SayWhatIsWrongWithThem) {
 }
 
 TEST(Tasks, SayWhatIsWrongWithThem) {
-    EXPECT_EQ(what_is_wrong_with(Task{}), "");
-    EXPECT_EQ(what_is_wrong_with(Task{TaskKind::forced_choice_by_interval, 9, 0.5}),
+    EXPECT_EQ(validate(Task{}), "");
+    EXPECT_EQ(validate(Task{TaskKind::forced_choice_by_interval, 9, 0.5}),
               "alternatives is 9; it must be from 2 to 8");
-    EXPECT_EQ(what_is_wrong_with(Task{TaskKind::yes_no, 3, 0.5}),
+    EXPECT_EQ(validate(Task{TaskKind::yes_no, 3, 0.5}),
               "alternatives is 3; it must be from 2 to 2");
-    EXPECT_EQ(what_is_wrong_with(Task{TaskKind::yes_no, 2, 0.6}),
+    EXPECT_EQ(validate(Task{TaskKind::yes_no, 2, 0.6}),
               "largest_false_alarm_rate is 0.6; it must be from 0 to 0.5");
     EXPECT_EQ(guess_range({TaskKind::forced_choice_by_place, 4, 0.5}).maximum, 0.25);
     EXPECT_EQ(guess_range({TaskKind::forced_choice_by_place, 4, 0.5}).minimum, 0.25);

@@ -104,17 +104,15 @@ TEST(Precision, GivesEachMethodItsTrials) {
 
 TEST(Precision, SaysWhatIsWrongWithTheQuestion) {
     PrecisionQuestion question = question_of_constant_stimuli();
-    EXPECT_EQ(what_is_wrong_with(question, Task{}), "");
+    EXPECT_EQ(validate(question, Task{}), "");
     question.trials = {50, 50};
-    EXPECT_EQ(what_is_wrong_with(question, Task{}),
+    EXPECT_EQ(validate(question, Task{}),
               "trials has 50 after 50; each must be above the one before");
     question.trials = {1};
-    EXPECT_EQ(what_is_wrong_with(question, Task{}),
-              "trials (each) is 1; it must be from 2 to 10000");
+    EXPECT_EQ(validate(question, Task{}), "trials (each) is 1; it must be from 2 to 10000");
     question = question_of_constant_stimuli();
     question.analysis.slope.minimum = 0.0;
-    EXPECT_EQ(what_is_wrong_with(question, Task{}),
-              "slope.minimum is 0; it must be a finite number above 0");
+    EXPECT_EQ(validate(question, Task{}), "slope.minimum is 0; it must be a finite number above 0");
 }
 
 } // namespace

@@ -48,26 +48,24 @@ TEST(Prior, OfAKnownValueHasOneNode) {
     EXPECT_EQ(grid.values, std::vector{0.5});
     EXPECT_EQ(grid.weights, std::vector{1.0});
     EXPECT_EQ(quantile(known(0.5), 0.3), 0.5);
-    EXPECT_EQ(what_is_wrong_with(known(0.5), "guess"), "");
+    EXPECT_EQ(validate(known(0.5), "guess"), "");
 }
 
 TEST(Prior, SaysWhatIsWrongWithIt) {
-    EXPECT_EQ(what_is_wrong_with(kUniform, "threshold"), "");
-    EXPECT_EQ(what_is_wrong_with(kNormal, "threshold"), "");
+    EXPECT_EQ(validate(kUniform, "threshold"), "");
+    EXPECT_EQ(validate(kNormal, "threshold"), "");
     Prior bad = kUniform;
     bad.minimum = 0.0;
-    EXPECT_EQ(what_is_wrong_with(bad, "slope"),
-              "slope.minimum is 0; it must be a finite number above 0");
+    EXPECT_EQ(validate(bad, "slope"), "slope.minimum is 0; it must be a finite number above 0");
     bad = kUniform;
     bad.maximum = 0.25;
-    EXPECT_EQ(what_is_wrong_with(bad, "slope").find("slope.maximum is 0.25; it must be from 0.5"),
-              0U);
+    EXPECT_EQ(validate(bad, "slope").find("slope.maximum is 0.25; it must be from 0.5"), 0U);
     bad = kNormal;
     bad.mean = 5.0;
-    EXPECT_EQ(what_is_wrong_with(bad, "threshold"), "threshold.mean is 5; it must be from -1 to 4");
+    EXPECT_EQ(validate(bad, "threshold"), "threshold.mean is 5; it must be from -1 to 4");
     bad = kNormal;
     bad.deviation = 0.0;
-    EXPECT_EQ(what_is_wrong_with(bad, "threshold"),
+    EXPECT_EQ(validate(bad, "threshold"),
               "threshold.deviation is 0; it must be a finite number above 0");
 }
 

@@ -78,33 +78,33 @@ TEST(PsychometricFunction, DensityIsTheDerivative) {
 }
 
 TEST(PsychometricFunction, SaysWhatIsWrongWithIt) {
-    EXPECT_EQ(what_is_wrong_with(PsychometricFunction{}), "");
+    EXPECT_EQ(validate(PsychometricFunction{}), "");
     PsychometricFunction bad;
     bad.threshold = 0.0;
-    EXPECT_EQ(what_is_wrong_with(bad), "threshold is 0; it must be from 1e-06 to 1e+06");
+    EXPECT_EQ(validate(bad), "threshold is 0; it must be from 1e-06 to 1e+06");
     bad.family.scale = Scale::linear;
-    EXPECT_EQ(what_is_wrong_with(bad), "");
+    EXPECT_EQ(validate(bad), "");
     bad.threshold = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_NE(what_is_wrong_with(bad).find("threshold"), std::string::npos);
+    EXPECT_NE(validate(bad).find("threshold"), std::string::npos);
     bad = {};
     bad.slope = -1.0;
-    EXPECT_EQ(what_is_wrong_with(bad), "slope is -1; it must be from 1e-06 to 1e+06");
+    EXPECT_EQ(validate(bad), "slope is -1; it must be from 1e-06 to 1e+06");
     for (const double wrong : {std::numeric_limits<double>::infinity(), 1.1e6, 0.9e-6, 1e-300}) {
         bad = {};
         bad.threshold = wrong;
-        EXPECT_EQ(what_is_wrong_with(bad).find("threshold is "), 0U) << wrong;
+        EXPECT_EQ(validate(bad).find("threshold is "), 0U) << wrong;
         bad = {};
         bad.slope = wrong;
-        EXPECT_EQ(what_is_wrong_with(bad).find("slope is "), 0U) << wrong;
+        EXPECT_EQ(validate(bad).find("slope is "), 0U) << wrong;
     }
     for (const double right : {1e6, 1e-6}) {
         bad = {};
         bad.threshold = bad.slope = right;
-        EXPECT_EQ(what_is_wrong_with(bad), "") << right;
+        EXPECT_EQ(validate(bad), "") << right;
     }
     bad = {};
     bad.lapse = 0.6;
-    EXPECT_EQ(what_is_wrong_with(bad), "lapse is 0.6; it must be from 0 to 0.5");
+    EXPECT_EQ(validate(bad), "lapse is 0.6; it must be from 0 to 0.5");
 }
 
 } // namespace

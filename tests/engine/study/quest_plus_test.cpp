@@ -135,7 +135,7 @@ TEST(QuestPlus, ExpectsTheEntropiesOfAPlainReferenceToRoundOff) {
     for (const QuestPlus &method :
          {small_quest(Shape::weibull, Scale::logarithmic),
           small_quest(Shape::logistic, Scale::linear), small_yes_no_quest()}) {
-        ASSERT_EQ(what_is_wrong_with(method), "");
+        ASSERT_EQ(validate(method), "");
         QuestPlusRun run(method);
         std::vector<AnsweredLevel> trials;
         double largest_difference = 0.0;

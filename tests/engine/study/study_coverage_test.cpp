@@ -113,7 +113,7 @@ void expect_covered(double share, std::size_t studies) {
 
 std::vector<Judged> judged_studies(const std::string &name, const Method &method, const Task &task,
                                    const FunctionPriors &priors, std::uint64_t seed) {
-    EXPECT_EQ(what_is_wrong_with(method, task), "");
+    EXPECT_EQ(validate(method, task), "");
     std::vector<Judged> studies(static_cast<std::size_t>(testing::cases(60, 1000)));
     for_each_in_parallel(studies.size(), all_processors(), [&](std::size_t i) {
         studies[i] = judged_study(method, priors, key_of(seed, static_cast<int>(i)));

@@ -54,7 +54,7 @@ AutoTuneRequest FoundTuning::request; // NOLINT(cert-err58-cpp)
 AutoTuned FoundTuning::found;         // NOLINT(cert-err58-cpp)
 
 TEST_F(FoundTuning, IsValid) {
-    EXPECT_EQ(what_is_wrong_with(found.tuning), "");
+    EXPECT_EQ(validate(found.tuning), "");
     EXPECT_EQ(found.tuning.eta, 0.0);
     EXPECT_EQ(found.tuning.dR_Ohm, 0.5);
     EXPECT_EQ(found.tuning.map, request.which.tuning.map);

@@ -54,8 +54,8 @@ TEST(StabilityParameters, LeaveTheOthersAlone) {
 TEST(StabilityParameters, SearchWithinTheirRange) {
     for (const StabilityParameter &parameter : stability_parameters()) {
         EXPECT_LT(parameter.from, parameter.to) << parameter.name;
-        EXPECT_EQ(what_is_wrong_with(parameter, parameter.from), "") << parameter.name;
-        EXPECT_EQ(what_is_wrong_with(parameter, parameter.to), "") << parameter.name;
+        EXPECT_EQ(validate(parameter, parameter.from), "") << parameter.name;
+        EXPECT_EQ(validate(parameter, parameter.to), "") << parameter.name;
     }
 }
 
@@ -73,25 +73,24 @@ TEST(StabilityParameters, AreSearchedNoFurtherThanGainsCanBeSet) {
 TEST(StabilityParameters, RefuseInvalidValuesWithTheirRange) {
     const double infinity = std::numeric_limits<double>::infinity();
     for (const StabilityParameter &parameter : stability_parameters()) {
-        EXPECT_EQ(what_is_wrong_with(parameter, parameter.minimum), "") << parameter.name;
-        EXPECT_EQ(what_is_wrong_with(parameter, parameter.maximum), "") << parameter.name;
+        EXPECT_EQ(validate(parameter, parameter.minimum), "") << parameter.name;
+        EXPECT_EQ(validate(parameter, parameter.maximum), "") << parameter.name;
         for (const double bad :
              {std::nextafter(parameter.minimum, -infinity),
               std::nextafter(parameter.maximum, infinity), std::nan(""), infinity, -infinity}) {
-            const std::string wrong = what_is_wrong_with(parameter, bad);
+            const std::string wrong = validate(parameter, bad);
             EXPECT_EQ(wrong.find(parameter.name), 0U) << parameter.name << ": " << wrong;
             EXPECT_NE(wrong.find(" from "), std::string::npos) << wrong;
             EXPECT_EQ(wrong.find('\n'), std::string::npos);
         }
     }
-    EXPECT_NE(what_is_wrong_with(*stability_parameter_named("dR"), 0.0).find("not 0"),
+    EXPECT_NE(validate(*stability_parameter_named("dR"), 0.0).find("not 0"), std::string::npos);
+    EXPECT_EQ(validate(*stability_parameter_named("d"), 1.5), "");
+    EXPECT_NE(validate(*stability_parameter_named("d"), 8.5).find("0 to 8 periods"),
               std::string::npos);
-    EXPECT_EQ(what_is_wrong_with(*stability_parameter_named("d"), 1.5), "");
-    EXPECT_NE(what_is_wrong_with(*stability_parameter_named("d"), 8.5).find("0 to 8 periods"),
-              std::string::npos);
-    EXPECT_NE(what_is_wrong_with(*stability_parameter_named("T"), 0.0), "");
-    EXPECT_NE(what_is_wrong_with(*stability_parameter_named("hand-mass"), -0.1), "");
-    EXPECT_NE(what_is_wrong_with(*stability_parameter_named("inertia"), 0.0), "");
+    EXPECT_NE(validate(*stability_parameter_named("T"), 0.0), "");
+    EXPECT_NE(validate(*stability_parameter_named("hand-mass"), -0.1), "");
+    EXPECT_NE(validate(*stability_parameter_named("inertia"), 0.0), "");
 }
 
 TEST(StabilityParameters, AnInertiaOfItsOwnStartsAsTheSecondMotors) {

@@ -68,7 +68,7 @@ TEST(ProtocolFile, ReadsWhatIsThereAndElseTheDefaults) {
                                                .when = QuestionnaireTime::after,
                                                .text = "Anything else?",
                                                .kind = QuestionnaireKind::text}}));
-    EXPECT_EQ(what_is_wrong_with(protocol), "");
+    EXPECT_EQ(validate(protocol), "");
 }
 
 TEST(ProtocolFile, HasNeitherNoiseNorQuestionsUnlessAsked) {

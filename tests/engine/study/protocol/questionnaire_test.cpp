@@ -32,11 +32,11 @@ QuestionnaireItem choice() {
 
 TEST(Questionnaire, AScaleTakesItsWholeNumbersAlone) {
     for (const char *const answer : {"-2", "-1", "0", "1", "2", "3"}) {
-        EXPECT_EQ(what_is_wrong_with_answer(scale(-2, 3), answer), "") << answer;
+        EXPECT_EQ(validate_answer(scale(-2, 3), answer), "") << answer;
     }
     for (const char *const answer :
          {"-3", "4", "", " 1", "1 ", "+1", "01", "1.0", "1e0", "-0", "one", "٣", "1\n"}) {
-        const std::string said = what_is_wrong_with_answer(scale(-2, 3), answer);
+        const std::string said = validate_answer(scale(-2, 3), answer);
         EXPECT_EQ(said.rfind("answer is '", 0), 0U) << answer << ": " << said;
         EXPECT_NE(said.find("; it must be a whole number from -2 to 3"), std::string::npos) << said;
     }
@@ -44,10 +44,10 @@ TEST(Questionnaire, AScaleTakesItsWholeNumbersAlone) {
 
 TEST(Questionnaire, AChoiceTakesItsTextsToTheLetter) {
     for (const std::string &answer : choice().choices) {
-        EXPECT_EQ(what_is_wrong_with_answer(choice(), answer), "") << answer;
+        EXPECT_EQ(validate_answer(choice(), answer), "") << answer;
     }
     for (const char *const answer : {"", "Right", "right ", "righ", "1", "beide"}) {
-        EXPECT_NE(what_is_wrong_with_answer(choice(), answer)
+        EXPECT_NE(validate_answer(choice(), answer)
                       .find("'; it must be one of 'right', 'left', 'beide, nämlich'"),
                   std::string::npos)
             << answer;
@@ -56,27 +56,27 @@ TEST(Questionnaire, AChoiceTakesItsTextsToTheLetter) {
 
 TEST(Questionnaire, AFreeTextTakesWhatCanBeRead) {
     const QuestionnaireItem item{.name = "remarks", .text = "Anything else?"};
-    ASSERT_EQ(what_is_wrong_with(item), "");
+    ASSERT_EQ(validate(item), "");
     for (const std::string &answer :
          {std::string(), std::string("two\nlines, \"quoted\"\t;"), std::string("schön – 硬い"),
           std::string(kLongestAnswer, 'a')}) {
-        EXPECT_EQ(what_is_wrong_with_answer(item, answer), "");
+        EXPECT_EQ(validate_answer(item, answer), "");
     }
-    EXPECT_EQ(what_is_wrong_with_answer(item, std::string(kLongestAnswer + 1, 'a')),
+    EXPECT_EQ(validate_answer(item, std::string(kLongestAnswer + 1, 'a')),
               "answer has 10001 bytes; it must have 0 to 10000");
     for (const char control : {'\0', '\r', '\x1b', '\x7f'}) {
-        EXPECT_NE(what_is_wrong_with_answer(item, std::string("a") + control + "b")
-                      .find("no control characters"),
-                  std::string::npos);
+        EXPECT_NE(
+            validate_answer(item, std::string("a") + control + "b").find("no control characters"),
+            std::string::npos);
     }
 }
 
 TEST(Questionnaire, EveryPossibleAnswerOfAnItemIsOne) {
     for (const QuestionnaireItem &item :
          testing::protocol_of(testing::kPlainProtocol).questionnaire) {
-        EXPECT_EQ(what_is_wrong_with(item), "");
+        EXPECT_EQ(validate(item), "");
         for (const std::string &answer : possible_answers(item)) {
-            EXPECT_EQ(what_is_wrong_with_answer(item, answer), "");
+            EXPECT_EQ(validate_answer(item, answer), "");
         }
     }
     EXPECT_EQ(possible_answers(scale(-1, 1)), (std::vector<std::string>{"-1", "0", "1"}));

@@ -30,7 +30,7 @@ TEST(Texts, AllAreInTheList) {
     EXPECT_EQ(keys.size(), kTextFields.size());
     EXPECT_EQ(texts.size(), kTextFields.size());
     EXPECT_EQ(sizeof(Texts), kTextFields.size() * sizeof(std::string)) << "and no other";
-    EXPECT_EQ(what_is_wrong_with(by_default), "");
+    EXPECT_EQ(validate(by_default), "");
 }
 
 TEST(Texts, PlaceholdersAreFilledIn) {
@@ -49,18 +49,18 @@ TEST(Texts, EachPlaceholderIsThereOnce) {
         const auto has = placeholders.find(one.name);
         const std::string all = has == placeholders.end() ? "" : has->second;
         text = "a " + all;
-        EXPECT_EQ(what_is_wrong_with(texts), "") << one.name;
+        EXPECT_EQ(validate(texts), "") << one.name;
         text = "a " + all + all;
-        EXPECT_EQ(what_is_wrong_with(texts).empty(), all.empty()) << one.name;
+        EXPECT_EQ(validate(texts).empty(), all.empty()) << one.name;
         text = "a";
-        EXPECT_EQ(what_is_wrong_with(texts).empty(), all.empty()) << one.name;
+        EXPECT_EQ(validate(texts).empty(), all.empty()) << one.name;
         text = "a {other} " + all;
-        EXPECT_EQ(what_is_wrong_with(texts).rfind(std::string(one.name) + " has '{other}'", 0), 0U)
+        EXPECT_EQ(validate(texts).rfind(std::string(one.name) + " has '{other}'", 0), 0U)
             << one.name;
     }
     Texts smiling;
     smiling.end = "Thank you :-}";
-    EXPECT_EQ(what_is_wrong_with(smiling), "");
+    EXPECT_EQ(validate(smiling), "");
 }
 
 /// The first block of TOML after a heading of a page.

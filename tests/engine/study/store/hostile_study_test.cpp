@@ -71,9 +71,7 @@ TEST(HostileStudy, LinksNoRecordsButThoseOfItsTrials) {
 TEST(HostileStudy, ReadsNoRecordsByWayOfALink) {
     const ForgedStudy study("hostile_link", testing::sample_new_study());
     const std::filesystem::path record = study.records() / "P01/block1-position001-attempt1.rec";
-    const auto problems = [&] {
-        return what_is_wrong_with_records(study.file(), read_study(study.file()));
-    };
+    const auto problems = [&] { return validate_records(study.file(), read_study(study.file())); };
     ASSERT_TRUE(std::filesystem::exists(record));
     EXPECT_EQ(problems(), std::vector<std::string>{});
     std::filesystem::remove(record);

@@ -344,11 +344,11 @@ TEST(StudyStore, FindsCodesInTexts) {
 
 TEST(StudyStore, TakesCodesOnly) {
     for (const char *const code : {"P1", "P01", "VP1234", "ABC0001"}) {
-        EXPECT_EQ(what_is_wrong_with_code(code), "") << code;
+        EXPECT_EQ(validate_code(code), "") << code;
     }
     for (const char *const name : {"", "P", "01", "Anna", "ANNA01", "P01 ", " P01", "p01", "P01A",
                                    "P12345", "P-01", "P01\n", "../P01", "ÄP01", "Anna Müller"}) {
-        EXPECT_NE(what_is_wrong_with_code(name), "") << name;
+        EXPECT_NE(validate_code(name), "") << name;
     }
     const auto file = sample_study(fresh_folder("study_codes"));
     StudyStore store(file);
@@ -470,7 +470,7 @@ TEST(StudyStore, LinksServoRecords) {
     EXPECT_EQ(trial.record->sha256,
               "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     EXPECT_EQ(store.append(trial), Appended::now);
-    const auto problems = [&] { return what_is_wrong_with_records(file, read_study(file)); };
+    const auto problems = [&] { return validate_records(file, read_study(file)); };
     EXPECT_EQ(problems(), std::vector<std::string>{});
     const std::string where =
         trial.record->path.string() + ": record of P01, block 1, position 1, attempt 1: ";
