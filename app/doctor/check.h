@@ -26,8 +26,8 @@ inline constexpr std::array<std::string_view, 4> kVerdictNames{"ok", "warning", 
 
 struct Finding {
     Verdict verdict = Verdict::ok;
-    std::string found;  ///< with numbers and units
-    std::string mend{}; ///< the one line, for a shell or a person; empty if nothing is to be done
+    std::string found; ///< with numbers and units
+    std::string fix{}; ///< the one line, for a shell or a person; empty if nothing is to be done
 };
 
 struct Check : Finding {

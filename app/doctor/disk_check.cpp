@@ -39,7 +39,7 @@ std::string make_room(const std::string &folder) {
     return "du -xh " + folder + " | sort -h | tail  # lists what takes the space";
 }
 
-std::string mend_refusal(const Evidence &evidence, const std::string &folder) {
+std::string fix_refusal(const Evidence &evidence, const std::string &folder) {
     const std::string sudo = evidence.process.sudo();
     std::error_code unreadable;
     switch (evidence.trials.disk.refused) {
@@ -154,7 +154,7 @@ Finding disk_check(const Evidence &evidence) {
     }
     if (trial.refused != 0) {
         return {Verdict::failure, std::generic_category().message(trial.refused),
-                mend_refusal(evidence, folder)};
+                fix_refusal(evidence, folder)};
     }
     const double lasts_s = trial.free_bytes / needed_bytes_per_s;
     const std::string found =

@@ -45,8 +45,8 @@ void write_text(std::ostream &out, const DoctorReport &report) {
           device_text(report.purpose), report.purpose.servo_hz, report.machine);
     for (const Check &check : report.checks) {
         print(out, "{:<9}{}: {}\n", mark_of(check.verdict), check.title, check.found);
-        if (!check.mend.empty()) {
-            print(out, "         why: {}\n         do:  {}\n", check.matters, check.mend);
+        if (!check.fix.empty()) {
+            print(out, "         why: {}\n         do:  {}\n", check.matters, check.fix);
         }
     }
     const std::size_t failures = count_of(report.checks, Verdict::failure);
@@ -70,7 +70,7 @@ void write_json(std::ostream &out, const DoctorReport &report) {
                                   {"verdict", name_of(check.verdict)},
                                   {"found", check.found},
                                   {"matters", check.matters},
-                                  {"mend", check.mend}});
+                                  {"mend", check.fix}});
     }
     out << json_text(json) << '\n';
 }

@@ -76,8 +76,8 @@ Finding real_time_share_check(const Evidence &evidence) {
                                              1e-6 * static_cast<double>(*period_us))};
     if (share < kLeastShare) {
         finding.verdict = evidence.purpose.worse_with_usb();
-        finding.mend = fmt::format("{}sysctl -w kernel.sched_rt_runtime_us={}",
-                                   evidence.process.sudo(), *period_us - *period_us / 20);
+        finding.fix = fmt::format("{}sysctl -w kernel.sched_rt_runtime_us={}",
+                                  evidence.process.sudo(), *period_us - *period_us / 20);
     }
     return finding;
 }

@@ -65,7 +65,7 @@ struct Process {
     [[nodiscard]] std::string sudo() const { return is_root() ? "" : "sudo "; }
 };
 
-/// @param setup_folder  with the files that mending lines copy
+/// @param setup_folder  with the files that repairing lines copy
 [[nodiscard]] Process this_process(const std::filesystem::path &setup_folder);
 
 /// The line that installs a package.

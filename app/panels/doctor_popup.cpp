@@ -31,14 +31,14 @@ void show_check(const doctor::Check &check) {
     const ui::Scope scope(check.title);
     ui::wrapped(ink_of(check.verdict), "{}: {}", check.title, check.found);
     ui::explain(check.matters);
-    if (check.mend.empty()) {
+    if (check.fix.empty()) {
         return;
     }
     if (ui::small_button("copy")) {
-        ImGui::SetClipboardText(check.mend.c_str());
+        ImGui::SetClipboardText(check.fix.c_str());
     }
     ImGui::SameLine();
-    ui::wrapped(kInk, "{}", check.mend);
+    ui::wrapped(kInk, "{}", check.fix);
 }
 
 void show_checks(const std::vector<doctor::Check> &checks) {

@@ -2,7 +2,8 @@
 // independent reference (fault_judge.h).
 //
 //   rest ── starting ── running ──► fault ──► trip ──► braking ──► reset ──► trip again
-//           hand moves or presses                          └─ mended ─► reset ──► rest ──► starting
+//           hand moves or presses                          └─ repaired ─► reset ──► rest ──►
+//           starting
 //
 // Checked in every tick: samples are contiguous; the device's command is that of the last sample; a
 // trip has a cause that the reference detects, and no cause with precedence is skipped; what must

@@ -9,7 +9,7 @@
 namespace springdrive::study {
 
 enum class Severity : std::uint8_t {
-    error,   ///< nobody should sit down before it is mended
+    error,   ///< nobody should sit down before it is repaired
     warning, ///< to be judged
     note,    ///< to be known
 };

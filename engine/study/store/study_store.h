@@ -33,7 +33,7 @@ void create_study(const std::filesystem::path &file, const NewStudy &study, UtcT
 /// Reads all of a study file, also beside a program that writes to it, and checks it on the way:
 /// structure, relations and the SHA-256 of each row. The file is closed again.
 /// @throw InputError for a file that is no study, of another version, damaged, or left in the
-///        midst of a write where it cannot be mended because it is write-protected.
+///        midst of a write where it cannot be repaired because it is write-protected.
 [[nodiscard]] StudyContents read_study(const std::filesystem::path &file);
 
 enum class Appended : std::uint8_t {

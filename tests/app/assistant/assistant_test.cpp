@@ -143,7 +143,7 @@ TEST(Assistant, AStepThatFailsVoidsWhatCameAfterAndHoldsTheDevice) {
         sequence.steps[1].verdict = Verdict::bad;
         sequence.update();
         EXPECT_FALSE(sequence.assistant.can_go_to(StepName::motion));
-        sequence.steps[1].verdict = Verdict::open; // begun again, but not mended yet
+        sequence.steps[1].verdict = Verdict::open; // begun again, but not repaired yet
         sequence.update();
         sequence.assistant.leave(sequence.session);
         EXPECT_EQ(sequence.assistant.state(StepName::identity), StepState::failed);

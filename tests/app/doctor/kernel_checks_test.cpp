@@ -24,7 +24,7 @@ TEST(DoctorGovernor, OneSlowProcessorOfManyIsFound) {
                  "scaling_governor");
     Evidence root = computer.evidence();
     root.process.user_id = 0;
-    EXPECT_EQ(governor_check(root).mend.find("sudo"), std::string::npos);
+    EXPECT_EQ(governor_check(root).fix.find("sudo"), std::string::npos);
 }
 
 TEST(DoctorGovernor, AMachineWithoutFrequenciesHasNoVerdict) {
@@ -62,7 +62,7 @@ TEST(DoctorIdle, ADeepStateIsWrongUnlessTheServoMayForbidIt) {
                  "echo 'KERNEL==\"cpu_dma_latency\", MODE=\"0666\"' | sudo tee "
                  "/etc/udev/rules.d/99-springdrive.rules && sudo chmod 666 /dev/cpu_dma_latency");
     computer.has_no("/dev/cpu_dma_latency");
-    EXPECT_EQ(idle_check(evidence).mend,
+    EXPECT_EQ(idle_check(evidence).fix,
               "echo 1 | sudo tee /sys/devices/system/cpu/cpu*/cpuidle/state[1-9]/disable");
     computer.has(kProcessors + "cpu1/cpuidle/state2/disable", "1\n");
     expect_ok(idle_check(evidence), "C1 takes 2 us");
@@ -118,9 +118,9 @@ TEST(DoctorKernel, PreemptRtIsToldByEitherSignAndMattersToABoard) {
     expect_wrong(preemption_check(usb), Verdict::warning, "not PREEMPT_RT",
                  "sudo apt-get install linux-image-rt-amd64  # then restart");
     computer.has("/etc/os-release", "ID=ubuntu\nID_LIKE=debian\n");
-    EXPECT_EQ(preemption_check(usb).mend, "sudo pro enable realtime-kernel");
+    EXPECT_EQ(preemption_check(usb).fix, "sudo pro enable realtime-kernel");
     computer.has("/run/systemd/container", "lxc");
-    EXPECT_NE(preemption_check(usb).mend.find("host"), std::string::npos);
+    EXPECT_NE(preemption_check(usb).fix.find("host"), std::string::npos);
     computer.has("/sys/kernel/realtime", "1\n");
     expect_ok(preemption_check(usb), "PREEMPT_RT");
 }

@@ -67,23 +67,23 @@ private:
 inline void expect_ok(const Finding &check, const std::string &found) {
     EXPECT_EQ(name_of(check.verdict), "ok") << check.found;
     EXPECT_NE(check.found.find(found), std::string::npos) << check.found;
-    EXPECT_EQ(check.mend, "");
+    EXPECT_EQ(check.fix, "");
 }
 
 /// @param found  part of it
-/// @param mend   all of it
+/// @param repair   all of it
 inline void expect_wrong(const Finding &check, Verdict verdict, const std::string &found,
-                         const std::string &mend) {
+                         const std::string &fix) {
     EXPECT_EQ(name_of(check.verdict), name_of(verdict)) << check.found;
     EXPECT_NE(check.found.find(found), std::string::npos) << check.found;
-    EXPECT_EQ(check.mend, mend);
-    EXPECT_EQ(check.mend.find('\n'), std::string::npos);
+    EXPECT_EQ(check.fix, fix);
+    EXPECT_EQ(check.fix.find('\n'), std::string::npos);
 }
 
 inline void expect_no_verdict(const Finding &check, const std::string &found) {
     EXPECT_EQ(name_of(check.verdict), "not applicable") << check.found;
     EXPECT_NE(check.found.find(found), std::string::npos) << check.found;
-    EXPECT_EQ(check.mend, "");
+    EXPECT_EQ(check.fix, "");
 }
 
 } // namespace springdrive::app::doctor

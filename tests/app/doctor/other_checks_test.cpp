@@ -40,15 +40,15 @@ TEST(DoctorPicture, WithoutDisplayTheLineDependsOnWhereOneIs) {
                  std::string("sudo apt-get install xvfb && ") + kXvfb);
     expect_no_verdict(opengl_check(evidence), "no display");
     computer.has_program("/usr/bin/xvfb-run");
-    EXPECT_EQ(display_check(evidence).mend, kXvfb);
+    EXPECT_EQ(display_check(evidence).fix, kXvfb);
     computer.has("/source/app/run");
-    EXPECT_EQ(display_check(evidence).mend,
+    EXPECT_EQ(display_check(evidence).fix,
               (computer.root() / "source/app/run").string() +
                   "  # starts a virtual display, and installs it if necessary");
     evidence.process.environment["SSH_CONNECTION"] = "10.0.0.1 1 10.0.0.2 22";
-    EXPECT_EQ(display_check(evidence).mend, "connect again by: ssh -X");
+    EXPECT_EQ(display_check(evidence).fix, "connect again by: ssh -X");
     evidence.process.environment["WAYLAND_DISPLAY"] = "wayland-0";
-    EXPECT_EQ(display_check(evidence).mend, "sudo apt-get install xwayland  # then log in again");
+    EXPECT_EQ(display_check(evidence).fix, "sudo apt-get install xwayland  # then log in again");
 }
 
 TEST(DoctorPicture, ADisplayThatRefusesIsToldFromOneThatIsNotThere) {
@@ -57,14 +57,14 @@ TEST(DoctorPicture, ADisplayThatRefusesIsToldFromOneThatIsNotThere) {
     Evidence evidence = without_display(computer);
     evidence.trials.picture.display_problem = "X11: Failed to open display :1.0";
     evidence.process.environment["DISPLAY"] = ":1.0";
-    EXPECT_EQ(display_check(evidence).mend, kXvfb);
+    EXPECT_EQ(display_check(evidence).fix, kXvfb);
     computer.has("/tmp/.X11-unix/X1");
     expect_wrong(display_check(evidence), Verdict::failure,
                  "DISPLAY=:1.0: X11: Failed to open display",
                  "xhost +si:localuser:$(id -un)  # by the person at that display");
     for (const char *const odd : {":", "", ":x", "host:1", "::1", "/tmp/a b:0"}) {
         evidence.process.environment["DISPLAY"] = odd;
-        EXPECT_EQ(display_check(evidence).mend, kXvfb) << odd;
+        EXPECT_EQ(display_check(evidence).fix, kXvfb) << odd;
     }
     evidence.trials.picture = {}; // crashed or hangs
     EXPECT_EQ(display_check(evidence).verdict, Verdict::failure);
@@ -80,7 +80,7 @@ TEST(DoctorPicture, OpenGlThatIsTooOldFails) {
     expect_wrong(opengl_check(evidence), Verdict::failure, "2.1 Mesa 22.3.6 on Mesa Intel GMA",
                  "sudo apt-get install libgl1 libgl1-mesa-dri");
     evidence.process.environment["MESA_GL_VERSION_OVERRIDE"] = "2.1";
-    EXPECT_EQ(opengl_check(evidence).mend, "unset MESA_GL_VERSION_OVERRIDE");
+    EXPECT_EQ(opengl_check(evidence).fix, "unset MESA_GL_VERSION_OVERRIDE");
     evidence.trials.picture.version.clear();
     EXPECT_EQ(opengl_check(evidence).found.substr(0, 5), "none:");
 }
@@ -90,7 +90,7 @@ TEST(DoctorPicture, IsNotNeededWithoutAWindow) {
     evidence.purpose.has_window = false;
     for (const Finding &check : {display_check(evidence), opengl_check(evidence)}) {
         EXPECT_EQ(name_of(check.verdict), "not applicable");
-        EXPECT_EQ(check.mend, "");
+        EXPECT_EQ(check.fix, "");
     }
 }
 
@@ -107,7 +107,7 @@ TEST(DoctorDisk, IsComparedWithWhatARecordNeeds) {
     EXPECT_EQ(disk_check(evidence).verdict, Verdict::warning);
     evidence.purpose.servo_hz = 4000.0;
     EXPECT_EQ(disk_check(evidence).verdict, Verdict::failure);
-    EXPECT_NE(disk_check(evidence).mend, "");
+    EXPECT_NE(disk_check(evidence).fix, "");
 }
 
 TEST(DoctorDisk, LittleRoomIsAWarning) {
@@ -123,16 +123,16 @@ TEST(DoctorDisk, LittleRoomIsAWarning) {
 TEST(DoctorDisk, EachRefusalHasItsLine) {
     Evidence evidence = LaidOutComputer().evidence();
     evidence.purpose.folder = "/data";
-    const auto mend = [&](int refused) {
+    const auto fix = [&](int refused) {
         evidence.trials.disk.refused = refused;
         EXPECT_EQ(disk_check(evidence).verdict, Verdict::failure);
-        return disk_check(evidence).mend;
+        return disk_check(evidence).fix;
     };
-    EXPECT_EQ(mend(ENOENT), "mkdir -p /data");
-    EXPECT_EQ(mend(EACCES), "sudo chown \"$USER\" /data");
-    EXPECT_EQ(mend(EROFS), "sudo mount -o remount,rw \"$(findmnt -n -o TARGET --target /data)\"");
-    EXPECT_EQ(mend(ENOSPC), "du -xh /data | sort -h | tail  # lists what takes the space");
-    EXPECT_NE(mend(EIO), "");
+    EXPECT_EQ(fix(ENOENT), "mkdir -p /data");
+    EXPECT_EQ(fix(EACCES), "sudo chown \"$USER\" /data");
+    EXPECT_EQ(fix(EROFS), "sudo mount -o remount,rw \"$(findmnt -n -o TARGET --target /data)\"");
+    EXPECT_EQ(fix(ENOSPC), "du -xh /data | sort -h | tail  # lists what takes the space");
+    EXPECT_NE(fix(EIO), "");
     evidence.trials.disk = {};
     EXPECT_NE(disk_check(evidence).found.find("did not write one second"), std::string::npos);
 }
@@ -161,7 +161,7 @@ TEST(DoctorPackages, GnuplotIsLookedForAsTheSystemDoes) {
     EXPECT_EQ(gnuplot_check(evidence).verdict, Verdict::warning);
     computer.has_program("/opt/bin/gnuplot");
     expect_ok(gnuplot_check(evidence), "/opt/bin/gnuplot");
-    EXPECT_EQ(font_check(evidence).mend, "sudo apt-get install fonts-dejavu-core");
+    EXPECT_EQ(font_check(evidence).fix, "sudo apt-get install fonts-dejavu-core");
 }
 
 TEST(DoctorReport, JsonHasEveryFieldWhateverItsBytes) {

@@ -49,7 +49,7 @@ TEST(DoctorRights, TheSourceTreesOwnFileIsCopied) {
     LaidOutComputer computer = fresh_installation();
     computer.has("/source/setup/limits.conf");
     computer.has("/etc/group", "springdrive:x:46:bert\n");
-    EXPECT_EQ(priority_check(refused(computer)).mend,
+    EXPECT_EQ(priority_check(refused(computer)).fix,
               "sudo cp " + (computer.root() / "source/setup/limits.conf").string() + " " +
                   kLimitsFile + " && sudo usermod -aG springdrive \"$USER\"  # then log in again");
 }
@@ -59,29 +59,29 @@ TEST(DoctorRights, OnlyWhatIsMissingIsInTheLine) {
     computer.has("/etc/group", "springdrive:x:46:bert\n");
     computer.has(kLimitsFile,
                  "# the servo\n@springdrive - rtprio 90\n@springdrive  -  memlock unlimited\n");
-    EXPECT_EQ(priority_check(refused(computer)).mend,
+    EXPECT_EQ(priority_check(refused(computer)).fix,
               "sudo usermod -aG springdrive \"$USER\"  # then log in again");
-    EXPECT_EQ(memory_lock_check(refused(computer)).mend,
+    EXPECT_EQ(memory_lock_check(refused(computer)).fix,
               "sudo usermod -aG springdrive \"$USER\"  # then log in again");
     computer.has("/etc/group", "springdrive:x:46:bert,anna\n");
-    EXPECT_EQ(priority_check(refused(computer)).mend,
+    EXPECT_EQ(priority_check(refused(computer)).fix,
               "log in again: limits and groups apply from a login on");
     computer.has("/etc/group", "springdrive:x:46:bert,annabel\n");
     Evidence member = refused(computer);
     member.process.group_ids = {1000, 46};
-    EXPECT_EQ(priority_check(member).mend, "log in again: limits and groups apply from a login on");
+    EXPECT_EQ(priority_check(member).fix, "log in again: limits and groups apply from a login on");
     computer.has(kLimitsFile, "#@springdrive - rtprio 90\n@springdrive - nofile 90\n");
-    EXPECT_EQ(priority_check(member).mend.substr(0, 6), "printf");
-    EXPECT_EQ(priority_check(member).mend.find("usermod"), std::string::npos);
+    EXPECT_EQ(priority_check(member).fix.substr(0, 6), "printf");
+    EXPECT_EQ(priority_check(member).fix.find("usermod"), std::string::npos);
 }
 
 TEST(DoctorRights, AUsersOwnLineNeedsNoGroup) {
     LaidOutComputer computer = fresh_installation();
     computer.has(kLimitsFile, "anna - rtprio 80\n");
-    EXPECT_EQ(priority_check(refused(computer)).mend, "log in again: limits apply from a login on");
-    EXPECT_EQ(memory_lock_check(refused(computer)).mend.substr(0, 6), "printf");
+    EXPECT_EQ(priority_check(refused(computer)).fix, "log in again: limits apply from a login on");
+    EXPECT_EQ(memory_lock_check(refused(computer)).fix.substr(0, 6), "printf");
     computer.has(kLimitsFile, "bert - rtprio 80\n");
-    EXPECT_EQ(priority_check(refused(computer)).mend.substr(0, 6), "printf");
+    EXPECT_EQ(priority_check(refused(computer)).fix.substr(0, 6), "printf");
 }
 
 TEST(DoctorRights, ALimitThatTheUserMayRaiseIsRaised) {
@@ -89,18 +89,18 @@ TEST(DoctorRights, ALimitThatTheUserMayRaiseIsRaised) {
     evidence.trials.rights.priority = 81;
     evidence.process.priority_limit_hard = 81;
     evidence.process.memory_lock_limit_hard_bytes = Process::kUnlimited;
-    EXPECT_EQ(priority_check(evidence).mend, "ulimit -S -r 81");
-    EXPECT_EQ(memory_lock_check(evidence).mend, "ulimit -S -l unlimited");
+    EXPECT_EQ(priority_check(evidence).fix, "ulimit -S -r 81");
+    EXPECT_EQ(memory_lock_check(evidence).fix, "ulimit -S -l unlimited");
     evidence.process.priority_limit_hard = 80; // one too low for a board's thread
     evidence.process.memory_lock_limit_hard_bytes = std::uint64_t{1} << 40U;
-    EXPECT_EQ(priority_check(evidence).mend.substr(0, 6), "printf");
-    EXPECT_EQ(memory_lock_check(evidence).mend.substr(0, 6), "printf");
+    EXPECT_EQ(priority_check(evidence).fix.substr(0, 6), "printf");
+    EXPECT_EQ(memory_lock_check(evidence).fix.substr(0, 6), "printf");
 }
 
 TEST(DoctorRights, ARefusalInSpiteOfTheLimitIsThatOfAGroupOfTasks) {
     Evidence evidence = refused(fresh_installation());
     evidence.process.priority_limit = 90;
-    EXPECT_EQ(priority_check(evidence).mend, "sudo sysctl -w kernel.sched_rt_runtime_us=-1");
+    EXPECT_EQ(priority_check(evidence).fix, "sudo sysctl -w kernel.sched_rt_runtime_us=-1");
 }
 
 TEST(DoctorRights, InAContainerTheRightsComeFromItsStart) {
@@ -108,12 +108,12 @@ TEST(DoctorRights, InAContainerTheRightsComeFromItsStart) {
     computer.has("/.dockerenv");
     const std::string line =
         "start the container with --cap-add SYS_NICE --ulimit rtprio=90 --ulimit memlock=-1";
-    EXPECT_EQ(priority_check(refused(computer)).mend, line);
+    EXPECT_EQ(priority_check(refused(computer)).fix, line);
     Evidence root = refused(computer);
     root.process.user_id = 0;
-    EXPECT_EQ(memory_lock_check(root).mend, line);
+    EXPECT_EQ(memory_lock_check(root).fix, line);
     computer.has_no("/.dockerenv");
-    EXPECT_NE(priority_check(root).mend.find("capabilities"), std::string::npos);
+    EXPECT_NE(priority_check(root).fix.find("capabilities"), std::string::npos);
 }
 
 TEST(DoctorRights, AGroupWithoutAShareOfRealTimeIsGivenOne) {
@@ -127,10 +127,10 @@ TEST(DoctorRights, AGroupWithoutAShareOfRealTimeIsGivenOne) {
                  "echo 500000 | sudo tee " + file);
     computer.has(file, "1\n");
     EXPECT_EQ(priority_check(evidence).found.find("share"), std::string::npos);
-    EXPECT_EQ(priority_check(evidence).mend, "sudo sysctl -w kernel.sched_rt_runtime_us=-1");
+    EXPECT_EQ(priority_check(evidence).fix, "sudo sysctl -w kernel.sched_rt_runtime_us=-1");
     // Without the limit the share does not help yet.
     computer.has(file, "0\n");
-    EXPECT_EQ(priority_check(refused(computer)).mend.substr(0, 6), "printf");
+    EXPECT_EQ(priority_check(refused(computer)).fix.substr(0, 6), "printf");
 }
 
 TEST(DoctorRights, AContainersGroupIsTheTopmostThatItSees) {
@@ -142,7 +142,7 @@ TEST(DoctorRights, AContainersGroupIsTheTopmostThatItSees) {
                  "start the container with --cap-add SYS_NICE --cpu-rt-runtime=500000 "
                  "--ulimit rtprio=90 --ulimit memlock=-1");
     computer.has("/sys/fs/cgroup/cpu/cpu.rt_runtime_us", "950000\n");
-    EXPECT_EQ(priority_check(refused(computer)).mend.find("runtime"), std::string::npos);
+    EXPECT_EQ(priority_check(refused(computer)).fix.find("runtime"), std::string::npos);
 }
 
 TEST(DoctorRights, AreNeededByABoardAndMerelyGoodForASimulation) {
@@ -164,7 +164,7 @@ TEST(DoctorRights, OddFilesOfUsersAndGroupsAreBorne) {
         computer.has("/etc/group", odd);
         computer.has("/etc/security/limits.conf", odd);
         computer.has(kLimitsFile, odd);
-        EXPECT_NE(priority_check(refused(computer)).mend.find("usermod"), std::string::npos);
+        EXPECT_NE(priority_check(refused(computer)).fix.find("usermod"), std::string::npos);
     }
 }
 

@@ -84,8 +84,7 @@ TEST(DoctorUsb, NoBoardFailsOnlyWhereOneIsAskedFor) {
                  "start the container with -v /dev/bus/usb:/dev/bus/usb --device-cgroup-rule "
                  "'c 189:* rmw'");
     computer.has("/dev/bus/usb/001/001");
-    EXPECT_EQ(usb_check(for_usb(computer, {}), "usb_board").mend.substr(0, 17),
-              "plug the board in");
+    EXPECT_EQ(usb_check(for_usb(computer, {}), "usb_board").fix.substr(0, 17), "plug the board in");
     Evidence silent = for_usb(computer, {});
     silent.trials.usb.has_answered = false;
     EXPECT_EQ(usb_check(silent, "usb_board").found, "USB gave no answer in time");
@@ -121,16 +120,16 @@ TEST(DoctorUsb, PermissionComesFromTheRuleThenFromPluggingIn) {
                      "' | sudo tee /etc/udev/rules.d/70-springdrive-usb.rules" + reload);
     expect_no_verdict(usb_check(refused, "usb_firmware"), "cannot be asked");
     computer.has("/source/setup/70-springdrive-usb.rules");
-    EXPECT_EQ(usb_check(refused, "usb_permission").mend,
+    EXPECT_EQ(usb_check(refused, "usb_permission").fix,
               "sudo cp " + (computer.root() / "source/setup/70-springdrive-usb.rules").string() +
                   " /etc/udev/rules.d/" + reload);
     computer.has("/etc/udev/rules.d/99-springdrive.rules", "KERNEL==\"cpu_dma_latency\"\n# 1209\n");
-    EXPECT_NE(usb_check(refused, "usb_permission").mend.find("reload"), std::string::npos);
+    EXPECT_NE(usb_check(refused, "usb_permission").fix.find("reload"), std::string::npos);
     computer.has("/usr/lib/udev/rules.d/70-springdrive-usb.rules", "ATTR{idVendor}==\"1209\"\n");
-    EXPECT_EQ(usb_check(refused, "usb_permission").mend,
+    EXPECT_EQ(usb_check(refused, "usb_permission").fix,
               "unplug the board and plug it in again: the rule for it is installed");
     refused.process.environment["SSH_CONNECTION"] = "10.0.0.1 1 10.0.0.2 22";
-    EXPECT_EQ(usb_check(refused, "usb_permission").mend,
+    EXPECT_EQ(usb_check(refused, "usb_permission").fix,
               "sudo chown \"$USER\" /dev/bus/usb/001/005");
     refused.purpose.uses_usb = false;
     EXPECT_EQ(usb_check(refused, "usb_permission").verdict, Verdict::warning);
@@ -177,7 +176,7 @@ TEST(DoctorUsb, ABoardWithoutANodeIsFoundByTheKernelsList) {
         "/dev/bus/usb/001/005 is missing, though the kernel has the board at 1-2",
         "sudo mkdir -p /dev/bus/usb/001 && sudo mknod -m 666 /dev/bus/usb/001/005 c 189 4");
     computer.has("/run/.containerenv");
-    EXPECT_EQ(usb_check(evidence, "usb_permission").mend.substr(0, 19), "start the container");
+    EXPECT_EQ(usb_check(evidence, "usb_permission").fix.substr(0, 19), "start the container");
 }
 
 TEST(DoctorUsb, TheProgramThatUsesABoardIsNamed) {
@@ -204,7 +203,7 @@ TEST(DoctorUsb, FirmwareThatDoesNotFitOrAnswerFails) {
                  "install the firmware of this version of springdrive: docs/board.md");
     expect_ok(usb_check(old, "usb_permission"), "may be used");
     const Evidence silent = with_obstacle(computer, BoardObstacle::no_answer, "does not answer");
-    EXPECT_NE(usb_check(silent, "usb_firmware").mend.find("unplug"), std::string::npos);
+    EXPECT_NE(usb_check(silent, "usb_firmware").fix.find("unplug"), std::string::npos);
     EXPECT_EQ(usb_check(silent, "usb_firmware").verdict, Verdict::failure);
 }
 

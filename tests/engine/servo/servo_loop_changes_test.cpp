@@ -403,13 +403,13 @@ TEST(ServoLoopChanges, TheLastCommandIsHeldWithoutNewMeasurementsWithinTheLimit)
             EXPECT_EQ(stale.theta_rate_rad_per_s, before.theta_rate_rad_per_s);
             EXPECT_EQ(stale.contact.x0_m, before.contact.x0_m);
         }
-        FailingRig mended; // the same, but with a new measurement in the sixth tick
-        mended.fail(fault);
+        FailingRig fixed; // the same, but with a new measurement in the sixth tick
+        fixed.fail(fault);
         for (int tick = 0; tick < 5; ++tick) {
-            mended.tick();
+            fixed.tick();
         }
-        mended.device().clear_fault();
-        const ServoSample fresh = mended.tick();
+        fixed.device().clear_fault();
+        const ServoSample fresh = fixed.tick();
         EXPECT_EQ(fresh.safety.state, SafetyState::running);
         EXPECT_EQ(fresh.missed_periods, 5U);
         EXPECT_DOUBLE_EQ(fresh.since_last_s, 6.0 * kPeriod_s);

@@ -248,7 +248,7 @@ TEST(DamagedStudies, AreReadWholeOrRefused) {
             expect_one_line(error.what());
             ++refused;
         }
-        // Opening for writing may also mend what reading cannot see: never the contents.
+        // Opening for writing may also repair what reading cannot see: never the contents.
         try {
             EXPECT_EQ(StudyStore(file).contents(), contents) << i;
         } catch (const InputError &error) {
@@ -300,7 +300,7 @@ TEST(StudyFile, IsReadFromAWriteProtectedFolder) {
     EXPECT_EQ(said_on_opening(file), "");
 }
 
-TEST(StudyFile, InTheMidstOfAWriteIsMendedWhereItCanBe) {
+TEST(StudyFile, InTheMidstOfAWriteIsRepairedWhereItCanBe) {
     const auto folder = fresh_folder("file_hot");
     const auto file = study_with_trials(folder, 5);
     const std::string before = contents_of(file);
