@@ -1,7 +1,7 @@
 // Runs work that takes longer than a frame on a background thread, one job at a time.
 #pragma once
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 
 #include <atomic>
 #include <chrono>
@@ -19,16 +19,16 @@ namespace springdrive {
 
 /// State shared between the background work and the frame loop.
 struct BackgroundTalk {
-    std::atomic<double> share{0.0};       ///< progress, 0 to 1
-    std::atomic<bool> is_given_up{false}; ///< the result is no longer needed
+    std::atomic<double> share{0.0};        ///< progress, 0 to 1
+    std::atomic<bool> is_cancelled{false}; ///< the result is no longer needed
 
-    [[nodiscard]] bool is_wanted() const { return !is_given_up; }
+    [[nodiscard]] bool is_wanted() const { return !is_cancelled; }
 
     /// Called by the work to report its current stage and progress; ends work that was cancelled.
-    /// @throw NotWanted if it was cancelled
+    /// @throw Cancelled if it was cancelled
     void report(const std::string &what, double so_far) {
-        if (is_given_up) {
-            throw NotWanted();
+        if (is_cancelled) {
+            throw Cancelled();
         }
         share = so_far;
         const std::lock_guard lock(mutex_);
@@ -66,7 +66,7 @@ public:
         give_up();
         talk_ = std::make_shared<BackgroundTalk>();
         std::packaged_task<Result()> task([work = std::move(work), talk = talk_] {
-            const GivenUpBy by(&talk->is_given_up);
+            const StopScope by(&talk->is_cancelled);
             return work(*talk);
         });
         result_ = task.get_future();
@@ -87,7 +87,7 @@ public:
     /// The work may then end early, by an exception; `take` still reports when it has ended.
     void ask_to_end() {
         if (talk_) {
-            talk_->is_given_up = true;
+            talk_->is_cancelled = true;
         }
     }
 

@@ -2,7 +2,7 @@
 // Starts threads and allocates, so it is for preparation, never for the servo.
 #pragma once
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 
 #include <algorithm>
 #include <atomic>
@@ -23,11 +23,11 @@ namespace springdrive {
 /// @throw what `work` throws, after all threads have ended
 template <typename Work> void in_chunks(std::size_t count, unsigned chunks, const Work &work) {
     const auto start_of = [&](unsigned chunk) { return count * chunk / chunks; };
-    const std::atomic<bool> *const given_up = wanted::is_given_up;
+    const std::atomic<bool> *const given_up = wanted::is_cancelled;
     std::vector<std::future<void>> others;
     for (unsigned chunk = 1; chunk < chunks; ++chunk) {
         others.push_back(std::async(std::launch::async, [&work, start_of, chunk, given_up] {
-            const GivenUpBy by(given_up);
+            const StopScope by(given_up);
             work(chunk, start_of(chunk), start_of(chunk + 1));
         }));
     }
@@ -39,7 +39,7 @@ template <typename Work> void in_chunks(std::size_t count, unsigned chunks, cons
 
 /// Calls `work(i)` once for each i below `count`, in up to `threads` threads including the calling
 /// one; returns when all are done.
-/// @throw what `work` threw, the first in the order of the threads; NotWanted, before the next i,
+/// @throw what `work` threw, the first in the order of the threads; Cancelled, before the next i,
 ///        if the calling thread's work was cancelled
 template <typename Work> void for_each_in_parallel(std::size_t count, unsigned threads, Work work) {
     std::atomic<std::size_t> next{0};
@@ -49,12 +49,12 @@ template <typename Work> void for_each_in_parallel(std::size_t count, unsigned t
             work(i);
         }
     };
-    const std::atomic<bool> *const given_up = wanted::is_given_up;
+    const std::atomic<bool> *const given_up = wanted::is_cancelled;
     // The futures' destructors wait, even if an exception is thrown here.
     std::vector<std::future<void>> helpers;
     for (std::size_t i = 1; i < std::min<std::size_t>(count, threads); ++i) {
         helpers.push_back(std::async(std::launch::async, [&take_turns, given_up] {
-            const GivenUpBy by(given_up);
+            const StopScope by(given_up);
             take_turns();
         }));
     }

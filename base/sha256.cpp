@@ -1,8 +1,8 @@
 #include "base/sha256.h"
 
 #include "base/assertions.h"
+#include "base/cancellation.h"
 #include "base/input_error.h"
-#include "base/wanted.h"
 
 #include <sha2.h>
 

@@ -35,7 +35,7 @@ private:
 };
 
 /// The hash of a file's contents.
-/// @throw InputError for a file that cannot be read; NotWanted as `stop_if_given_up` does
+/// @throw InputError for a file that cannot be read; Cancelled as `stop_if_given_up` does
 [[nodiscard]] std::string sha256_of_file(const std::filesystem::path &file);
 
 } // namespace springdrive

@@ -1,6 +1,6 @@
 #include "engine/scene/creases.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 
 #include <algorithm>
 #include <cmath>

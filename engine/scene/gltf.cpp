@@ -1,8 +1,8 @@
 #include "engine/scene/gltf.h"
 
+#include "base/cancellation.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
-#include "base/wanted.h"
 #include "engine/scene/creases.h"
 #include "engine/scene/fit.h"
 #include "engine/scene/gltf_file.h"
@@ -378,11 +378,11 @@ Scene load_gltf(const std::filesystem::path &file, const device::Workspace &work
                 LoadProgress *progress) {
     LoadProgress unwatched;
     LoadProgress &watched = progress != nullptr ? *progress : unwatched;
-    const GivenUpBy given_up(&watched.is_given_up());
+    const StopScope given_up(&watched.is_cancelled());
     const std::string place = one_line(file.string(), 1000) + ": ";
     try {
         return load(file, workspace, watched);
-    } catch (const NotWanted &) {
+    } catch (const Cancelled &) {
         throw; // not an error of the file
     } catch (const InputError &error) {
         throw InputError(place + one_line(error.what(), 500));

@@ -49,7 +49,7 @@ namespace springdrive::scene {
 ///        triangle, or has extras about touch that contradict each other. Values other than the
 ///        above are another program's, which may use the same names: left out, with a warning.
 ///        Also for a scene that takes more than 8 GiB to load.
-/// @throw NotWanted soon after `progress` was given up
+/// @throw Cancelled soon after `progress` was given up
 /// @param progress is updated while loading; may be null
 [[nodiscard]] Scene load_gltf(const std::filesystem::path &file, const device::Workspace &workspace,
                               LoadProgress *progress = nullptr);

@@ -1,8 +1,8 @@
 #include "engine/scene/gltf_accessor.h"
 
+#include "base/cancellation.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
-#include "base/wanted.h"
 
 #include <draco/compression/decode.h>
 #include <tiny_gltf.h>

@@ -1,7 +1,7 @@
 #include "engine/scene/gltf_file.h"
 
+#include "base/cancellation.h"
 #include "base/input_error.h"
-#include "base/wanted.h"
 #include "engine/scene/gltf_accessor.h"
 #include "engine/scene/gltf_extensions.h"
 #include "engine/scene/gltf_json.h"

@@ -1,8 +1,8 @@
 #include "engine/scene/gltf_mesh.h"
 
 #include "base/assertions.h"
+#include "base/cancellation.h"
 #include "base/input_error.h"
-#include "base/wanted.h"
 #include "engine/scene/visual_pieces.h"
 
 #include <tiny_gltf.h>

@@ -1,8 +1,8 @@
 #include "engine/scene/gltf_meshopt.h"
 
+#include "base/cancellation.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
-#include "base/wanted.h"
 #include "engine/scene/gltf_accessor.h"
 
 #include <meshoptimizer.h>

@@ -1,8 +1,8 @@
 #include "engine/scene/gltf_nodes.h"
 
+#include "base/cancellation.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
-#include "base/wanted.h"
 #include "engine/scene/gltf_extras.h"
 
 #include <tiny_gltf.h>

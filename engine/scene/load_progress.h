@@ -33,11 +33,11 @@ public:
     /// For people: "gathering triangles, 40 %".
     [[nodiscard]] std::string text() const;
 
-    /// Cancels loading, from any thread. It ends with NotWanted at its next check, of which there
+    /// Cancels loading, from any thread. It ends with Cancelled at its next check, of which there
     /// are many in a second.
     void give_up() noexcept { is_given_up_ = true; }
-    /// For the thread that loads, see GivenUpBy.
-    [[nodiscard]] const std::atomic<bool> &is_given_up() const noexcept { return is_given_up_; }
+    /// For the thread that loads, see StopScope.
+    [[nodiscard]] const std::atomic<bool> &is_cancelled() const noexcept { return is_given_up_; }
 
 private:
     static constexpr float kUnknown = -1.0F;

@@ -1,6 +1,6 @@
 #include "engine/scene/visual_pieces.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 
 #include <limits>
 #include <span>

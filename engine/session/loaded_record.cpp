@@ -1,7 +1,7 @@
 #include "engine/session/loaded_record.h"
 
+#include "base/cancellation.h"
 #include "base/input_error.h"
-#include "base/wanted.h"
 #include "device/core/device_file.h"
 #include "engine/record/record_format.h"
 #include "engine/record/record_reader.h"

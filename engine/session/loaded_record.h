@@ -67,7 +67,7 @@ struct LoadedRecord {
 /// @param max_bytes  of the store, which exceeds it by at most one chunk
 /// @throw InputError naming the file, if it cannot be read, is not a record of this version, or has
 ///        no rows from `from_s` on
-/// @throw NotWanted soon after it was cancelled
+/// @throw Cancelled soon after it was cancelled
 [[nodiscard]] LoadedRecord load_record(const std::filesystem::path &file, double from_s,
                                        std::size_t max_bytes, BackgroundTalk &talk);
 

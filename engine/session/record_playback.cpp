@@ -1,7 +1,7 @@
 #include "engine/session/record_playback.h"
 
 #include "base/assertions.h"
-#include "base/wanted.h"
+#include "base/cancellation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -156,7 +156,7 @@ void RecordPlayback::take_answer() {
             drop_answer();
             answer_ = std::move(*found);
         }
-    } catch (const NotWanted &) { // for a newer question
+    } catch (const Cancelled &) { // for a newer question
     } catch (const std::exception &error) {
         failed_ = running_tuning_;
         error_ = std::string("the record cannot be computed with this tuning: ") + error.what();

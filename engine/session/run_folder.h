@@ -127,7 +127,7 @@ struct PastRecord {
 
 /// Writes a record of the past; without rows, it has only the notes. Takes seconds: call it on a
 /// background thread. The snapshot's memory stays in use for as long.
-/// @throw InputError if the file exists or cannot be written, NotWanted if it was cancelled; no
+/// @throw InputError if the file exists or cannot be written, Cancelled if it was cancelled; no
 ///        file is left behind, and an existing one is as it was.
 void write_past(const std::filesystem::path &file, const PastRecord &past, BackgroundTalk &talk);
 

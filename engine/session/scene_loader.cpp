@@ -1,7 +1,7 @@
 #include "engine/session/scene_loader.h"
 
+#include "base/cancellation.h"
 #include "base/sha256.h"
-#include "base/wanted.h"
 #include "engine/contact/mesh/mesh_warnings.h"
 #include "engine/scene/gltf.h"
 #include "engine/scene/scene_surface.h"
@@ -16,7 +16,7 @@ namespace springdrive::session {
 std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
                                         const device::Workspace &workspace,
                                         scene::LoadProgress &progress) {
-    const GivenUpBy given_up(&progress.is_given_up());
+    const StopScope given_up(&progress.is_cancelled());
     scene::Scene scene = scene::load_gltf(file, workspace, &progress);
     progress.begin(scene::LoadProgress::Stage::preparing, false);
     contact::HapticSurface surface = scene::haptic_surface_of(scene);
@@ -39,7 +39,7 @@ void SceneLoader::request(const std::filesystem::path &file, const Finish &finis
         [file, finish, workspace = workspace_, progress = progress_](BackgroundTalk &talk) {
             std::unique_ptr<LoadedScene> loaded = load_scene(file, workspace, *progress);
             if (finish) {
-                const GivenUpBy given_up(&progress->is_given_up());
+                const StopScope given_up(&progress->is_cancelled());
                 finish(*loaded, *progress, talk);
             }
             return loaded;

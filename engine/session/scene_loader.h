@@ -27,7 +27,7 @@ struct LoadedScene {
 
 /// Loads a glTF file and prepares its surface. Any thread.
 /// @throw InputError as `load_gltf` does.
-/// @throw NotWanted soon after `progress` was cancelled
+/// @throw Cancelled soon after `progress` was cancelled
 [[nodiscard]] std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
                                                       const device::Workspace &workspace,
                                                       scene::LoadProgress &progress);

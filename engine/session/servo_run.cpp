@@ -8,7 +8,7 @@
 
 namespace springdrive::session {
 
-ServoRun::ServoRun(device::HapticDevice &device, const ServoWay &way)
+ServoRun::ServoRun(device::HapticDevice &device, const ServoOptions &way)
     : way_(way), device_(&device), servo_(std::make_unique<servo::Servo>(device, way.servo_hz)),
       history_(device.description().geometry, way.servo_hz, way.history_bytes) {
     publish();

@@ -19,7 +19,7 @@
 namespace springdrive::session {
 
 /// Options for running a servo.
-struct ServoWay {
+struct ServoOptions {
     double servo_hz = 1000.0;
     bool lockstep = false;  ///< timed by `ServoRun::advance`, not by a clock
     std::optional<int> cpu; ///< the processor of its thread
@@ -41,7 +41,7 @@ class ServoRun {
 public:
     /// @param device  must outlive this object or stay valid until `renew`
     /// @throw InputError as `servo_period_s` does
-    ServoRun(device::HapticDevice &device, const ServoWay &way);
+    ServoRun(device::HapticDevice &device, const ServoOptions &way);
 
     // Requests; active from the next tick.
     void set_global_alpha(double alpha_rad2_per_m2);
@@ -144,7 +144,7 @@ private:
     void publish();
     void note_standstill(const servo::ServoSample &sample);
 
-    ServoWay way_;
+    ServoOptions way_;
     device::HapticDevice *device_;
     std::unique_ptr<servo::Servo> servo_;
     servo::ServoInputs inputs_;

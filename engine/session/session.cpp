@@ -48,9 +48,9 @@ Session::Session(const SessionOptions &options, scene::LoadProgress *progress) :
         models_->set_ground(ground(first.text, first.request.description, options.servo_hz));
     }
     device_ = std::make_unique<factory::OpenDevice>(std::move(first.device));
-    servo_ =
-        std::make_unique<ServoRun>(device_->device(), ServoWay{options.servo_hz, options.lockstep,
-                                                               options.cpu, options.history_bytes});
+    servo_ = std::make_unique<ServoRun>(
+        device_->device(),
+        ServoOptions{options.servo_hz, options.lockstep, options.cpu, options.history_bytes});
     recording_ = std::make_unique<Recording>(*servo_);
     hand_.take_hold(device_->hand(), description, simulation_.path, first.request.start_tip_m);
     servo_->set_global_alpha(control::global_alpha_bound(description));

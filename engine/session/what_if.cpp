@@ -1,6 +1,6 @@
 #include "engine/session/what_if.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 #include "device/core/motor/amplifier.h"
 #include "engine/control/force_direction.h"
 #include "engine/servo/law_sample.h"

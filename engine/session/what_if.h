@@ -88,7 +88,7 @@ struct RowRange {
 /// The rows of a range with another tuning: of the same times as in the record, but numbered from
 /// the range's first. The rows before it are used as far as they matter. Any thread.
 /// @pre the range is in the store
-/// @throw NotWanted soon after this thread's work was cancelled
+/// @throw Cancelled soon after this thread's work was cancelled
 [[nodiscard]] record::ChannelStore what_if(const LoadedRecord &record,
                                            const control::Tuning &tuning, const RowRange &rows);
 

@@ -1,9 +1,9 @@
 #include "engine/contact/bvh/box_tree_build.h"
 
 #include "base/assertions.h"
+#include "base/cancellation.h"
 #include "base/parallel.h"
 #include "base/vector.h"
-#include "base/wanted.h"
 
 #include <algorithm>
 #include <array>

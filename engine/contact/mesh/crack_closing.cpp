@@ -1,8 +1,8 @@
 #include "engine/contact/mesh/crack_closing.h"
 
 #include "base/assertions.h"
+#include "base/cancellation.h"
 #include "base/parallel.h"
-#include "base/wanted.h"
 #include "engine/contact/mesh/rim.h"
 #include "engine/contact/mesh/vertex_grid.h"
 

@@ -1,8 +1,8 @@
 #include "engine/contact/mesh/edge_table.h"
 
 #include "base/assertions.h"
+#include "base/cancellation.h"
 #include "base/parallel.h"
-#include "base/wanted.h"
 
 namespace springdrive::contact {
 

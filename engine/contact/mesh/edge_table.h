@@ -3,7 +3,7 @@
 
 #include "engine/contact/mesh/mesh_triangle.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

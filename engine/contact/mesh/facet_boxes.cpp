@@ -1,6 +1,6 @@
 #include "engine/contact/mesh/facet_boxes.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 
 #include <algorithm>
 #include <array>

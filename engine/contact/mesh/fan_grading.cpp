@@ -1,6 +1,6 @@
 #include "engine/contact/mesh/fan_grading.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 #include "engine/contact/mesh/fan_rings.h"
 #include "engine/contact/mesh/triangle_fans.h"
 

@@ -38,7 +38,7 @@ inline constexpr std::size_t kMaxGradedFacets = 1'000'000;
 /// @param facets     one for each triangle that is not left out, in order; replaced
 /// @param left_out   indices of triangles, in ascending order
 /// @param vertices   their number
-/// @throw NotWanted if this thread's work was cancelled
+/// @throw Cancelled if this thread's work was cancelled
 GradedFans grade_fans(std::vector<FacetSource> &facets, const std::vector<MeshTriangle> &triangles,
                       const std::vector<std::uint32_t> &left_out, std::size_t vertices);
 

@@ -24,7 +24,7 @@ struct FanRings {
 };
 
 /// The rings of a fan whose spokes are about as long.
-/// @throw NotWanted if this thread's work was cancelled
+/// @throw Cancelled if this thread's work was cancelled
 [[nodiscard]] FanRings rings_of(const TriangleFan &fan);
 
 } // namespace springdrive::contact

@@ -1,6 +1,6 @@
 #include "engine/contact/mesh/mesh_preparation.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 #include "engine/contact/mesh/crack_closing.h"
 #include "engine/contact/mesh/edge_splitting.h"
 #include "engine/contact/mesh/edge_table.h"

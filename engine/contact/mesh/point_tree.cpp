@@ -1,7 +1,7 @@
 #include "engine/contact/mesh/point_tree.h"
 
+#include "base/cancellation.h"
 #include "base/parallel.h"
-#include "base/wanted.h"
 
 #include <Eigen/Geometry>
 

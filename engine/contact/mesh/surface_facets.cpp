@@ -1,7 +1,7 @@
 #include "engine/contact/mesh/surface_facets.h"
 
+#include "base/cancellation.h"
 #include "base/parallel.h"
-#include "base/wanted.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "engine/contact/mesh/triangle_fans.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,6 +1,6 @@
 #include "engine/contact/mesh/triangle_orientation.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 #include "engine/contact/mesh/triangle_sets.h"
 
 #include <Eigen/Geometry>

@@ -1,8 +1,8 @@
 #include "engine/contact/mesh/vertex_grid.h"
 
 #include "base/assertions.h"
+#include "base/cancellation.h"
 #include "base/parallel.h"
-#include "base/wanted.h"
 
 #include <bit>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "engine/contact/mesh/vertex_welding.h"
 
 #include "base/assertions.h"
-#include "base/wanted.h"
+#include "base/cancellation.h"
 #include "engine/contact/mesh/vertex_grid.h"
 
 #include <algorithm>

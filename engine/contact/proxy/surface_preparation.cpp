@@ -1,8 +1,8 @@
 // What happens once to a surface, before it is queried.
 #include "engine/contact/proxy/haptic_surface.h"
 
+#include "base/cancellation.h"
 #include "base/parallel.h"
-#include "base/wanted.h"
 #include "engine/contact/mesh/facet_boxes.h"
 #include "engine/contact/mesh/mesh_preparation.h"
 #include "engine/contact/mesh/triangle_soup.h"

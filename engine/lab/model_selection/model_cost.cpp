@@ -1,7 +1,7 @@
 #include "engine/lab/model_selection/model_cost.h"
 
+#include "base/cancellation.h"
 #include "base/timing.h"
-#include "base/wanted.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/contact/proxy/proxy.h"
 

@@ -1,6 +1,6 @@
 #include "engine/lab/model_selection/model_run.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 #include "engine/control/force_direction.h"
 #include "engine/lab/rig/law_rig.h"
 

@@ -1,6 +1,6 @@
 #include "engine/lab/model_selection/scene_model.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 #include "engine/lab/model_selection/choose.h"
 #include "engine/lab/model_selection/contact_shapes.h"
 #include "engine/lab/model_selection/model_cost.h"

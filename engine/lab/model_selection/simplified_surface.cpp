@@ -1,7 +1,7 @@
 #include "engine/lab/model_selection/simplified_surface.h"
 
 #include "base/assertions.h"
-#include "base/wanted.h"
+#include "base/cancellation.h"
 
 #include <meshoptimizer.h>
 

@@ -41,7 +41,7 @@ struct Precision {
 
 /// One row for each number of trials. Runs on all processors.
 /// @pre validate(question, task) is empty
-/// @throw NotWanted if the calling thread's work was cancelled
+/// @throw Cancelled if the calling thread's work was cancelled
 [[nodiscard]] std::vector<Precision> precision_by_trials(const PrecisionQuestion &question);
 
 /// The trials with which four of five studies reach the width, interpolated over ln trials; nothing

@@ -43,7 +43,7 @@ TEST(StabilityGrid, EveryCellIsWhatASingleTuningGives) {
 
 TEST(StabilityGrid, EndsEarlyWhereNobodyWantsIt) {
     BackgroundTalk talk;
-    talk.is_given_up = true;
+    talk.is_cancelled = true;
     const StabilityGrid grid = stability_grid(testing::firm(), talk);
     EXPECT_EQ(grid.at(3, 3), 0.0); // not computed
 }

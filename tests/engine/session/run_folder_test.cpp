@@ -518,8 +518,8 @@ TEST_F(PastRecordTest, WithoutRowsIsARecordOfItsNotes) {
 TEST_F(PastRecordTest, LeavesNothingBehindIfItIsCancelled) {
     add(3000);
     BackgroundTalk talk;
-    talk.is_given_up = true;
-    EXPECT_THROW(write_past(file, past, talk), NotWanted);
+    talk.is_cancelled = true;
+    EXPECT_THROW(write_past(file, past, talk), Cancelled);
     EXPECT_TRUE(std::filesystem::is_empty(folder));
     Background<bool> writing;
     writing.start([past = past, file = file](BackgroundTalk &own) {
@@ -532,7 +532,7 @@ TEST_F(PastRecordTest, LeavesNothingBehindIfItIsCancelled) {
     while (!std::filesystem::exists(file)) {
     }
     writing.ask_to_end();
-    EXPECT_THROW(while (!writing.take()){}, NotWanted);
+    EXPECT_THROW(while (!writing.take()){}, Cancelled);
     EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
 

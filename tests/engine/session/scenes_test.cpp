@@ -73,7 +73,7 @@ TEST(Scenes, LoadingOfACancelledSceneStops) {
     progress.give_up();
     EXPECT_THROW(static_cast<void>(
                      load_scene(file_of("organic"), testing::phantom_1_0().workspace, progress)),
-                 NotWanted);
+                 Cancelled);
 }
 
 TEST(SimulatedHand, StaysWithinWorkspaceAndReachAndFollowsItsPath) {

@@ -356,9 +356,9 @@ TEST(WhatIf, APartOfARecordIsAsInTheWhole) {
 
 TEST(WhatIf, EndsSoonWhenCancelled) {
     const LoadedRecord record = testing::in_memory(Press{}.samples());
-    const std::atomic<bool> is_given_up = true;
-    const GivenUpBy by(&is_given_up);
-    EXPECT_THROW(static_cast<void>(what_if(record, {}, {0, record.store.end()})), NotWanted);
+    const std::atomic<bool> is_cancelled = true;
+    const StopScope by(&is_cancelled);
+    EXPECT_THROW(static_cast<void>(what_if(record, {}, {0, record.store.end()})), Cancelled);
 }
 
 /// Root of the mean square of the difference in a tick's currents, in a range of ticks.

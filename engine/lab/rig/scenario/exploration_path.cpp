@@ -1,6 +1,6 @@
 #include "engine/lab/rig/scenario/exploration_path.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 #include "engine/scene/surface_probe.h"
 
 #include <algorithm>

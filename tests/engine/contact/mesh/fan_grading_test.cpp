@@ -1,7 +1,7 @@
 // Covers engine/contact/mesh/fan_grading.cpp, fan_rings.cpp and triangle_fans.cpp.
 #include "engine/contact/mesh/fan_grading.h"
 
-#include "base/wanted.h"
+#include "base/cancellation.h"
 #include "engine/contact/mesh/fan_rings.h"
 #include "engine/contact/mesh/triangle_fans.h"
 #include "tests/engine/contact/mesh/soups.h"
@@ -322,10 +322,10 @@ TEST(FanGrading, CanBeGivenUpWithinAFan) {
     const std::vector<TriangleFan> fans = fans_of(by_vertex[0], given.facets);
     ASSERT_EQ(fans.size(), 1U);
     EXPECT_FALSE(rings_of(fans[0]).triangles.empty());
-    const std::atomic<bool> is_given_up{true};
-    const GivenUpBy by(&is_given_up);
-    EXPECT_THROW(static_cast<void>(rings_of(fans[0])), NotWanted);
-    EXPECT_THROW(static_cast<void>(fans_of(by_vertex[0], given.facets)), NotWanted);
+    const std::atomic<bool> is_cancelled{true};
+    const StopScope by(&is_cancelled);
+    EXPECT_THROW(static_cast<void>(rings_of(fans[0])), Cancelled);
+    EXPECT_THROW(static_cast<void>(fans_of(by_vertex[0], given.facets)), Cancelled);
 }
 
 /// A triangle that was left out does not shift those that follow.

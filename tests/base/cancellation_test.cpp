@@ -1,6 +1,6 @@
-// Covers base/wanted.h, and how base/parallel.h passes on the cancellation.
+// Covers base/cancellation.h, and how base/parallel.h passes on the cancellation.
+#include "base/cancellation.h"
 #include "base/parallel.h"
-#include "base/wanted.h"
 
 #include <gtest/gtest.h>
 
@@ -13,29 +13,29 @@ namespace {
 TEST(Wanted, WorkWithoutAFlagContinues) { EXPECT_NO_THROW(stop_if_given_up()); }
 
 TEST(Wanted, CancelledWorkEndsAtTheNextCheck) {
-    std::atomic<bool> is_given_up{false};
-    const GivenUpBy by(&is_given_up);
+    std::atomic<bool> is_cancelled{false};
+    const StopScope by(&is_cancelled);
     EXPECT_NO_THROW(stop_if_given_up());
-    is_given_up = true;
-    EXPECT_THROW(stop_if_given_up(), NotWanted);
+    is_cancelled = true;
+    EXPECT_THROW(stop_if_given_up(), Cancelled);
     {
-        const GivenUpBy without_hand(nullptr);
+        const StopScope without_hand(nullptr);
         EXPECT_NO_THROW(stop_if_given_up());
     }
-    EXPECT_THROW(stop_if_given_up(), NotWanted);
+    EXPECT_THROW(stop_if_given_up(), Cancelled);
 }
 
 TEST(Wanted, HelperThreadsShareTheFlag) {
-    std::atomic<bool> is_given_up{false};
-    const GivenUpBy by(&is_given_up);
+    std::atomic<bool> is_cancelled{false};
+    const StopScope by(&is_cancelled);
     std::atomic<std::size_t> done{0};
     EXPECT_THROW(for_each_in_parallel(100'000, 3,
                                       [&](std::size_t) {
                                           if (++done == 1000) {
-                                              is_given_up = true;
+                                              is_cancelled = true;
                                           }
                                       }),
-                 NotWanted);
+                 Cancelled);
     EXPECT_LT(done, 50'000U);
     std::atomic<int> looked{0};
     EXPECT_THROW(in_chunks(3, 3,
@@ -43,7 +43,7 @@ TEST(Wanted, HelperThreadsShareTheFlag) {
                                ++looked;
                                stop_if_given_up();
                            }),
-                 NotWanted);
+                 Cancelled);
     EXPECT_EQ(looked, 3);
 }
 

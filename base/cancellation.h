@@ -9,39 +9,39 @@
 namespace springdrive {
 
 /// The work in progress was cancelled.
-class NotWanted : public std::runtime_error {
+class Cancelled : public std::runtime_error {
 public:
-    NotWanted() : std::runtime_error("given up") {}
+    Cancelled() : std::runtime_error("given up") {}
 };
 
 namespace wanted {
 
 /// The flag of this thread's work; null if the work cannot be cancelled.
-inline thread_local const std::atomic<bool> *is_given_up = nullptr;
+inline thread_local const std::atomic<bool> *is_cancelled = nullptr;
 
 } // namespace wanted
 
 /// During its lifetime that flag cancels this thread's work. `in_chunks` and `for_each_in_parallel`
 /// pass the flag on to the threads that they start.
-class GivenUpBy {
+class StopScope {
 public:
-    /// @param is_given_up  must outlive it; null for none
-    explicit GivenUpBy(const std::atomic<bool> *is_given_up) : before_(wanted::is_given_up) {
-        wanted::is_given_up = is_given_up;
+    /// @param is_cancelled  must outlive it; null for none
+    explicit StopScope(const std::atomic<bool> *is_cancelled) : before_(wanted::is_cancelled) {
+        wanted::is_cancelled = is_cancelled;
     }
-    ~GivenUpBy() { wanted::is_given_up = before_; }
-    GivenUpBy(const GivenUpBy &) = delete;
-    GivenUpBy &operator=(const GivenUpBy &) = delete;
+    ~StopScope() { wanted::is_cancelled = before_; }
+    StopScope(const StopScope &) = delete;
+    StopScope &operator=(const StopScope &) = delete;
 
 private:
     const std::atomic<bool> *before_;
 };
 
 /// Costs one load of a flag.
-/// @throw NotWanted if this thread's work was cancelled
+/// @throw Cancelled if this thread's work was cancelled
 inline void stop_if_given_up() {
-    if (wanted::is_given_up != nullptr && wanted::is_given_up->load(std::memory_order_relaxed)) {
-        throw NotWanted();
+    if (wanted::is_cancelled != nullptr && wanted::is_cancelled->load(std::memory_order_relaxed)) {
+        throw Cancelled();
     }
 }
 
