@@ -83,7 +83,7 @@ Window::Wish wish_of(const DemoOptions &options, const Settings &settings) {
 
 Screen::Screen(const DemoOptions &options, session::Session &session)
     : habits_(options.settings), window_("springdrive", wish_of(options, habits_.settings())),
-      session_(session), renderer_(Window::draws_in_software() ? 0 : kSamples), desk_(session),
+      session_(session), renderer_(Window::draws_in_software() ? 0 : kSamples), editor_(session),
       keeps_frames_(!options.screenshot.empty()), requests_(options.reports) {
     habits_.update(window_); // its panels
     scene_panel_.files = offered_scenes(options.session.scene);
@@ -148,9 +148,9 @@ void Screen::obey(const KeyPress &key) {
     if (key.name == "F6") {
         go_to_next_panel(key.with_shift);
     } else if (is_redo) {
-        desk_.redo();
+        editor_.redo();
     } else if (key.with_ctrl && key.name == "z") {
-        desk_.undo();
+        editor_.undo();
     } else if (keeps) {
         keep();
     } else if (!key.with_ctrl) {
@@ -186,9 +186,9 @@ bool Screen::move_by_key(const KeyPress &key) {
 void Screen::obey_plain(const std::string &key) {
     session::ServoRun &servo = session_.servo();
     if (key == "b") {
-        desk_.toggle_slot();
+        editor_.toggle_slot();
     } else if (key == "m") {
-        desk_.toggle_map();
+        editor_.toggle_map();
     } else if (key == "h") {
         toggle_hold(plot_panel_, opened_.subject(session_).store);
     } else if (key == "-" || key == "+" || key == "=") {
@@ -215,7 +215,7 @@ void Screen::obey(WindowOrder order) {
         shows_keys_ = !shows_keys_;
     } else if (order == WindowOrder::tour) {
         opened_.view = RecordView::present;
-        guide_.begin({session_, desk_, lift_});
+        guide_.begin({session_, editor_, lift_});
         habits_.say("the tour begins: all scenes, by a scripted hand; Esc ends it");
     } else {
         habits_.obey(order, window_);
@@ -270,7 +270,7 @@ void Screen::escape() {
     } else if (had_popup_) {
         ImGui::ClosePopupsOverWindow(nullptr, false); // if ImGui did not
     } else if (guide_.is_on()) {
-        guide_.end({session_, desk_, lift_});
+        guide_.end({session_, editor_, lift_});
     } else if (plot_panel_.is_large) {
         plot_panel_.is_large = false;
     } else if (window_.is_full_screen()) {
@@ -357,7 +357,7 @@ Screen::SceneView Screen::draw_contents() {
     view_control_.update(session_, state, places.scene_view, free_part(places.scene_view),
                          !opened_.is_shown());
     view_control_.report(session_, state, places.scene_view);
-    desk_.update();
+    editor_.update();
     if (std::exchange(opens_assistant_, false)) {
         assistant_.open(session_);
     }
@@ -381,7 +381,7 @@ bool Screen::has_panels() const {
 
 void Screen::draw_panels(const Layout &places) {
     if (has_panels() && !assistant_.is_open()) {
-        draw_tuning_panel(session_, desk_, tuning_panel_, places.tuning);
+        draw_tuning_panel(session_, editor_, tuning_panel_, places.tuning);
     } else if (assistant_.is_open()) {
         draw_assistant_panel(session_, assistant_, assistants_doctor_, places.assistant);
     }
@@ -394,7 +394,7 @@ void Screen::draw_panels(const Layout &places) {
         if (draw_servo_panel(session_, log_, keeper_, servo_panel_, places.servo)) {
             keep();
         }
-        draw_scene_panel(session_, desk_, opened_, scene_panel_, places.scene);
+        draw_scene_panel(session_, editor_, opened_, scene_panel_, places.scene);
     }
     if (has_panels()) {
         draw_plot_panel(session_, opened_.subject(session_), session_.tuning().slots(), plot_panel_,

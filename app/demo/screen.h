@@ -12,7 +12,7 @@
 #include "app/panels/opened_record.h"
 #include "app/panels/panels.h"
 #include "app/panels/session_keeper.h"
-#include "app/panels/tuning_desk.h"
+#include "app/panels/tuning_editor.h"
 #include "app/panels/window_habits.h"
 #include "app/plots/plot_panel.h"
 #include "app/stage/hand_lift.h"
@@ -103,7 +103,7 @@ private:
     session::Session &session_;
     Renderer renderer_;
     ViewControl view_control_;
-    TuningDesk desk_;
+    TuningEditor editor_;
     TuningPanelState tuning_panel_;
     ServoPanelState servo_panel_;
     ScenePanelState scene_panel_;

@@ -73,7 +73,7 @@ Rectangle Screen::free_part(const Rectangle &view) const {
 /// Nothing else stands over it: no menu, no views, no files.
 void Screen::draw_over_kiosk(const Rectangle &view, bool is_inside) {
     draw_captions(session_, view_control_.camera(), view, window_.scale(), exhibit::kArrow);
-    kiosk_->update({{session_, desk_, lift_}, view_control_, ImGui::GetIO().DeltaTime, is_inside},
+    kiosk_->update({{session_, editor_, lift_}, view_control_, ImGui::GetIO().DeltaTime, is_inside},
                    view, window_.large_text());
     if (const std::string error = kiosk_->take_error(); !error.empty()) {
         std::cerr << "springdrive: " << error << '\n';
@@ -98,14 +98,14 @@ void Screen::draw_over_scene(const Rectangle &view) {
     obey(answer.action);
     if (shows_lesson() && has_room_for_plates(view)) {
         draw_captions(session_, view_control_.camera(), view, window_.scale());
-        draw_scene_plate(session_, desk_, scene_panel_.files, scene_panel_.plate, answer.free,
+        draw_scene_plate(session_, editor_, scene_panel_.files, scene_panel_.plate, answer.free,
                          window_.scale());
     }
     if (view_control_.holds_hand()) {
         lift_.stop();
     }
     lift_.update(session_, is_inside, ImGui::GetIO().DeltaTime);
-    guide_.update({session_, desk_, lift_}, ImGui::GetTime());
+    guide_.update({session_, editor_, lift_}, ImGui::GetTime());
     if (!has_panels()) {
         const servo::ServoSample now =
             opened_.is_shown() ? opened_.playback().sample() : session_.latest();

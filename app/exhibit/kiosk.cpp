@@ -120,7 +120,7 @@ void Kiosk::note_visitor(const KioskParts &parts, const KioskAnswer &answer) {
     now_.next_scene = answer.next_scene;
     now_.next_visitor = answer.next_visitor;
     if (switches && course_.stage() == Stage::your_turn) {
-        parts.stage.desk.toggle_map();
+        parts.stage.editor.toggle_map();
     }
 }
 

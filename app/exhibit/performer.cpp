@@ -26,9 +26,9 @@ void Performer::restore_gains(const Stagecraft &stage) const {
     if (stage.session.tuning().now() == tuning_) {
         return;
     }
-    const bool was_unlocked = std::exchange(stage.desk.is_unlocked, true);
-    stage.desk.replace(tuning_, "of the start");
-    stage.desk.is_unlocked = was_unlocked;
+    const bool was_unlocked = std::exchange(stage.editor.is_unlocked, true);
+    stage.editor.replace(tuning_, "of the start");
+    stage.editor.is_unlocked = was_unlocked;
 }
 
 CourseNow Performer::now(const session::Session &session, double time_s) const {
@@ -87,7 +87,7 @@ void Performer::switch_map_if_due(const Stagecraft &stage) {
     }
     if (stage.session.latest().time_s - began_s_ >= showing_->switches_s[switched_]) {
         ++switched_;
-        stage.desk.toggle_map();
+        stage.editor.toggle_map();
     }
 }
 

@@ -5,7 +5,7 @@
 
 #include "app/exhibit/course.h"
 #include "app/exhibit/tour.h"
-#include "app/panels/tuning_desk.h"
+#include "app/panels/tuning_editor.h"
 #include "app/stage/hand_lift.h"
 #include "engine/session/session.h"
 
@@ -20,7 +20,7 @@ namespace springdrive::app::exhibit {
 /// What it acts on; of the screen.
 struct Stagecraft {
     session::Session &session;
-    TuningDesk &desk;
+    TuningEditor &editor;
     HandLift &lift;
 };
 

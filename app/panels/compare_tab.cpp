@@ -94,7 +94,7 @@ void draw_steps(const session::Session &session) {
 
 } // namespace
 
-void draw_compare_tab(session::Session &session, TuningDesk &desk, TuningPanelState &state) {
+void draw_compare_tab(session::Session &session, TuningEditor &editor, TuningPanelState &state) {
     const std::vector<Compared> all = candidates(session, state);
     auto chosen = std::ranges::find(all, state.compared, &Compared::key);
     chosen = chosen == all.end() ? all.begin() : chosen;
@@ -109,7 +109,7 @@ void draw_compare_tab(session::Session &session, TuningDesk &desk, TuningPanelSt
     const Compared &other = *chosen;
     ImGui::SameLine();
     if (ui::button("load")) {
-        desk.replace(other.tuning, other.name);
+        editor.replace(other.tuning, other.name);
     }
     ui::explain("makes it the active tuning: all of it, with map, α and η");
     ImGui::SameLine();
@@ -120,8 +120,8 @@ void draw_compare_tab(session::Session &session, TuningDesk &desk, TuningPanelSt
     draw_differences(session, other.tuning);
     ImGui::Separator();
     draw_files(session, state, other.file);
-    if (!desk.error().empty()) {
-        ui::wrapped(kDanger, "{}", desk.error());
+    if (!editor.error().empty()) {
+        ui::wrapped(kDanger, "{}", editor.error());
     }
     ImGui::Separator();
     draw_steps(session);

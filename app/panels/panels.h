@@ -8,7 +8,7 @@
 #include "app/panels/scene_plate.h"
 #include "app/panels/session_keeper.h"
 #include "app/panels/stability_tab.h"
-#include "app/panels/tuning_desk.h"
+#include "app/panels/tuning_editor.h"
 #include "app/panels/tuning_files.h"
 #include "app/panels/window_habits.h"
 #include "app/view/camera.h"
@@ -43,12 +43,12 @@ struct TuningPanelState {
 
 /// The six parameters with derived quantities; other tabs show their stability, and compare
 /// tunings.
-void draw_tuning_panel(session::Session &session, TuningDesk &desk, TuningPanelState &state,
+void draw_tuning_panel(session::Session &session, TuningEditor &editor, TuningPanelState &state,
                        const Rectangle &place);
 
 /// Within the tuning panel: the active tuning against the other slot, the first one, or a file;
 /// files to save and load; the steps so far.
-void draw_compare_tab(session::Session &session, TuningDesk &desk, TuningPanelState &state);
+void draw_compare_tab(session::Session &session, TuningEditor &editor, TuningPanelState &state);
 
 /// State of the servo panel between frames.
 struct ServoPanelState {
@@ -141,7 +141,7 @@ struct RecordTabState {
 };
 
 /// Within the scene panel: opens a record, compares it with the active tuning.
-void draw_record_tab(session::Session &session, TuningDesk &desk, OpenedRecord &opened,
+void draw_record_tab(session::Session &session, TuningEditor &editor, OpenedRecord &opened,
                      RecordTabState &state);
 
 /// Over the lower edge of the scene: where the record stands, and how fast it is played.
@@ -156,7 +156,7 @@ struct ScenePanelState {
     PlantTabState plant;
     RecordTabState record;
 };
-void draw_scene_panel(session::Session &session, TuningDesk &desk, OpenedRecord &opened,
+void draw_scene_panel(session::Session &session, TuningEditor &editor, OpenedRecord &opened,
                       ScenePanelState &state, const Rectangle &place);
 
 /// Within the scene panel: the model selected by the scene's tolerance, and the active model.

@@ -118,7 +118,7 @@ void draw_values(const session::RecordPlayback &playback) {
     ImGui::EndTable();
 }
 
-void draw_tuning_of_record(session::Session &session, TuningDesk &desk,
+void draw_tuning_of_record(session::Session &session, TuningEditor &editor,
                            const session::RecordPlayback &playback) {
     const control::Tuning then = playback.sample().tuning;
     const std::vector<control::TuningChange> changes =
@@ -128,7 +128,7 @@ void draw_tuning_of_record(session::Session &session, TuningDesk &desk,
         return;
     }
     if (ui::button("load its tuning")) {
-        desk.replace(then, playback.record().file.filename().string());
+        editor.replace(then, playback.record().file.filename().string());
     }
     std::string text;
     for (const control::TuningChange &change : changes) {
@@ -197,7 +197,7 @@ void draw_playback_speed(session::RecordPlayback &playback) {
 
 } // namespace
 
-void draw_record_tab(session::Session &session, TuningDesk &desk, OpenedRecord &opened,
+void draw_record_tab(session::Session &session, TuningEditor &editor, OpenedRecord &opened,
                      RecordTabState &state) {
     draw_chooser(opened, state);
     session::RecordPlayback &playback = opened.playback();
@@ -228,7 +228,7 @@ void draw_record_tab(session::Session &session, TuningDesk &desk, OpenedRecord &
         "currents and force as predicted for it. The hand would have moved otherwise.\n"
         "Faintly in the plots, and here");
     ImGui::SameLine();
-    draw_tuning_of_record(session, desk, playback);
+    draw_tuning_of_record(session, editor, playback);
     draw_values(playback);
     draw_facts(session, opened);
     draw_loaded_part(opened);

@@ -53,7 +53,7 @@ void draw_scene_tab(session::Session &session, ScenePanelState &state) {
 
 } // namespace
 
-void draw_scene_panel(session::Session &session, TuningDesk &desk, OpenedRecord &opened,
+void draw_scene_panel(session::Session &session, TuningEditor &editor, OpenedRecord &opened,
                       ScenePanelState &state, const Rectangle &place) {
     const ui::Panel panel("Scene", place, ImGuiWindowFlags_NoTitleBar);
     const ui::Tabs tabs("##tabs");
@@ -73,7 +73,7 @@ void draw_scene_panel(session::Session &session, TuningDesk &desk, OpenedRecord 
         draw_model_tab(session);
     }
     if (const ui::Tab record("Record"); record) {
-        draw_record_tab(session, desk, opened, state.record);
+        draw_record_tab(session, editor, opened, state.record);
     }
 }
 

@@ -88,7 +88,7 @@ void measure(const session::Session &session, ScenePlateState &state) {
 }
 
 /// One row a map, the active one large.
-void draw_angles(session::Session &session, TuningDesk &desk, const ScenePlateState &state) {
+void draw_angles(session::Session &session, TuningEditor &editor, const ScenePlateState &state) {
     constexpr float kLarge = 1.5F;
     constexpr std::array<control::MotionMap, 2> kMaps{control::MotionMap::inverse,
                                                       control::MotionMap::transpose};
@@ -112,7 +112,7 @@ void draw_angles(session::Session &session, TuningDesk &desk, const ScenePlateSt
         ui::text(colour, "{}, {}", angle_rad ? "off" : "not measured yet", control::label_of(map));
     }
     if (ui::small_button("the other map  (M)###other map")) {
-        desk.toggle_map();
+        editor.toggle_map();
     }
 }
 
@@ -203,7 +203,7 @@ float width_of_scene_plate(const session::Session &session, const ScenePlateStat
     return is_shown ? plate_margin(scale) + plate_width(view, scale) : 0.0F;
 }
 
-void draw_scene_plate(session::Session &session, TuningDesk &desk,
+void draw_scene_plate(session::Session &session, TuningEditor &editor,
                       std::span<const std::filesystem::path> files, ScenePlateState &state,
                       const Rectangle &place, float scale) {
     if (state.scene != session.scenes().id()) {
@@ -229,7 +229,7 @@ void draw_scene_plate(session::Session &session, TuningDesk &desk,
         ui::wrapped(kInk, "{}", lesson.feel);
     }
     if (lesson.spot) {
-        draw_angles(session, desk, state);
+        draw_angles(session, editor, state);
     }
     ImGui::End();
     ImGui::PopStyleColor();

@@ -1,7 +1,7 @@
 // Over the scene: what it is there to let one feel, and words on its parts.
 #pragma once
 
-#include "app/panels/tuning_desk.h"
+#include "app/panels/tuning_editor.h"
 #include "app/view/camera.h"
 #include "app/view/view_state.h"
 #include "app/widgets/rectangle.h"
@@ -31,7 +31,7 @@ struct ScenePlateState {
 /// A plate with the scene's title and sentence, in the upper left corner of `place`; buttons to the
 /// scenes before and after it in `files`, and one to put it away. Where the scene says where to
 /// touch, also the angles from the normal to the push, as measured with both maps.
-void draw_scene_plate(session::Session &session, TuningDesk &desk,
+void draw_scene_plate(session::Session &session, TuningEditor &editor,
                       std::span<const std::filesystem::path> files, ScenePlateState &state,
                       const Rectangle &place, float scale);
 

@@ -138,13 +138,13 @@ void show_held_K_DC(const session::Session &session, const limits::AutoTuned &fo
     }
 }
 
-void show_found(session::Session &session, TuningDesk &desk, StabilityTabState &state) {
+void show_found(session::Session &session, TuningEditor &editor, StabilityTabState &state) {
     if (state.found()) {
         const bool is_active = session.tuning().now() == state.found_tuning();
         {
             const ui::Disabled when_active(is_active);
             if (ui::button("activate")) {
-                desk.replace(state.found_tuning(), "found in the window");
+                editor.replace(state.found_tuning(), "found in the window");
             }
         }
         ui::explain("the tuning that was found; undo takes it back");
@@ -168,7 +168,7 @@ void show_found(session::Session &session, TuningDesk &desk, StabilityTabState &
 
 } // namespace
 
-void draw_stability_tab(session::Session &session, TuningDesk &desk, StabilityTabState &state) {
+void draw_stability_tab(session::Session &session, TuningEditor &editor, StabilityTabState &state) {
     state.update(session);
     if (state.prediction()) {
         show_prediction(*state.prediction());
@@ -177,14 +177,14 @@ void draw_stability_tab(session::Session &session, TuningDesk &desk, StabilityTa
     }
     ImGui::Separator();
     show_search(session, state);
-    show_found(session, desk, state);
-    if (!desk.error().empty()) {
-        ui::wrapped(kDanger, "{}", desk.error());
+    show_found(session, editor, state);
+    if (!editor.error().empty()) {
+        ui::wrapped(kDanger, "{}", editor.error());
     }
     ImGui::Separator();
     state.field().draw(session.tuning().now());
     if (const std::optional<control::Tuning> tuning = state.field().take_clicked()) {
-        desk.replace(*tuning, "from the map");
+        editor.replace(*tuning, "from the map");
     }
 }
 

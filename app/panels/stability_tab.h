@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/panels/stability_field.h"
-#include "app/panels/tuning_desk.h"
+#include "app/panels/tuning_editor.h"
 #include "base/background.h"
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/session/session.h"
@@ -35,7 +35,7 @@ public:
 
     /// Takes the result of a search and activates it, if slot, device and servo are still those
     /// that it is for; otherwise it is offered.
-    void finish_search(session::Session &session, TuningDesk &desk);
+    void finish_search(session::Session &session, TuningEditor &editor);
 
     /// Searches for the stiffest tuning with the active dR and the selected margin.
     void start_tuning(const session::Session &session);
@@ -72,6 +72,6 @@ private:
 
 /// Shows whether the tuning is stable with every hand, the distance to its limits, and a button to
 /// search for the stiffest tuning with a margin.
-void draw_stability_tab(session::Session &session, TuningDesk &desk, StabilityTabState &state);
+void draw_stability_tab(session::Session &session, TuningEditor &editor, StabilityTabState &state);
 
 } // namespace springdrive::app

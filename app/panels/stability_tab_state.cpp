@@ -74,7 +74,7 @@ void StabilityTabState::update(const session::Session &session) {
     }
 }
 
-void StabilityTabState::finish_search(session::Session &session, TuningDesk &desk) {
+void StabilityTabState::finish_search(session::Session &session, TuningEditor &editor) {
     try {
         std::optional<limits::AutoTuned> found = search_.take();
         if (!found) {
@@ -88,7 +88,7 @@ void StabilityTabState::finish_search(session::Session &session, TuningDesk &des
             now.period_s == searched_.period_s && now.delay_periods == searched_.delay_periods &&
             now.device.name == searched_.device.name) {
             message_.clear();
-            desk.replace(found_tuning_, "found in the window");
+            editor.replace(found_tuning_, "found in the window");
         } else {
             message_ = "found for another slot, device or servo than now: not activated";
         }

@@ -24,11 +24,11 @@ const char *number_format(const control::Parameter &parameter) {
 }
 
 /// A single change by a field or button.
-void set_parameter(session::Session &session, TuningDesk &desk, std::size_t index, double value,
+void set_parameter(session::Session &session, TuningEditor &editor, std::size_t index, double value,
                    const control::Tuning &with) {
     control::Tuning tuning = with;
     tuning.*control::kParameters[index].value = value;
-    desk.drag(tuning, static_cast<std::uint32_t>(index + 1));
+    editor.drag(tuning, static_cast<std::uint32_t>(index + 1));
     session.tuning().let_go();
 }
 
@@ -44,7 +44,7 @@ void show_unit(const session::Session &session, const control::Parameter &parame
     }
 }
 
-void edit_parameter(session::Session &session, TuningDesk &desk, std::size_t index) {
+void edit_parameter(session::Session &session, TuningEditor &editor, std::size_t index) {
     const control::Parameter &parameter = control::kParameters[index];
     const bool is_alpha = parameter.value == &control::Tuning::alpha_rad2_per_m2;
     control::Tuning tuning = session.tuning().now();
@@ -64,21 +64,21 @@ void edit_parameter(session::Session &session, TuningDesk &desk, std::size_t ind
     if (ui::slider("##slider", value, parameter.minimum, parameter.maximum,
                    parameter.logarithmic) &&
         control::lies_in_range(parameter, tuning)) {
-        desk.drag(tuning, static_cast<std::uint32_t>(index + 1));
+        editor.drag(tuning, static_cast<std::uint32_t>(index + 1));
     }
     ImGui::SameLine();
     ImGui::SetNextItemWidth(4.6F * font);
     if (ui::number_field(
             "##typed", typed, number_format(parameter),
             {parameter.symbol, parameter.minimum, parameter.maximum, parameter.unit})) {
-        set_parameter(session, desk, index, typed, tuning);
+        set_parameter(session, editor, index, typed, tuning);
     }
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
     show_unit(session, parameter);
     ImGui::SameLine(ImGui::GetContentRegionMax().x - 1.7F * font);
     if (ui::button("\u21BA##reset")) {
-        set_parameter(session, desk, index, parameter.default_value(), tuning);
+        set_parameter(session, editor, index, parameter.default_value(), tuning);
     }
     ui::explain(ui::formatted("reset to {:g}", parameter.default_value()));
 }
@@ -107,7 +107,7 @@ const std::optional<control::Tuning> &preset_of(const std::string &file, TuningP
 }
 
 /// One button per label of the presets.
-void draw_presets(session::Session &session, TuningDesk &desk, TuningPanelState &state) {
+void draw_presets(session::Session &session, TuningEditor &editor, TuningPanelState &state) {
     for (const char *label : kPresetLabels) {
         const std::string file = preset_file(label, session.servo().rate_hz(),
                                              session.device().device().delay_periods());
@@ -115,8 +115,8 @@ void draw_presets(session::Session &session, TuningDesk &desk, TuningPanelState 
         {
             const ui::Disabled without_file(!preset.has_value());
             if (ui::button(label) && preset) {
-                desk.replace(control::with_gains_of(session.tuning().now(), *preset),
-                             std::string("preset ") + label);
+                editor.replace(control::with_gains_of(session.tuning().now(), *preset),
+                               std::string("preset ") + label);
             }
         }
         ui::explain(preset ? preset_text(session, file, *preset)
@@ -126,12 +126,12 @@ void draw_presets(session::Session &session, TuningDesk &desk, TuningPanelState 
     }
 }
 
-void draw_history_buttons(session::Session &session, TuningDesk &desk) {
+void draw_history_buttons(session::Session &session, TuningEditor &editor) {
     const session::TuningHistory &history = session.tuning();
     {
         const ui::Disabled at_start(!history.can_undo());
         if (ui::button("undo")) {
-            desk.undo();
+            editor.undo();
         }
     }
     ui::explain(history.done() > 0
@@ -141,14 +141,14 @@ void draw_history_buttons(session::Session &session, TuningDesk &desk) {
     {
         const ui::Disabled at_end(!history.can_redo());
         if (ui::button("redo")) {
-            desk.redo();
+            editor.redo();
         }
     }
     ui::explain("Ctrl+Y");
     ImGui::SameLine();
     const bool is_a = history.slots().active() == session::TuningSlot::a;
     if (ui::button(is_a ? "A | b###slot" : "a | B###slot")) {
-        desk.toggle_slot();
+        editor.toggle_slot();
     }
     ui::explain("two tunings to compare; key B switches. The other one:\n" +
                 control::text_of(
@@ -160,23 +160,23 @@ void draw_history_buttons(session::Session &session, TuningDesk &desk) {
     ui::explain("puts the active tuning into the other slot, too");
 }
 
-void draw_map_choice(session::Session &session, TuningDesk &desk) {
+void draw_map_choice(session::Session &session, TuningEditor &editor) {
     const ui::ExplainedRow row(explanation_of("maps") + "\nkey M switches");
     control::Tuning tuning = session.tuning().now();
     ImGui::SetNextItemWidth(9.0F * ImGui::GetFontSize());
     if (ui::choice("##map", tuning.map, control::kMotionMapLabels)) {
-        desk.replace(tuning, "map " + std::string(control::label_of(tuning.map)));
+        editor.replace(tuning, "map " + std::string(control::label_of(tuning.map)));
     }
     ImGui::SameLine();
     ImGui::SetNextItemWidth(8.0F * ImGui::GetFontSize());
     if (ui::choice("##alpha", tuning.alpha_mode, control::kAlphaModeLabels)) {
-        desk.replace(tuning, std::string(control::label_of(tuning.alpha_mode)));
+        editor.replace(tuning, std::string(control::label_of(tuning.alpha_mode)));
     }
 }
 
-void draw_lamp(TuningDesk &desk) {
-    const StabilityLamp &lamp = desk.lamp();
-    const bool is_stable = lamp.is_stable();
+void draw_indicator(TuningEditor &editor) {
+    const StabilityIndicator &indicator = editor.indicator();
+    const bool is_stable = indicator.is_stable();
     const float font = ImGui::GetFontSize();
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const ImVec2 middle{corner.x + 0.5F * font, corner.y + 0.5F * ImGui::GetFrameHeight()};
@@ -186,35 +186,35 @@ void draw_lamp(TuningDesk &desk) {
     ImGui::Dummy({1.0F * font, ImGui::GetFrameHeight()});
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
-    const double time_ms = 1e3 * lamp.time_constant_s();
+    const double time_ms = 1e3 * indicator.time_constant_s();
     ui::text(is_stable ? kGood : kDanger, "{}", is_stable ? "stable" : "UNSTABLE");
     ui::explain(
         ui::formatted("predicted for the active tuning at the present configuration, in contact:\n"
                       "a motion {} by a factor of e in {:.0f} ms, of motor {} with {}",
-                      is_stable ? "decays" : "grows", time_ms, lamp.worst.member.motor + 1,
-                      loops::hand_text(lamp.worst.member.hand.name)));
+                      is_stable ? "decays" : "grows", time_ms, indicator.worst.member.motor + 1,
+                      loops::hand_text(indicator.worst.member.hand.name)));
     ImGui::SameLine(7.2F * font);
     ImGui::SetNextItemWidth(8.6F * font);
-    ui::choice("##hand", desk.hand, kLampHandLabels);
+    ui::choice("##hand", editor.hand, kIndicatorHandLabels);
     ui::explain("for which hand the lamp predicts: gains that rest in a firm hand may be unstable\n"
                 "in a light one, or when it lets go");
     ImGui::SameLine();
-    ui::checkbox("beyond the limit", desk.is_unlocked);
+    ui::checkbox("beyond the limit", editor.is_unlocked);
     ui::explain("otherwise no change leads from a stable tuning to one that is predicted to be\n"
                 "unstable with this hand");
 }
 
-void draw_gains_tab(session::Session &session, TuningDesk &desk, TuningPanelState &state) {
-    draw_presets(session, desk, state);
-    draw_history_buttons(session, desk);
-    draw_map_choice(session, desk);
-    draw_lamp(desk);
+void draw_gains_tab(session::Session &session, TuningEditor &editor, TuningPanelState &state) {
+    draw_presets(session, editor, state);
+    draw_history_buttons(session, editor);
+    draw_map_choice(session, editor);
+    draw_indicator(editor);
     for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
-        edit_parameter(session, desk, i);
+        edit_parameter(session, editor, i);
     }
     draw_observed_resistances(session);
-    if (!desk.error().empty()) {
-        ui::wrapped(kDanger, "{}", desk.error());
+    if (!editor.error().empty()) {
+        ui::wrapped(kDanger, "{}", editor.error());
     }
     ImGui::Separator();
     show_consequences(session);
@@ -222,22 +222,22 @@ void draw_gains_tab(session::Session &session, TuningDesk &desk, TuningPanelStat
 
 } // namespace
 
-void draw_tuning_panel(session::Session &session, TuningDesk &desk, TuningPanelState &state,
+void draw_tuning_panel(session::Session &session, TuningEditor &editor, TuningPanelState &state,
                        const Rectangle &place) {
-    state.stability.finish_search(session, desk); // also while its tab is closed
+    state.stability.finish_search(session, editor); // also while its tab is closed
     const ui::Panel panel("Tuning", place, ImGuiWindowFlags_NoTitleBar);
     const ui::Tabs tabs("tuning");
     if (!tabs) {
         return;
     }
     if (const ui::Tab gains("Gains"); gains) {
-        draw_gains_tab(session, desk, state);
+        draw_gains_tab(session, editor, state);
     }
     if (const ui::Tab stability("Stability"); stability) {
-        draw_stability_tab(session, desk, state.stability);
+        draw_stability_tab(session, editor, state.stability);
     }
     if (const ui::Tab compare("Compare"); compare) {
-        draw_compare_tab(session, desk, state);
+        draw_compare_tab(session, editor, state);
     }
 }
 

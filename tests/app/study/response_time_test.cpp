@@ -80,13 +80,13 @@ struct Press {
 };
 
 /// Presses a key after each presentation, one later than the other.
-std::vector<Press> press_in(StudyDesk &desk, int presses) {
+std::vector<Press> press_in(StudyDesk &editor, int presses) {
     std::vector<Press> pressed;
     std::string answered; ///< the trial
     int next = 0;
     const auto give_up = Clock::now() + std::chrono::minutes(40);
     while (Clock::now() < give_up) {
-        const Report report = desk.look();
+        const Report report = editor.look();
         const double seen_s = now_s();
         const std::string step = report.item("participant/step").at("text");
         const std::string trial = report.item("participant/trial").at("text");
@@ -97,23 +97,23 @@ std::vector<Press> press_in(StudyDesk &desk, int presses) {
             std::this_thread::sleep_for(std::chrono::duration<double>(at_s - now_s()));
             Press press;
             press.before_s = now_s();
-            desk.press(next % 2 == 0 ? "Left" : "Right");
+            editor.press(next % 2 == 0 ? "Left" : "Right");
             press.after_s = now_s();
-            const Report then = desk.look();
+            const Report then = editor.look();
             press.ahead_s = value(then, "participant/servo_ahead_s");
             press.longest_frame_s = value(then, "participant/longest_frame_s");
             pressed.push_back(press);
         };
         if (step == "is through") {
-            desk.press("Left");
-            EXPECT_EQ(desk.program().end(0).exit_status, 0) << desk.program().error();
+            editor.press("Left");
+            EXPECT_EQ(editor.program().end(0).exit_status, 0) << editor.program().error();
             return pressed;
         }
         if (step == "is told that it counts from now on") {
-            desk.press("Left"); // the second key of the protocol: no more practice
+            editor.press("Left"); // the second key of the protocol: no more practice
         } else if (step == "reads the instructions" || step == "has a break" ||
                    step.starts_with("is told that")) {
-            desk.press("Right");
+            editor.press("Right");
         } else if (step == "feels" && trial != answered &&
                    report.item("participant/phase").at("text") == "the stimulus is presented") {
             answered = trial;
@@ -124,7 +124,7 @@ std::vector<Press> press_in(StudyDesk &desk, int presses) {
             press_at(now_s() + 0.1);
         }
     }
-    ADD_FAILURE() << "stuck: " << desk.look().texts();
+    ADD_FAILURE() << "stuck: " << editor.look().texts();
     return pressed;
 }
 
@@ -132,9 +132,9 @@ TEST(ResponseTimes, AreThoseOfThePressesToWithinAFrame) {
     const int presses = testing::cases(8, 200);
     const std::filesystem::path folder = testing::fresh_folder("response_times");
     std::ofstream(folder / "presses.toml") << pressed_protocol(presses);
-    StudyDesk desk({"run", folder / "presses.toml", "--without-noise", "--without-records"},
-                   folder);
-    const std::vector<Press> pressed = press_in(desk, presses);
+    StudyDesk editor({"run", folder / "presses.toml", "--without-noise", "--without-records"},
+                     folder);
+    const std::vector<Press> pressed = press_in(editor, presses);
 
     std::vector<double> errors_ms;
     double shortest_s = kLatest_s;

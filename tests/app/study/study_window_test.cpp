@@ -110,11 +110,11 @@ public:
         arguments.insert(arguments.end(), {"--device", "emulated", "--lockstep", "--without-noise",
                                            "--without-records"});
         arguments.insert(arguments.end(), more.begin(), more.end());
-        StudyDesk desk(arguments, folder_);
+        StudyDesk editor(arguments, folder_);
         const auto give_up = std::chrono::steady_clock::now() + kLongest;
-        while (act(desk)) {
+        while (act(editor)) {
             if (std::chrono::steady_clock::now() > give_up || ::testing::Test::HasFailure()) {
-                FAIL() << "stuck: " << desk.look().texts();
+                FAIL() << "stuck: " << editor.look().texts();
             }
         }
     }
@@ -130,88 +130,88 @@ private:
     }
 
     /// One look at the windows, and what both people do then. @return false after the end
-    bool act(StudyDesk &desk) {
-        const Report report = desk.look();
+    bool act(StudyDesk &editor) {
+        const Report report = editor.look();
         const std::string step = report.item("participant/step").at("text");
         place_ = place_in(report.item("participant/trial").at("text"));
         steps_.insert(step);
-        titles_.merge(desk.window_titles());
+        titles_.merge(editor.window_titles());
         if (step != "is asked") {
             asked_.reset();
         } else {
             is_stopped_by_hand_ = false; // it went on
         }
         if (step == "feels") {
-            return feel(desk, report);
+            return feel(editor, report);
         }
         if (step == "is asked") {
-            answer(desk);
+            answer(editor);
         } else if (step == "answers the questionnaire") {
-            fill_in(desk, report);
+            fill_in(editor, report);
         } else if (step == "waits: paused") {
-            desk.click("pause");
+            editor.click("pause");
         } else if (step == "waits for the device, which was stopped" && is_stopped_by_hand_) {
-            desk.click("Let the device go on");
+            editor.click("Let the device go on");
         } else if (step == "is told that it counts from now on") {
-            press_answer(desk, 1); // no more practice
+            press_answer(editor, 1); // no more practice
         } else if (step == "is through") {
-            press_answer(desk, 0);
-            EXPECT_EQ(desk.program().end(0).exit_status, 0) << desk.program().error();
+            press_answer(editor, 0);
+            EXPECT_EQ(editor.program().end(0).exit_status, 0) << editor.program().error();
             return false;
         } else if (step == "reads the instructions" || step == "has a break" ||
                    step.starts_with("is told that")) {
-            press_answer(desk, 0);
+            press_answer(editor, 0);
         }
         return true;
     }
 
-    bool feel(StudyDesk &desk, const Report &report) {
+    bool feel(StudyDesk &editor, const Report &report) {
         if (report.item("participant/phase").at("text") != "the stimulus is presented") {
             return true;
         }
         if (place_ == events_.kill && !std::exchange(is_killed_, true)) {
-            kill(desk.program().process(), SIGKILL);
-            static_cast<void>(desk.program().end(0));
+            kill(editor.program().process(), SIGKILL);
+            static_cast<void>(editor.program().end(0));
             return false;
         }
         if (is_due(events_.day_end)) {
-            desk.click("Stop the session");
-            desk.click_last("Yes");
-            EXPECT_EQ(desk.program().end(0).exit_status, 0) << desk.program().error();
+            editor.click("Stop the session");
+            editor.click_last("Yes");
+            EXPECT_EQ(editor.program().end(0).exit_status, 0) << editor.program().error();
             return false;
         }
         if (is_due(events_.stop)) {
-            desk.press("space");
+            editor.press("space");
             is_stopped_by_hand_ = true;
         } else if (is_due(events_.repeat)) {
-            desk.click("Repeat this trial");
+            editor.click("Repeat this trial");
         } else if (is_due(events_.pause)) {
-            desk.click("pause");
+            editor.click("pause");
         } else if (is_due(events_.rest)) {
-            desk.click("Break");
+            editor.click("Break");
         }
         return true;
     }
 
-    void press_answer(StudyDesk &desk, std::size_t key) {
+    void press_answer(StudyDesk &editor, std::size_t key) {
         if (protocol_.responses.device == study::ResponseDevice::mouse) {
-            desk.click_participant(protocol_.responses.keys[key] == "right" ? 3 : 1);
+            editor.click_participant(protocol_.responses.keys[key] == "right" ? 3 : 1);
         } else {
-            desk.press(x11_name(protocol_.responses.keys[key]));
+            editor.press(x11_name(protocol_.responses.keys[key]));
         }
     }
 
     /// Once each time that it is asked.
-    void answer(StudyDesk &desk) {
+    void answer(StudyDesk &editor) {
         const Decision decision = decision_at(*place_, protocol_.responses.keys.size());
         if (decision.answers && asked_ != place_) {
-            press_answer(desk, decision.key);
+            press_answer(editor, decision.key);
         }
         asked_ = place_;
     }
 
     /// Choices by the mouse, scales by the keys, texts by both.
-    void fill_in(StudyDesk &desk, const Report &report) {
+    void fill_in(StudyDesk &editor, const Report &report) {
         const std::string text = report.item("participant/text").at("text");
         if (text == filled_in_) {
             return; // the answer is on its way
@@ -222,17 +222,17 @@ private:
         ASSERT_NE(item, protocol_.questionnaire.end()) << text;
         switch (item->kind) {
         case study::QuestionnaireKind::choice:
-            desk.click_plate(report, 1);
+            editor.click_plate(report, 1);
             break;
         case study::QuestionnaireKind::scale:
-            desk.press("3");
+            editor.press("3");
             break;
         default:
             for (const char *key : {"b", "y", "space", "e", "a", "r"}) {
-                desk.press(key);
+                editor.press(key);
             }
-            static_cast<void>(desk.look());
-            desk.click_plate(desk.look(), 0); // "next"
+            static_cast<void>(editor.look());
+            editor.click_plate(editor.look(), 0); // "next"
         }
     }
 

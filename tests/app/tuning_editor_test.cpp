@@ -1,4 +1,4 @@
-#include "app/panels/tuning_desk.h"
+#include "app/panels/tuning_editor.h"
 
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning.h"
@@ -36,10 +36,10 @@ bool is_stable(const session::Session &session, Tuning tuning, double gain) {
 
 struct Rig {
     session::Session session{testing::scripted()};
-    TuningDesk desk{session};
+    TuningEditor editor{session};
 };
 
-TEST(TuningDesk, TheLockLetsEveryStableTuningPassAndNoOther) {
+TEST(TuningEditor, TheLockLetsEveryStableTuningPassAndNoOther) {
     Rig rig;
     std::mt19937_64 random(11);
     const Tuning start = rig.session.tuning().now();
@@ -47,18 +47,18 @@ TEST(TuningDesk, TheLockLetsEveryStableTuningPassAndNoOther) {
     int passed = 0;
     for (int i = 0; i < 300; ++i) {
         const Tuning wanted = random_tuning(random);
-        rig.desk.replace(start, "start");
-        rig.desk.drag(wanted, 1);
+        rig.editor.replace(start, "start");
+        rig.editor.drag(wanted, 1);
         rig.session.tuning().let_go();
         EXPECT_EQ(rig.session.servo().inputs().tuning, rig.session.tuning().now());
         EXPECT_TRUE(is_stable(rig.session, rig.session.tuning().now(), 1.0));
         if (is_stable(rig.session, wanted, 1.021)) {
             EXPECT_EQ(rig.session.tuning().now(), wanted);
-            EXPECT_TRUE(rig.desk.error().empty());
+            EXPECT_TRUE(rig.editor.error().empty());
             ++passed;
         } else if (!is_stable(rig.session, wanted, 1.02)) {
             EXPECT_NE(rig.session.tuning().now(), wanted);
-            EXPECT_FALSE(rig.desk.error().empty());
+            EXPECT_FALSE(rig.editor.error().empty());
             ++held;
         }
     }
@@ -66,11 +66,11 @@ TEST(TuningDesk, TheLockLetsEveryStableTuningPassAndNoOther) {
     EXPECT_GT(passed, 50);
 }
 
-TEST(TuningDesk, ADragEndsAtTheLimit) {
+TEST(TuningEditor, ADragEndsAtTheLimit) {
     Rig rig;
     Tuning wanted = rig.session.tuning().now();
     wanted.K_P_V_per_rad = 400.0;
-    rig.desk.drag(wanted, 1);
+    rig.editor.drag(wanted, 1);
     const Tuning reached = rig.session.tuning().now();
     EXPECT_GT(reached.K_P_V_per_rad, 6.0);
     EXPECT_TRUE(is_stable(rig.session, reached, 1.0));
@@ -78,78 +78,79 @@ TEST(TuningDesk, ADragEndsAtTheLimit) {
     EXPECT_FALSE(is_stable(rig.session, reached, 1.02 * (1.0 + 0.03 / reached.K_P_V_per_rad)));
 }
 
-TEST(TuningDesk, UnlockedEveryTuningPassesAndTheLampFollows) {
+TEST(TuningEditor, UnlockedEveryTuningPassesAndTheIndicatorFollows) {
     Rig rig;
-    rig.desk.is_unlocked = true;
+    rig.editor.is_unlocked = true;
     Tuning wanted = rig.session.tuning().now();
     wanted.K_P_V_per_rad = 400.0;
-    rig.desk.drag(wanted, 1);
+    rig.editor.drag(wanted, 1);
     EXPECT_EQ(rig.session.tuning().now(), wanted);
-    EXPECT_FALSE(rig.desk.lamp().is_stable());
+    EXPECT_FALSE(rig.editor.indicator().is_stable());
     // Locked again, every way is open from there.
-    rig.desk.is_unlocked = false;
+    rig.editor.is_unlocked = false;
     wanted.K_P_V_per_rad = 300.0;
-    rig.desk.drag(wanted, 1);
+    rig.editor.drag(wanted, 1);
     EXPECT_EQ(rig.session.tuning().now(), wanted);
 }
 
-TEST(TuningDesk, TheLampIsThatOfTheChosenHand) {
+TEST(TuningEditor, TheIndicatorIsThatOfTheChosenHand) {
     Rig rig;
-    rig.desk.is_unlocked = true;
+    rig.editor.is_unlocked = true;
     std::mt19937_64 random(12);
     int differing = 0;
     for (int i = 0; i < 200; ++i) {
-        rig.desk.replace(random_tuning(random), "random");
+        rig.editor.replace(random_tuning(random), "random");
         bool any_is_unstable = false;
-        for (const auto &[hand, firmness] :
-             {std::pair{LampHand::light, 0.0}, {LampHand::relaxed, 0.5}, {LampHand::firm, 1.0}}) {
-            rig.desk.hand = hand;
-            rig.desk.update();
+        for (const auto &[hand, firmness] : {std::pair{IndicatorHand::light, 0.0},
+                                             {IndicatorHand::relaxed, 0.5},
+                                             {IndicatorHand::firm, 1.0}}) {
+            rig.editor.hand = hand;
+            rig.editor.update();
             loops::StabilityCase which = stability_case_of(rig.session, rig.session.tuning().now());
             which.hands = {loops::hand_of_firmness(firmness)};
-            EXPECT_EQ(rig.desk.lamp().is_stable(), loops::is_stable(which));
-            any_is_unstable |= !rig.desk.lamp().is_stable();
+            EXPECT_EQ(rig.editor.indicator().is_stable(), loops::is_stable(which));
+            any_is_unstable |= !rig.editor.indicator().is_stable();
         }
-        rig.desk.hand = LampHand::every;
-        rig.desk.update();
+        rig.editor.hand = IndicatorHand::every;
+        rig.editor.update();
         if (any_is_unstable) {
-            EXPECT_FALSE(rig.desk.lamp().is_stable());
+            EXPECT_FALSE(rig.editor.indicator().is_stable());
         }
-        rig.desk.hand = LampHand::firm;
-        rig.desk.update();
-        differing += rig.desk.lamp().is_stable() && any_is_unstable ? 1 : 0;
+        rig.editor.hand = IndicatorHand::firm;
+        rig.editor.update();
+        differing += rig.editor.indicator().is_stable() && any_is_unstable ? 1 : 0;
     }
     EXPECT_GT(differing, 0); // some rest in a firm hand only
 }
 
-TEST(TuningDesk, WhatIsRefusedChangesNothing) {
+TEST(TuningEditor, WhatIsRefusedChangesNothing) {
     Rig rig;
     const Tuning start = rig.session.tuning().now();
     Tuning unstable = start;
     unstable.K_P_V_per_rad = 400.0;
-    rig.desk.replace(unstable, "a file");
+    rig.editor.replace(unstable, "a file");
     EXPECT_EQ(rig.session.tuning().now(), start);
-    EXPECT_NE(rig.desk.error().find("a file"), std::string::npos);
+    EXPECT_NE(rig.editor.error().find("a file"), std::string::npos);
     EXPECT_FALSE(rig.session.tuning().can_undo());
     // Unlocked it becomes a step; locked again, undo works, redo is refused.
-    rig.desk.is_unlocked = true;
-    rig.desk.replace(unstable, "a file");
-    rig.desk.is_unlocked = false;
-    rig.desk.undo();
+    rig.editor.is_unlocked = true;
+    rig.editor.replace(unstable, "a file");
+    rig.editor.is_unlocked = false;
+    rig.editor.undo();
     EXPECT_EQ(rig.session.servo().inputs().tuning, start);
-    rig.desk.redo();
+    rig.editor.redo();
     EXPECT_EQ(rig.session.servo().inputs().tuning, start);
-    EXPECT_FALSE(rig.desk.error().empty());
+    EXPECT_FALSE(rig.editor.error().empty());
 }
 
-TEST(TuningDesk, ATuningFromElsewhereIsAStep) {
+TEST(TuningEditor, ATuningFromElsewhereIsAStep) {
     Rig rig;
     Tuning other = rig.session.tuning().now();
     other.eta = 0.5;
     rig.session.tuning().replace(other, rig.session.plot_time_s(), "by a scene's model");
     EXPECT_EQ(rig.session.servo().inputs().tuning, other);
     ASSERT_TRUE(rig.session.tuning().can_undo());
-    rig.desk.undo();
+    rig.editor.undo();
     EXPECT_EQ(rig.session.servo().inputs().tuning.eta, 0.0);
 }
 

@@ -1,9 +1,9 @@
-// How the window's user changes the tuning: with undo, two slots to compare, a lamp that shows the
-// predicted stability, and a lock at the predicted limit.
+// How the window's user changes the tuning: with undo, two slots to compare, a indicator that shows
+// the predicted stability, and a lock at the predicted limit.
 //
 //   slider, preset, file, key ──► lock ──► the session's TuningHistory ──► servo
 //                                  ▲
-//                        lamp: the chosen hand's loops
+//                        indicator: the chosen hand's loops
 #pragma once
 
 #include "engine/lab/loops/stability_case.h"
@@ -17,14 +17,14 @@
 
 namespace springdrive::app {
 
-/// For whom the lamp predicts.
-enum class LampHand : std::uint8_t { every, none, light, relaxed, firm };
+/// For whom the indicator predicts.
+enum class IndicatorHand : std::uint8_t { every, none, light, relaxed, firm };
 
-inline constexpr std::array<const char *, 5> kLampHandLabels{"every hand", "no hand", "light hand",
-                                                             "relaxed hand", "firm hand"};
+inline constexpr std::array<const char *, 5> kIndicatorHandLabels{
+    "every hand", "no hand", "light hand", "relaxed hand", "firm hand"};
 
 /// The stability of the active tuning at the present configuration, with the chosen hand.
-struct StabilityLamp {
+struct StabilityIndicator {
     loops::WorstMember worst;
     double period_s = 1e-3;
 
@@ -37,12 +37,12 @@ struct StabilityLamp {
 [[nodiscard]] loops::StabilityCase stability_case_of(const session::Session &session,
                                                      const control::Tuning &tuning);
 
-class TuningDesk {
+class TuningEditor {
 public:
     /// @param session  must outlive it
-    explicit TuningDesk(session::Session &session) : session_(session) {}
+    explicit TuningEditor(session::Session &session) : session_(session) {}
 
-    /// Once per frame: the lamp.
+    /// Once per frame: the indicator.
     void update();
 
     /// A control that is held changes the tuning; see TuningHistory. Where the lock stops it, it
@@ -59,26 +59,26 @@ public:
     void toggle_slot();
     void toggle_map();
 
-    [[nodiscard]] const StabilityLamp &lamp() const { return lamp_; }
+    [[nodiscard]] const StabilityIndicator &indicator() const { return indicator_; }
 
     /// What stopped the last change, or why it was not made; empty if nothing did.
     [[nodiscard]] const std::string &error() const { return error_; }
 
-    LampHand hand = LampHand::every;
+    IndicatorHand hand = IndicatorHand::every;
     bool is_unlocked = false; ///< tunings beyond the predicted limit may be set
 
 private:
     [[nodiscard]] session::TuningHistory &history() { return session_.tuning(); }
     [[nodiscard]] const control::Tuning &now() const { return session_.tuning().now(); }
-    [[nodiscard]] StabilityLamp lamp_of(const control::Tuning &tuning) const;
+    [[nodiscard]] StabilityIndicator indicator_of(const control::Tuning &tuning) const;
     /// Whether 2 % more K_P and K_D would make it unstable.
-    [[nodiscard]] bool is_behind_lock(const control::Tuning &tuning) const;
+    [[nodiscard]] bool exceeds_gain_margin(const control::Tuning &tuning) const;
     [[nodiscard]] bool is_refused(const control::Tuning &to) const;
     /// Otherwise reports an error. @param what  was to be done
     [[nodiscard]] bool may_go_to(const control::Tuning &to, const char *what);
 
     session::Session &session_;
-    StabilityLamp lamp_;
+    StabilityIndicator indicator_;
     std::string error_;
 };
 

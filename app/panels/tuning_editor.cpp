@@ -1,4 +1,4 @@
-#include "app/panels/tuning_desk.h"
+#include "app/panels/tuning_editor.h"
 
 #include "base/bisection.h"
 #include "base/print.h"
@@ -14,17 +14,17 @@ namespace springdrive::app {
 
 namespace {
 
-std::vector<loops::Hand> hands_of(LampHand hand) {
+std::vector<loops::Hand> hands_of(IndicatorHand hand) {
     switch (hand) {
-    case LampHand::every:
+    case IndicatorHand::every:
         break;
-    case LampHand::none:
+    case IndicatorHand::none:
         return {loops::no_hand()};
-    case LampHand::light:
+    case IndicatorHand::light:
         return {loops::hand_of_firmness(0.0)};
-    case LampHand::relaxed:
+    case IndicatorHand::relaxed:
         return {loops::hand_of_firmness(0.5)};
-    case LampHand::firm:
+    case IndicatorHand::firm:
         return {loops::hand_of_firmness(1.0)};
     }
     return loops::hand_family();
@@ -51,7 +51,7 @@ control::Tuning with_more_gain(control::Tuning tuning) {
 
 } // namespace
 
-double StabilityLamp::time_constant_s() const {
+double StabilityIndicator::time_constant_s() const {
     return period_s / std::abs(std::log(worst.eigenvalue));
 }
 
@@ -66,39 +66,40 @@ loops::StabilityCase stability_case_of(const session::Session &session,
     return which;
 }
 
-StabilityLamp TuningDesk::lamp_of(const control::Tuning &tuning) const {
+StabilityIndicator TuningEditor::indicator_of(const control::Tuning &tuning) const {
     loops::StabilityCase which = stability_case_of(session_, tuning);
     which.hands = hands_of(hand);
     return {loops::worst_member(which), which.period_s};
 }
 
-void TuningDesk::update() { lamp_ = lamp_of(now()); }
+void TuningEditor::update() { indicator_ = indicator_of(now()); }
 
-bool TuningDesk::is_behind_lock(const control::Tuning &tuning) const {
-    return !lamp_of(with_more_gain(tuning)).is_stable();
+bool TuningEditor::exceeds_gain_margin(const control::Tuning &tuning) const {
+    return !indicator_of(with_more_gain(tuning)).is_stable();
 }
 
-bool TuningDesk::is_refused(const control::Tuning &to) const {
-    if (is_unlocked || to == now() || !is_behind_lock(to)) {
+bool TuningEditor::is_refused(const control::Tuning &to) const {
+    if (is_unlocked || to == now() || !exceeds_gain_margin(to)) {
         return false;
     }
     // From behind the lock, what is no worse may be set.
-    return !is_behind_lock(now()) || lamp_of(to).worst.eigenvalue > lamp_of(now()).worst.eigenvalue;
+    return !exceeds_gain_margin(now()) ||
+           indicator_of(to).worst.eigenvalue > indicator_of(now()).worst.eigenvalue;
 }
 
-void TuningDesk::drag(const control::Tuning &to, std::uint32_t source) {
+void TuningEditor::drag(const control::Tuning &to, std::uint32_t source) {
     error_.clear();
     control::Tuning reached = to;
     if (is_refused(to)) {
         constexpr int kHalvings = 14;
         const control::Tuning from = now();
         const auto may_go = [&](double share) {
-            return !is_behind_lock(on_the_way(from, to, share));
+            return !exceeds_gain_margin(on_the_way(from, to, share));
         };
         // The beginning has the map and the source of α of the end.
         reached = may_go(0.0) ? on_the_way(from, to, bisect({0.0, 1.0}, kHalvings, may_go).holds_at)
                               : from;
-        const StabilityLamp beyond = lamp_of(with_more_gain(to));
+        const StabilityIndicator beyond = indicator_of(with_more_gain(to));
         error_ = fmt::format("held at the limit: beyond it motor {}, {}, is unstable",
                              beyond.worst.member.motor + 1,
                              loops::hand_text(beyond.worst.member.hand.name));
@@ -107,7 +108,7 @@ void TuningDesk::drag(const control::Tuning &to, std::uint32_t source) {
     update();
 }
 
-void TuningDesk::replace(const control::Tuning &to, const std::string &what) {
+void TuningEditor::replace(const control::Tuning &to, const std::string &what) {
     history().let_go();
     if (may_go_to(to, what.c_str())) {
         history().replace(to, session_.plot_time_s(), what);
@@ -115,7 +116,7 @@ void TuningDesk::replace(const control::Tuning &to, const std::string &what) {
     }
 }
 
-bool TuningDesk::may_go_to(const control::Tuning &to, const char *what) {
+bool TuningEditor::may_go_to(const control::Tuning &to, const char *what) {
     error_.clear();
     if (!control::is_valid(to)) {
         error_ = std::string(what) + ": not done, as it has values out of their ranges";
@@ -129,7 +130,7 @@ bool TuningDesk::may_go_to(const control::Tuning &to, const char *what) {
     return true;
 }
 
-void TuningDesk::undo() {
+void TuningEditor::undo() {
     history().let_go();
     if (history().can_undo() &&
         may_go_to(history().steps()[history().done() - 1].before.now(), "undo")) {
@@ -138,7 +139,7 @@ void TuningDesk::undo() {
     }
 }
 
-void TuningDesk::redo() {
+void TuningEditor::redo() {
     history().let_go();
     if (history().can_redo() &&
         may_go_to(history().steps()[history().done()].after.now(), "redo")) {
@@ -147,7 +148,7 @@ void TuningDesk::redo() {
     }
 }
 
-void TuningDesk::toggle_slot() {
+void TuningEditor::toggle_slot() {
     history().let_go();
     if (may_go_to(history().slots().other(), "the other slot")) {
         history().toggle(session_.plot_time_s());
@@ -155,7 +156,7 @@ void TuningDesk::toggle_slot() {
     }
 }
 
-void TuningDesk::toggle_map() {
+void TuningEditor::toggle_map() {
     control::Tuning other = now();
     other.map = other.map == control::MotionMap::transpose ? control::MotionMap::inverse
                                                            : control::MotionMap::transpose;
