@@ -36,12 +36,12 @@ std::string summary_of(const DayFigures &figures) {
     std::string text =
         fmt::format("{}, {}; {}", counted(figures.visitors, "visitor"),
                     counted(figures.scenes, "scene"), counted(figures.trips, "stop"));
-    if (figures.trips_while_healing > 0) {
-        text += fmt::format(" ({} while healing)", figures.trips_while_healing);
+    if (figures.trips_while_recovery > 0) {
+        text += fmt::format(" ({} while healing)", figures.trips_while_recovery);
     }
-    text += fmt::format(", {} healed", figures.healed);
-    if (figures.healed > 0) {
-        text += fmt::format(", the longest after {:.0f} s", figures.longest_healing_s);
+    text += fmt::format(", {} healed", figures.recovered);
+    if (figures.recovered > 0) {
+        text += fmt::format(", the longest after {:.0f} s", figures.longest_recovery_s);
     }
     return text + fmt::format("; the device was lost {}; peak force {:.2f} N, peak voltage "
                               "{:.2f} V; longest frame {:.0f} ms",
@@ -103,16 +103,16 @@ void DayWatch::watch_safety(const servo::SafetyStatus &safety, double time_s, Da
         ++figures.trips;
         events.push_back("stopped: " + servo::description(safety));
         if (std::exchange(is_stopped_, true)) {
-            ++figures.trips_while_healing;
+            ++figures.trips_while_recovery;
         } else {
             stopped_s_ = time_s;
         }
     } else if (now == SafetyState::running && is_stopped_) {
         is_stopped_ = false;
-        ++figures.healed;
-        const double healing_s = time_s - stopped_s_;
-        raise(figures.longest_healing_s, healing_s);
-        events.push_back(fmt::format("running again after {:.0f} s", healing_s));
+        ++figures.recovered;
+        const double recovery_s = time_s - stopped_s_;
+        raise(figures.longest_recovery_s, recovery_s);
+        events.push_back(fmt::format("running again after {:.0f} s", recovery_s));
     }
 }
 

@@ -20,16 +20,16 @@ struct DayFigures {
     std::uint64_t visitors = 0;
     std::uint64_t scenes = 0; ///< shown to visitors
     std::uint64_t trips = 0;
-    std::uint64_t trips_while_healing = 0; ///< of these: the motors had not run since another
-    std::uint64_t healed = 0; ///< times that the motors ran again after one trip or several
-    std::uint64_t losses = 0; ///< of the device
-    double longest_healing_s = 0.0;
+    std::uint64_t trips_while_recovery = 0; ///< of these: the motors had not run since another
+    std::uint64_t recovered = 0; ///< times that the motors ran again after one trip or several
+    std::uint64_t losses = 0;    ///< of the device
+    double longest_recovery_s = 0.0;
     double peak_force_N = 0.0;   ///< while the motors were driven
     double peak_voltage_V = 0.0; ///< of e_W, of any motor
     double longest_frame_s = 0.0;
 };
 
-/// "40 visitors, 112 scenes; 4 stops (1 while healing), 3 healed, the longest after 11 s; …"
+/// "40 visitors, 112 scenes; 4 stops (1 while recovery), 3 recovered, the longest after 11 s; …"
 [[nodiscard]] std::string summary_of(const DayFigures &figures);
 
 /// `springdrive/kiosk/DATE.log` in the user's folder of state; empty where that is not known.

@@ -76,7 +76,7 @@ void Kiosk::update(const KioskParts &parts, const Rectangle &view, const Window:
     }
     if (answer.go_on) {
         session.servo().let_go_on();
-        healing_.begin_anew();
+        recovery_.begin_anew();
         log_.note("a person lets it go on");
     }
     note_visitor(parts, answer);
@@ -90,7 +90,7 @@ void Kiosk::update(const KioskParts &parts, const Rectangle &view, const Window:
         error_ = error;
         log_.note(error);
     }
-    heal(parts);
+    recover(parts);
     carry_out(course_.update(now_), parts);
     if (const std::string error = performer_.take_error(); !error.empty()) {
         log_.note(error);
@@ -138,14 +138,14 @@ bool Kiosk::tip_was_moved(const session::Session &session) {
     return has_moved;
 }
 
-void Kiosk::heal(const KioskParts &parts) {
+void Kiosk::recover(const KioskParts &parts) {
     session::Session &session = parts.stage.session;
-    HealingNow now = healing_of(session);
+    RecoveryState now = recovery_of(session);
     now.time_s = now_.time_s;
     // The scripted hand finds its own way.
     now.is_inside = parts.is_inside && !now.is_touching && !course_.is_performing();
     now.hand_is_held = parts.view.holds_hand();
-    switch (healing_.update(now)) {
+    switch (recovery_.update(now)) {
     case Remedy::none:
         break;
     case Remedy::reset:
@@ -229,7 +229,7 @@ void Kiosk::renew_read_out(const KioskParts &parts) {
 KioskShown Kiosk::shown(const KioskParts &parts) const {
     const session::Session &session = parts.stage.session;
     const scene::Scene &scene = session.scenes().now().scene;
-    KioskShown all{course_, healing_};
+    KioskShown all{course_, recovery_};
     all.has_script = session.hand().is_simulated();
     if (performer_.has_scene(session)) { // not yet while it is loaded
         all.title = scene.lesson.title;

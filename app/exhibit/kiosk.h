@@ -1,16 +1,16 @@
 // An exhibit: what runs unattended among visitors, in place of the window's panels.
 //
 //   mouse, keys, tip ──► Course ──► scene, scripted hand, gains, view ──► session
-//   session's safety ──► Healing ──► reset of a simulation, lift of the hand ──► session
+//   session's safety ──► Recovery ──► reset of a simulation, lift of the hand ──► session
 //                    button *go on* ──► session
 //                    └─► DayWatch ──► DayLog
 #pragma once
 
 #include "app/exhibit/course.h"
 #include "app/exhibit/day_log.h"
-#include "app/exhibit/healing.h"
 #include "app/exhibit/kiosk_screen.h"
 #include "app/exhibit/performer.h"
+#include "app/exhibit/trip_recovery.h"
 #include "app/stage/view_control.h"
 
 #include <cstdint>
@@ -56,7 +56,7 @@ public:
 private:
     [[nodiscard]] KioskShown shown(const KioskParts &parts) const;
     void note_visitor(const KioskParts &parts, const KioskAnswer &answer);
-    void heal(const KioskParts &parts);
+    void recover(const KioskParts &parts);
     void carry_out(const CourseOrders &orders, const KioskParts &parts);
     [[nodiscard]] bool tip_was_moved(const session::Session &session);
     void renew_read_out(const KioskParts &parts);
@@ -64,7 +64,7 @@ private:
 
     Performer performer_;
     Course course_{kTour.size()};
-    Healing healing_;
+    TripRecovery recovery_;
     DayLog log_;
     DayWatch watch_;
     DayFigures figures_;

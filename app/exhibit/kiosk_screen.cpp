@@ -244,7 +244,7 @@ private:
 
     [[nodiscard]] std::optional<Words> words() const {
         const ImVec4 kRed{0.42F, 0.09F, 0.08F, 0.97F};
-        switch (shown_.healing.condition()) {
+        switch (shown_.recovery.condition()) {
         case Condition::lost:
             return Words{"The device is not connected.",
                          "Once it is plugged in again, it asks whether it may go on.", kRed};
@@ -252,7 +252,7 @@ private:
             return Words{"Stopped: let go, please.", shown_.stop, kRed};
         case Condition::pause:
             return Words{ui::formatted("Stopped. It goes on in {:.0f} s.",
-                                       std::ceil(shown_.healing.goes_on_in_s())),
+                                       std::ceil(shown_.recovery.goes_on_in_s())),
                          shown_.stop, kRed};
         case Condition::asks_go_on:
             return Words{"Stopped. Is nobody in its way?", shown_.stop, kRed};
@@ -292,7 +292,7 @@ private:
             ui::wrapped(kInk, "{}", said->second);
         }
         answer_.go_on =
-            shown_.healing.condition() == Condition::asks_go_on && button("go on", 200.0F);
+            shown_.recovery.condition() == Condition::asks_go_on && button("go on", 200.0F);
     }
 
     const KioskShown &shown_;

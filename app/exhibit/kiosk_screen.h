@@ -7,7 +7,7 @@
 #pragma once
 
 #include "app/exhibit/course.h"
-#include "app/exhibit/healing.h"
+#include "app/exhibit/trip_recovery.h"
 #include "app/view/camera.h"
 #include "app/view/view_state.h"
 #include "app/widgets/rectangle.h"
@@ -31,7 +31,7 @@ struct KioskReadOut {
 
 struct KioskShown {
     const Course &course;
-    const Healing &healing;
+    const TripRecovery &recovery;
     bool has_script = true; ///< a scripted hand shows the scene
     std::string title{};
     std::string sentence{};

@@ -86,9 +86,9 @@ TEST(ExhibitDayWatch, FindsStopsAndThePeaksOfWhatIsDriven) {
     EXPECT_EQ(events[0], "stopped: emergency stop");
     EXPECT_TRUE(events[1].starts_with("running again after ")) << events[1];
     EXPECT_EQ(figures.trips, 1U);
-    EXPECT_EQ(figures.healed, 1U);
+    EXPECT_EQ(figures.recovered, 1U);
     EXPECT_EQ(figures.losses, 0U);
-    EXPECT_NEAR(figures.longest_healing_s, 3.2, 0.3); // 2 s, rest, and the gains' second
+    EXPECT_NEAR(figures.longest_recovery_s, 3.2, 0.3); // 2 s, rest, and the gains' second
     const record::ChannelStore &store = session.servo().history().store();
     double peak_N = 0.0;
     double peak_V = 0.0;
@@ -103,7 +103,7 @@ TEST(ExhibitDayWatch, FindsStopsAndThePeaksOfWhatIsDriven) {
     EXPECT_DOUBLE_EQ(figures.peak_force_N, peak_N);
     EXPECT_DOUBLE_EQ(figures.peak_voltage_V, peak_V);
 
-    // A stop before the motors ran again: both are healed at once.
+    // A stop before the motors ran again: both are recovered at once.
     events.clear();
     session.servo().emergency_stop();
     run(1.0);
@@ -118,8 +118,8 @@ TEST(ExhibitDayWatch, FindsStopsAndThePeaksOfWhatIsDriven) {
     EXPECT_EQ(events[1], "stopped: emergency stop");
     EXPECT_TRUE(events[2].starts_with("running again after ")) << events[2];
     EXPECT_EQ(figures.trips, 3U);
-    EXPECT_EQ(figures.trips_while_healing, 1U);
-    EXPECT_EQ(figures.healed, 2U);
+    EXPECT_EQ(figures.trips_while_recovery, 1U);
+    EXPECT_EQ(figures.recovered, 2U);
     session.stop();
 }
 
@@ -132,9 +132,9 @@ TEST(ExhibitDayLog, SumsUp) {
               "40 visitors, 112 scenes; 0 stops, 0 healed; the device was lost 0 times; "
               "peak force 3.46 N, peak voltage 0.00 V; longest frame 0 ms");
     figures.trips = 4;
-    figures.trips_while_healing = 1;
-    figures.healed = 3;
-    figures.longest_healing_s = 11.2;
+    figures.trips_while_recovery = 1;
+    figures.recovered = 3;
+    figures.longest_recovery_s = 11.2;
     EXPECT_TRUE(
         summary_of(figures).starts_with("40 visitors, 112 scenes; 4 stops (1 while healing), "
                                         "3 healed, the longest after 11 s; "))

@@ -41,7 +41,7 @@ constexpr std::uint64_t kSeed = 1;
 /// From the last thing that the visitor did, or from the plugging in, to running motors: a person
 /// lets it go on, the lift of the tip, the rest and the gains' second; twice, as the cable may be
 /// pulled meanwhile (4 s at the most).
-constexpr double kHealed_s = 45.0;
+constexpr double kRecovered_s = 45.0;
 
 // Of the memory: every scene was shown twice before the storm, and the telemetry is full by the end
 // of the first span; from then on the largest of each span must not grow.
@@ -118,14 +118,14 @@ public:
         EXPECT_NE(at, std::string::npos) << text;
         return at == std::string::npos ? -1.0 : std::stod(text.substr(at + before.size()));
     }
-    /// Each stop is healed, those before the last with it, if the motors had not run in between.
+    /// Each stop is recovered, those before the last with it, if the motors had not run in between.
     void expect_healed() const {
         const std::regex stops(R"((\d+) stops?(?: \((\d+) while healing\))?, (\d+) healed)");
         const std::string text = summary();
         std::smatch found;
         ASSERT_TRUE(std::regex_search(text, found, stops)) << text;
-        const int while_healing = found[2].matched ? std::stoi(found[2]) : 0;
-        EXPECT_EQ(std::stoi(found[1]) - while_healing, std::stoi(found[3])) << text;
+        const int while_recovery = found[2].matched ? std::stoi(found[2]) : 0;
+        EXPECT_EQ(std::stoi(found[1]) - while_recovery, std::stoi(found[3])) << text;
     }
     [[nodiscard]] std::filesystem::path record() const { return folder_ / "storm.rec"; }
     [[nodiscard]] bool has_record() const { return seconds_ <= 60.0; } // 1 MB a second
@@ -133,7 +133,7 @@ public:
     void print() const {
         std::printf("counts: %.0f s, %d acts, %d rounds, worst healing %.1f s after the visitor; "
                     "%s\n",
-                    seconds_, acts_, rounds_, worst_healing_s_, summary().c_str());
+                    seconds_, acts_, rounds_, worst_recovery_s_, summary().c_str());
     }
 
 private:
@@ -157,7 +157,7 @@ private:
         const auto has_changed = [&] { return window_.look().column("scene_id") != before; };
         const Clock::time_point begin = Clock::now();
         while (!has_changed()) {
-            ASSERT_LT(Clock::now() - begin, std::chrono::duration<double>(kHealed_s));
+            ASSERT_LT(Clock::now() - begin, std::chrono::duration<double>(kRecovered_s));
             window_.click("choices/next scene");
             for (int i = 0; i < 50 && !has_changed(); ++i) {
                 std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -289,7 +289,7 @@ private:
             if (state_is(report, servo::SafetyState::running)) {
                 break;
             }
-            ASSERT_LT(passed_s() - begin_s, kHealed_s)
+            ASSERT_LT(passed_s() - begin_s, kRecovered_s)
                 << "the motors do not run again, round " << rounds_ << ": " << report.texts();
             if (const nlohmann::json *const go_on = report.find("condition/go on")) {
                 const auto middle = [&](const char *from, const char *size) {
@@ -299,7 +299,7 @@ private:
             }
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
         }
-        worst_healing_s_ = std::max(worst_healing_s_, passed_s() - begin_s);
+        worst_recovery_s_ = std::max(worst_recovery_s_, passed_s() - begin_s);
         ++rounds_;
     }
 
@@ -311,7 +311,7 @@ private:
     std::uint64_t frame_ = 0;
     int acts_ = 0;
     int rounds_ = 0;
-    double worst_healing_s_ = 0.0;
+    double worst_recovery_s_ = 0.0;
     std::vector<double> course_MiB_; ///< every `kCourse_s`
     double warm_MiB_ = 0.0;
     double last_MiB_ = 0.0;

@@ -1,9 +1,9 @@
 // Covers app/exhibit/{kiosk,kiosk_screen,lost_display}.cpp: an exhibit as its visitors,
 // its demonstrator and its computer treat it. See kiosk_storm_test.cpp for all of that at once.
 #include "app/exhibit/course.h"
-#include "app/exhibit/healing.h"
 #include "app/exhibit/kiosk_limits.h"
 #include "app/exhibit/lost_display.h"
+#include "app/exhibit/trip_recovery.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/safety_status.h"
 #include "tests/support/devices.h"
@@ -206,7 +206,7 @@ TEST_F(KioskInTheWindow, StopsByTheButtonUntilAPersonLetsItGoOn) {
     wait_for("Is nobody in its way?");
     touch(); // a visitor who touches anything else
     window().click("choices/next visitor");
-    expect_stays_stopped(2.0 * exhibit::Healing::kPause_s);
+    expect_stays_stopped(2.0 * exhibit::TripRecovery::kPause_s);
     window().click("condition/go on");
     wait_until_driven();
     window().person().key("F12");
@@ -261,7 +261,7 @@ TEST_F(KioskInTheWindow, ComesBackWhenItsDeviceIsPluggedInAgainAndAPersonLetsItG
     open({"--device", "emulated", "--fault", "unplug@4-6"});
     wait_for("The device is not connected.");
     wait_for("Is nobody in its way?");
-    expect_stays_stopped(2.0 * exhibit::Healing::kPause_s);
+    expect_stays_stopped(2.0 * exhibit::TripRecovery::kPause_s);
     window().click("condition/go on");
     window().wait_until(is_running, "it runs again", 30.0);
     EXPECT_EQ(window().program().end(SIGTERM).exit_status, 0);
@@ -275,7 +275,7 @@ TEST_F(KioskInTheWindow, ItsBoardsStopSwitchHoldsAfterItsRelease) {
     wait_until_driven();
     wait_for("Is nobody in its way?");
     window().person().key("F12"); // during the other stop
-    expect_stays_stopped(4.0 + 2.0 * exhibit::Healing::kPause_s);
+    expect_stays_stopped(4.0 + 2.0 * exhibit::TripRecovery::kPause_s);
     window().click("condition/go on");
     window().wait_until(is_running, "it runs again", 30.0);
     EXPECT_EQ(window().program().end(SIGTERM).exit_status, 0);

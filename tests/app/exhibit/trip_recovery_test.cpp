@@ -1,6 +1,6 @@
-// Covers app/exhibit/{healing,day_log}.cpp, in simulated time.
+// Covers app/exhibit/{recovery,day_log}.cpp, in simulated time.
 #include "app/exhibit/day_log.h"
-#include "app/exhibit/healing.h"
+#include "app/exhibit/trip_recovery.h"
 #include "tests/engine/session/session_fixture.h"
 
 #include <gtest/gtest.h>
@@ -15,10 +15,10 @@ namespace {
 using servo::SafetyState;
 using servo::TripCause;
 
-constexpr double kHealingFrame_s = 0.125; // sums of it are exact
+constexpr double kRecoveryFrame_s = 0.125; // sums of it are exact
 
-HealingNow stopped_by(TripCause cause) {
-    HealingNow now;
+RecoveryState stopped_by(TripCause cause) {
+    RecoveryState now;
     now.state = SafetyState::tripped;
     now.cause = cause;
     return now;
@@ -27,140 +27,143 @@ HealingNow stopped_by(TripCause cause) {
 class Patient {
 public:
     /// The time until the first remedy; `limit_s` if there was none.
-    double until_remedy_s(HealingNow now, double limit_s) {
+    double until_remedy_s(RecoveryState now, double limit_s) {
         const double begin_s = time_s_;
         while (time_s_ - begin_s < limit_s - 1e-9) {
-            time_s_ += kHealingFrame_s;
+            time_s_ += kRecoveryFrame_s;
             now.time_s = time_s_;
-            last = healing.update(now);
+            last = recovery.update(now);
             if (last != Remedy::none) {
                 return time_s_ - begin_s;
             }
         }
         return limit_s;
     }
-    void pass(HealingNow now, double seconds) { EXPECT_EQ(until_remedy_s(now, seconds), seconds); }
+    void pass(RecoveryState now, double seconds) {
+        EXPECT_EQ(until_remedy_s(now, seconds), seconds);
+    }
 
-    Healing healing;
+    TripRecovery recovery;
     Remedy last = Remedy::none;
 
 private:
     double time_s_ = 100.0;
 };
 
-TEST(ExhibitHealing, ResetsAfterAPause) {
+TEST(ExhibitRecovery, ResetsAfterAPause) {
     Patient patient;
-    const HealingNow now = stopped_by(TripCause::tip_speed);
-    EXPECT_NEAR(patient.until_remedy_s(now, 20.0), Healing::kPause_s, 1.5 * kHealingFrame_s);
+    const RecoveryState now = stopped_by(TripCause::tip_speed);
+    EXPECT_NEAR(patient.until_remedy_s(now, 20.0), TripRecovery::kPause_s, 1.5 * kRecoveryFrame_s);
     EXPECT_EQ(patient.last, Remedy::reset);
-    EXPECT_NEAR(patient.until_remedy_s(now, 20.0), Healing::kPause_s,
-                1.5 * kHealingFrame_s); // in vain
+    EXPECT_NEAR(patient.until_remedy_s(now, 20.0), TripRecovery::kPause_s,
+                1.5 * kRecoveryFrame_s); // in vain
     patient.pass({}, 1.0);
-    EXPECT_EQ(patient.healing.condition(), Condition::well);
+    EXPECT_EQ(patient.recovery.condition(), Condition::well);
 }
 
-TEST(ExhibitHealing, WaitsUntilTheHandIsLetGoAndTheTipIsFree) {
+TEST(ExhibitRecovery, WaitsUntilTheHandIsLetGoAndTheTipIsFree) {
     Patient patient;
-    HealingNow now = stopped_by(TripCause::tip_force);
+    RecoveryState now = stopped_by(TripCause::tip_force);
     now.hand_is_held = true;
     now.is_touching = true;
     patient.pass(now, 60.0);
-    EXPECT_EQ(patient.healing.condition(), Condition::let_go);
+    EXPECT_EQ(patient.recovery.condition(), Condition::let_go);
     now.hand_is_held = false;
-    EXPECT_NEAR(patient.until_remedy_s(now, 20.0), kHealingFrame_s, 1e-6);
+    EXPECT_NEAR(patient.until_remedy_s(now, 20.0), kRecoveryFrame_s, 1e-6);
     EXPECT_EQ(patient.last, Remedy::lift_hand);
     now.is_touching = false;
-    patient.pass(now, Healing::kPause_s - 0.5 * kHealingFrame_s);
-    EXPECT_EQ(patient.healing.condition(), Condition::pause);
-    EXPECT_LT(patient.healing.goes_on_in_s(), 2.0 * kHealingFrame_s);
-    EXPECT_LE(patient.until_remedy_s(now, 20.0), 2.0 * kHealingFrame_s);
+    patient.pass(now, TripRecovery::kPause_s - 0.5 * kRecoveryFrame_s);
+    EXPECT_EQ(patient.recovery.condition(), Condition::pause);
+    EXPECT_LT(patient.recovery.goes_on_in_s(), 2.0 * kRecoveryFrame_s);
+    EXPECT_LE(patient.until_remedy_s(now, 20.0), 2.0 * kRecoveryFrame_s);
     EXPECT_EQ(patient.last, Remedy::reset);
 }
 
-TEST(ExhibitHealing, LeavesAStopThatSomebodyRequestedToAPerson) {
+TEST(ExhibitRecovery, LeavesAStopThatSomebodyRequestedToAPerson) {
     for (const TripCause cause : {TripCause::emergency_stop, TripCause::tip_speed}) {
         Patient patient;
-        HealingNow now = stopped_by(cause);
-        patient.pass(now, Healing::kPause_s - 1.0); // the pause has begun
+        RecoveryState now = stopped_by(cause);
+        patient.pass(now, TripRecovery::kPause_s - 1.0); // the pause has begun
         now.is_stop_held = true;
         patient.pass(now, 3600.0);
-        EXPECT_EQ(patient.healing.condition(), Condition::asks_go_on);
+        EXPECT_EQ(patient.recovery.condition(), Condition::asks_go_on);
     }
 }
 
-TEST(ExhibitHealing, LeavesADeviceThatCanReachAHandToAPersonAfterAnyCause) {
+TEST(ExhibitRecovery, LeavesADeviceThatCanReachAHandToAPersonAfterAnyCause) {
     for (std::size_t cause = 1; cause < servo::kTripCauseNames.size(); ++cause) {
         Patient patient;
-        HealingNow now = stopped_by(static_cast<TripCause>(cause));
+        RecoveryState now = stopped_by(static_cast<TripCause>(cause));
         now.can_reach_a_hand = true;
         now.is_lost = now.cause == TripCause::device_lost;
         patient.pass(now, 600.0);
-        EXPECT_EQ(patient.healing.condition() == Condition::lost, now.is_lost);
+        EXPECT_EQ(patient.recovery.condition() == Condition::lost, now.is_lost);
         now.is_lost = false;
         patient.pass(now, 600.0);
-        EXPECT_EQ(patient.healing.condition(),
+        EXPECT_EQ(patient.recovery.condition(),
                   servo::is_final(now.cause) ? Condition::needs_staff : Condition::asks_go_on);
     }
 }
 
-TEST(ExhibitHealing, NeverResetsAFinalCause) {
+TEST(ExhibitRecovery, NeverResetsAFinalCause) {
     Patient patient;
     patient.pass(stopped_by(TripCause::assertion), 3600.0);
-    EXPECT_EQ(patient.healing.condition(), Condition::needs_staff);
+    EXPECT_EQ(patient.recovery.condition(), Condition::needs_staff);
 }
 
 /// A fault that comes back: a few trials, then a person is asked.
-TEST(ExhibitHealing, GivesUpAfterAFewResetsInVain) {
+TEST(ExhibitRecovery, GivesUpAfterAFewResetsInVain) {
     Patient patient;
-    const HealingNow now = stopped_by(TripCause::tip_speed);
-    HealingNow running;
+    const RecoveryState now = stopped_by(TripCause::tip_speed);
+    RecoveryState running;
     running.state = SafetyState::running;
     for (int round = 0; round < 2; ++round) {
-        for (int i = 0; i < Healing::kMaxResets; ++i) {
-            EXPECT_NEAR(patient.until_remedy_s(now, 100.0), Healing::kPause_s,
-                        1.5 * kHealingFrame_s);
-            patient.pass(running, Healing::kProven_s - 2.0 * kHealingFrame_s);
+        for (int i = 0; i < TripRecovery::kMaxResets; ++i) {
+            EXPECT_NEAR(patient.until_remedy_s(now, 100.0), TripRecovery::kPause_s,
+                        1.5 * kRecoveryFrame_s);
+            patient.pass(running, TripRecovery::kProven_s - 2.0 * kRecoveryFrame_s);
         }
         patient.pass(now, 3600.0);
-        EXPECT_EQ(patient.healing.condition(), Condition::asks_go_on);
-        patient.healing.begin_anew();
+        EXPECT_EQ(patient.recovery.condition(), Condition::asks_go_on);
+        patient.recovery.begin_anew();
     }
-    EXPECT_NEAR(patient.until_remedy_s(now, 100.0), Healing::kPause_s, 1.5 * kHealingFrame_s);
-    patient.pass(running, Healing::kProven_s + 2.0 * kHealingFrame_s); // it was not in vain
-    for (int i = 0; i < Healing::kMaxResets; ++i) {
-        EXPECT_LT(patient.until_remedy_s(now, 100.0), Healing::kPause_s + 2.0 * kHealingFrame_s);
+    EXPECT_NEAR(patient.until_remedy_s(now, 100.0), TripRecovery::kPause_s, 1.5 * kRecoveryFrame_s);
+    patient.pass(running, TripRecovery::kProven_s + 2.0 * kRecoveryFrame_s); // it was not in vain
+    for (int i = 0; i < TripRecovery::kMaxResets; ++i) {
+        EXPECT_LT(patient.until_remedy_s(now, 100.0),
+                  TripRecovery::kPause_s + 2.0 * kRecoveryFrame_s);
     }
 }
 
-TEST(ExhibitHealing, LiftsATipThatMotorsWaitForUnlessItIsHeld) {
+TEST(ExhibitRecovery, LiftsATipThatMotorsWaitForUnlessItIsHeld) {
     Patient patient;
-    HealingNow now;
+    RecoveryState now;
     now.is_touching = true;
     now.hand_is_held = true;
     patient.pass(now, 60.0);
-    EXPECT_EQ(patient.healing.condition(), Condition::lift);
+    EXPECT_EQ(patient.recovery.condition(), Condition::lift);
     now.hand_is_held = false;
-    EXPECT_NEAR(patient.until_remedy_s(now, 20.0), Healing::kLift_s, 1.5 * kHealingFrame_s);
+    EXPECT_NEAR(patient.until_remedy_s(now, 20.0), TripRecovery::kLift_s, 1.5 * kRecoveryFrame_s);
     EXPECT_EQ(patient.last, Remedy::lift_hand);
     now.state = SafetyState::running; // that is what it is there for
     patient.pass(now, 60.0);
-    EXPECT_EQ(patient.healing.condition(), Condition::well);
+    EXPECT_EQ(patient.recovery.condition(), Condition::well);
     now.is_inside = true;
-    EXPECT_LT(patient.until_remedy_s(now, 20.0), Healing::kLift_s + 2.0 * kHealingFrame_s);
+    EXPECT_LT(patient.until_remedy_s(now, 20.0), TripRecovery::kLift_s + 2.0 * kRecoveryFrame_s);
 }
 
-TEST(ExhibitHealing, ADeviceWithoutItsZeroNeedsTheStaff) {
+TEST(ExhibitRecovery, ADeviceWithoutItsZeroNeedsTheStaff) {
     Patient patient;
-    HealingNow now;
+    RecoveryState now;
     now.is_zeroed = false;
     patient.pass(now, 60.0);
-    EXPECT_EQ(patient.healing.condition(), Condition::needs_zeroing);
+    EXPECT_EQ(patient.recovery.condition(), Condition::needs_zeroing);
 }
 
-/// A session that is healed as the exhibit's is, with the lines of its log.
-class Healed {
+/// A session that is recovered as the exhibit's is, with the lines of its log.
+class Recovered {
 public:
-    explicit Healed(const std::vector<const char *> &faults = {}) : session(options(faults)) {
+    explicit Recovered(const std::vector<const char *> &faults = {}) : session(options(faults)) {
         session.start();
         session.hand().move_to({0.0, 0.03, 0.0});
         pass_until(SafetyState::running, 6.0);
@@ -185,9 +188,9 @@ public:
             for (std::string &line : watch.update(session, figures)) {
                 log.push_back(std::move(line));
             }
-            HealingNow now = healing_of(session);
+            RecoveryState now = recovery_of(session);
             now.time_s = session.latest().time_s;
-            if (healing.update(now) == Remedy::reset) {
+            if (recovery.update(now) == Remedy::reset) {
                 session.servo().reset_safety();
                 ++resets;
             }
@@ -208,18 +211,18 @@ public:
             ASSERT_EQ(session.latest().safety.state, SafetyState::tripped);
             ASSERT_EQ(session.latest().command.e_W_V, Vector3::Zero());
         }
-        EXPECT_EQ(healing.condition(), Condition::asks_go_on);
+        EXPECT_EQ(recovery.condition(), Condition::asks_go_on);
     }
     void expect_goes_on() {
         session.servo().let_go_on();
-        healing.begin_anew();
+        recovery.begin_anew();
         pass_until(SafetyState::running, 6.0);
         EXPECT_TRUE(!log.empty() && log.back().starts_with("running again after "));
     }
     [[nodiscard]] auto said(const std::string &line) const { return std::ranges::count(log, line); }
 
     session::Session session;
-    Healing healing;
+    TripRecovery recovery;
     DayWatch watch;
     DayFigures figures;
     std::vector<std::string> log;
@@ -227,7 +230,7 @@ public:
 };
 
 /// By a limit that is low for a moment.
-void trip(Healed &exhibit) {
+void trip(Recovered &exhibit) {
     servo::SafetyLimits limits = servo::unlowered();
     limits.winding_C = 1.0;
     exhibit.session.servo().lower_limits(limits);
@@ -235,16 +238,16 @@ void trip(Healed &exhibit) {
     exhibit.session.servo().lower_limits(servo::unlowered());
 }
 
-TEST(ExhibitHealing, ASimulationHealsByItself) {
-    Healed exhibit;
+TEST(ExhibitRecovery, ASimulationHealsByItself) {
+    Recovered exhibit;
     trip(exhibit);
     exhibit.pass_until(SafetyState::running, 8.0);
     EXPECT_EQ(exhibit.resets, 1);
 }
 
 /// The space bar 0.3 s after a fault.
-TEST(ExhibitHealing, AStopDuringAnotherKeepsItOffForMinutes) {
-    Healed exhibit;
+TEST(ExhibitRecovery, AStopDuringAnotherKeepsItOffForMinutes) {
+    Recovered exhibit;
     trip(exhibit);
     exhibit.pass(0.3);
     exhibit.session.servo().emergency_stop();
@@ -255,8 +258,8 @@ TEST(ExhibitHealing, AStopDuringAnotherKeepsItOffForMinutes) {
 }
 
 /// After its reset, before the motors run again.
-TEST(ExhibitHealing, AStopWhileItHealsKeepsItOff) {
-    Healed exhibit;
+TEST(ExhibitRecovery, AStopWhileItHealsKeepsItOff) {
+    Recovered exhibit;
     trip(exhibit);
     exhibit.pass_until(SafetyState::starting, 8.0);
     exhibit.session.servo().emergency_stop();
@@ -265,17 +268,17 @@ TEST(ExhibitHealing, AStopWhileItHealsKeepsItOff) {
     exhibit.expect_goes_on();
 }
 
-TEST(ExhibitHealing, AStopSwitchKeepsABoardOffAfterItsRelease) {
-    Healed exhibit({"stop@4-8"});
+TEST(ExhibitRecovery, AStopSwitchKeepsABoardOffAfterItsRelease) {
+    Recovered exhibit({"stop@4-8"});
     exhibit.pass_until(SafetyState::tripped, 4.0);
     exhibit.pass(0.1);
     exhibit.expect_stays_stopped(12.0);
     exhibit.expect_goes_on();
 }
 
-TEST(ExhibitHealing, AKeyDuringAStopByTheSwitchAndASwitchDuringAStopByAKeyKeepABoardOff) {
+TEST(ExhibitRecovery, AKeyDuringAStopByTheSwitchAndASwitchDuringAStopByAKeyKeepABoardOff) {
     for (const bool key_first : {false, true}) {
-        Healed exhibit({"stop@4-5"});
+        Recovered exhibit({"stop@4-5"});
         if (!key_first) {
             exhibit.pass_until(SafetyState::tripped, 4.0);
         }
@@ -287,11 +290,11 @@ TEST(ExhibitHealing, AKeyDuringAStopByTheSwitchAndASwitchDuringAStopByAKeyKeepAB
     }
 }
 
-TEST(ExhibitHealing, ABoardThatWasLostAndIsThereAgainAsksAPerson) {
-    Healed exhibit({"unplug@4-5"});
+TEST(ExhibitRecovery, ABoardThatWasLostAndIsThereAgainAsksAPerson) {
+    Recovered exhibit({"unplug@4-5"});
     exhibit.pass_until(SafetyState::tripped, 4.0);
     exhibit.pass(0.1);
-    EXPECT_EQ(exhibit.healing.condition(), Condition::lost);
+    EXPECT_EQ(exhibit.recovery.condition(), Condition::lost);
     exhibit.pass(5.0);
     EXPECT_EQ(exhibit.said("the device is there again"), 1);
     exhibit.expect_stays_stopped(12.0);

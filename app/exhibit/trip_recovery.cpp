@@ -1,4 +1,4 @@
-#include "app/exhibit/healing.h"
+#include "app/exhibit/trip_recovery.h"
 
 #include <algorithm>
 
@@ -7,9 +7,9 @@ namespace springdrive::app::exhibit {
 using servo::SafetyState;
 using servo::TripCause;
 
-HealingNow healing_of(const session::Session &session) {
+RecoveryState recovery_of(const session::Session &session) {
     const servo::ServoSample &latest = session.latest();
-    HealingNow now;
+    RecoveryState now;
     now.state = latest.safety.state;
     now.cause = latest.safety.cause;
     now.is_stop_held = session.servo().is_held_stopped();
@@ -21,18 +21,18 @@ HealingNow healing_of(const session::Session &session) {
     return now;
 }
 
-Remedy Healing::update(const HealingNow &now) {
+Remedy TripRecovery::update(const RecoveryState &now) {
     if (now.state == SafetyState::tripped) {
         running_since_s_.reset();
         caught_since_s_.reset();
-        return heal(now);
+        return recover(now);
     }
     calm_since_s_.reset();
     return watch(now);
 }
 
 /// While it is stopped.
-Remedy Healing::heal(const HealingNow &now) {
+Remedy TripRecovery::recover(const RecoveryState &now) {
     const auto waits = [this](Condition condition) {
         condition_ = condition;
         calm_since_s_.reset();
@@ -63,7 +63,7 @@ Remedy Healing::heal(const HealingNow &now) {
 }
 
 /// While it is not.
-Remedy Healing::watch(const HealingNow &now) {
+Remedy TripRecovery::watch(const RecoveryState &now) {
     if (now.state == SafetyState::running) {
         running_since_s_ = running_since_s_.value_or(now.time_s);
         if (now.time_s - *running_since_s_ >= kProven_s) {

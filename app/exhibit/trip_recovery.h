@@ -13,8 +13,8 @@
 
 namespace springdrive::app::exhibit {
 
-/// What the healing depends on, of one frame.
-struct HealingNow {
+/// What the recovery depends on, of one frame.
+struct RecoveryState {
     double time_s = 0.0;
     servo::SafetyState state = servo::SafetyState::waiting;
     servo::TripCause cause = servo::TripCause::none;
@@ -29,7 +29,7 @@ struct HealingNow {
 };
 
 /// What a session tells of itself: all but time, hand, and tip inside.
-[[nodiscard]] HealingNow healing_of(const session::Session &session);
+[[nodiscard]] RecoveryState recovery_of(const session::Session &session);
 
 /// What the visitor is told.
 enum class Condition : std::uint8_t {
@@ -45,7 +45,7 @@ enum class Condition : std::uint8_t {
 
 enum class Remedy : std::uint8_t { none, reset, lift_hand };
 
-class Healing {
+class TripRecovery {
 public:
     static constexpr double kPause_s = 3.0;   ///< from being free to the reset
     static constexpr double kLift_s = 1.5;    ///< the motors wait in contact, until the hand
@@ -53,7 +53,7 @@ public:
     static constexpr int kMaxResets = 3;      ///< in vain, then a person is needed
     static constexpr double kProven_s = 20.0; ///< of running, and no reset was in vain
 
-    Remedy update(const HealingNow &now);
+    Remedy update(const RecoveryState &now);
 
     [[nodiscard]] Condition condition() const { return condition_; }
     [[nodiscard]] double goes_on_in_s() const { return goes_on_in_s_; } ///< of `pause`
@@ -62,8 +62,8 @@ public:
     void begin_anew() { *this = {}; }
 
 private:
-    Remedy heal(const HealingNow &now);
-    Remedy watch(const HealingNow &now);
+    Remedy recover(const RecoveryState &now);
+    Remedy watch(const RecoveryState &now);
 
     Condition condition_ = Condition::well;
     double goes_on_in_s_ = 0.0;
