@@ -7,7 +7,7 @@
 #include "app/demo/shown_values.h"
 #include "app/demo/tip_inside.h"
 #include "app/exhibit/kiosk.h"
-#include "app/exhibit/performer.h"
+#include "app/exhibit/scripted_demo.h"
 #include "app/host/own_folder.h"
 #include "app/panels/opened_record.h"
 #include "app/panels/panels.h"

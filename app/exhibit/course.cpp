@@ -71,7 +71,7 @@ void Course::end_visit(CourseOrders &orders, double time_s) {
 }
 
 bool Course::never_begins(const CourseNow &now) const {
-    return !is_performing_ && now.time_s - since_s_ >= kPatience_s;
+    return !is_performing_ && now.time_s - since_s_ >= kLoadTimeout_s;
 }
 
 /// Begins once the scene is ready, and anew after a stop.
@@ -133,10 +133,10 @@ void Course::let_visitor(const CourseNow &now, CourseOrders &orders) {
         return;
     }
     const double idle_s = now.time_s - touched_s_;
-    if (idle_s >= kIdle_s + kFarewell_s) {
+    if (idle_s >= kIdle_s + kIdlePrompt_s) {
         end_visit(orders, now.time_s);
     } else if (idle_s >= kIdle_s) {
-        leaves_in_s_ = kIdle_s + kFarewell_s - idle_s;
+        leaves_in_s_ = kIdle_s + kIdlePrompt_s - idle_s;
     }
 }
 

@@ -40,11 +40,11 @@ struct CourseOrders {
 
 class Course {
 public:
-    static constexpr double kIdle_s = 45.0;     ///< until it is asked whether somebody is there
-    static constexpr double kFarewell_s = 10.0; ///< for which that is asked
-    static constexpr double kPatience_s = 20.0; ///< with a scene that does not get ready
-    static constexpr double kBetween_s = 2.0;   ///< scenes, in `attract`
-    static constexpr double kGap_s = 15.0;      ///< between frames: the computer slept
+    static constexpr double kIdle_s = 45.0;        ///< until it is asked whether somebody is there
+    static constexpr double kIdlePrompt_s = 10.0;  ///< for which that is asked
+    static constexpr double kLoadTimeout_s = 20.0; ///< with a scene that does not get ready
+    static constexpr double kBetween_s = 2.0;      ///< scenes, in `attract`
+    static constexpr double kGap_s = 15.0;         ///< between frames: the computer slept
 
     /// @param scenes  their number, at least 1; the first is shown
     explicit Course(std::size_t scenes) : scenes_(scenes) {}

@@ -50,7 +50,7 @@ std::string start_text(const session::Session &session) {
 } // namespace
 
 Kiosk::Kiosk(session::Session &session, std::filesystem::path log)
-    : performer_(session), log_(std::move(log)) {
+    : script_(session), log_(std::move(log)) {
     session.servo().lower_limits(servo::lowered(session.servo().inputs().limits, kiosk_limits()));
     log_.note(start_text(session));
 }
@@ -68,7 +68,7 @@ void Kiosk::update(const KioskParts &parts, const Rectangle &view, const Window:
     // service starts it again.
     alarm(kHung_s);
     session::Session &session = parts.stage.session;
-    now_ = performer_.now(session, boot_time_s());
+    now_ = script_.now(session, boot_time_s());
     renew_read_out(parts);
     const KioskAnswer answer = draw_kiosk(shown(parts), parts.view.camera(), view, text);
     if (answer.stop) {
@@ -92,7 +92,7 @@ void Kiosk::update(const KioskParts &parts, const Rectangle &view, const Window:
     }
     recover(parts);
     carry_out(course_.update(now_), parts);
-    if (const std::string error = performer_.take_error(); !error.empty()) {
+    if (const std::string error = script_.take_error(); !error.empty()) {
         log_.note(error);
     }
 }
@@ -197,7 +197,7 @@ void Kiosk::carry_out(const CourseOrders &orders, const KioskParts &parts) {
         ++figures_.scenes;
         log_.note("scene " + std::string(kTour[*orders.scene].scene));
     }
-    performer_.carry_out(orders, course_, parts.stage, now_.time_s);
+    script_.carry_out(orders, course_, parts.stage, now_.time_s);
 }
 
 void Kiosk::renew_read_out(const KioskParts &parts) {
@@ -231,7 +231,7 @@ KioskShown Kiosk::shown(const KioskParts &parts) const {
     const scene::Scene &scene = session.scenes().now().scene;
     KioskShown all{course_, recovery_};
     all.has_script = session.hand().is_simulated();
-    if (performer_.has_scene(session)) { // not yet while it is loaded
+    if (script_.has_scene(session)) { // not yet while it is loaded
         all.title = scene.lesson.title;
         all.sentence = sentence_of(kTour[course_.scene()], scene);
     }

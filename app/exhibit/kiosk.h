@@ -9,7 +9,7 @@
 #include "app/exhibit/course.h"
 #include "app/exhibit/day_log.h"
 #include "app/exhibit/kiosk_screen.h"
-#include "app/exhibit/performer.h"
+#include "app/exhibit/scripted_demo.h"
 #include "app/exhibit/trip_recovery.h"
 #include "app/stage/view_control.h"
 
@@ -23,7 +23,7 @@ namespace springdrive::app::exhibit {
 
 /// What the kiosk acts on; of the screen.
 struct KioskParts {
-    Stagecraft stage;
+    ScriptContext stage;
     ViewControl &view;
     double frame_s = 0.0;   ///< since the last one
     bool is_inside = false; ///< the tip lies in a solid
@@ -62,7 +62,7 @@ private:
     void renew_read_out(const KioskParts &parts);
     void zero(session::Session &session);
 
-    Performer performer_;
+    ScriptedDemo script_;
     Course course_{kTour.size()};
     TripRecovery recovery_;
     DayLog log_;

@@ -16,7 +16,7 @@ namespace springdrive::study {
 
 namespace {
 
-constexpr int kPatience_ms = 10'000; ///< with another program that reads or writes
+constexpr int kBusyTimeout_ms = 10'000; ///< with another program that reads or writes
 constexpr const char *kReadable = "PRAGMA temp_store = MEMORY; PRAGMA trusted_schema = OFF;"
                                   "PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0;";
 
@@ -129,7 +129,7 @@ Database::Database(const std::filesystem::path &file, std::filesystem::path show
         fail();
     }
     sqlite3_db_config(opened, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-    sqlite3_busy_timeout(opened, kPatience_ms);
+    sqlite3_busy_timeout(opened, kBusyTimeout_ms);
     run(kReadable);
     if (access == Access::read) {
         run("PRAGMA query_only = ON");

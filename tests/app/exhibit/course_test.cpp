@@ -121,7 +121,7 @@ TEST(ExhibitCourse, TheVisitorMayTakeTheHandEarlier) {
 TEST(ExhibitCourse, ASceneThatDoesNotGetReadyIsNotWaitedForForever) {
     Walk walk;
     walk.touch();
-    walk.wait(Course::kPatience_s - kLittle_s, false);
+    walk.wait(Course::kLoadTimeout_s - kLittle_s, false);
     EXPECT_EQ(walk.course.stage(), Stage::showing);
     walk.wait(2.0 * kLittle_s, false);
     EXPECT_EQ(walk.course.stage(), Stage::your_turn);
@@ -139,7 +139,7 @@ TEST(ExhibitCourse, BeginsWithTheFirstSceneHoweverLongTheComputerHasRun) {
 
 TEST(ExhibitCourse, AttractsPastASceneThatDoesNotGetReady) {
     Walk walk;
-    walk.wait(Course::kPatience_s - 2.0 * kFrame_s, false);
+    walk.wait(Course::kLoadTimeout_s - 2.0 * kFrame_s, false);
     EXPECT_EQ(walk.course.scene(), 0U);
     walk.wait(3.0 * kFrame_s, false);
     EXPECT_EQ(walk.course.scene(), 1U);
@@ -152,7 +152,7 @@ TEST(ExhibitCourse, AStopEndsTheShowAndItBeginsAnew) {
     walk.wait(5.0);
     EXPECT_TRUE(walk.wait(kFrame_s, false).leaves);
     EXPECT_FALSE(walk.course.is_performing());
-    walk.wait(Course::kPatience_s - 2.0 * kFrame_s, false);
+    walk.wait(Course::kLoadTimeout_s - 2.0 * kFrame_s, false);
     EXPECT_EQ(walk.course.stage(), Stage::showing); // the patience began with the stop
     EXPECT_TRUE(walk.wait(kFrame_s).performs);
 }
@@ -164,8 +164,8 @@ TEST(ExhibitCourse, AsksWhetherSomebodyIsThereAndThenAttractsAgain) {
     EXPECT_FALSE(walk.course.leaves_in_s());
     walk.wait(2.0 * kLittle_s);
     ASSERT_TRUE(walk.course.leaves_in_s());
-    EXPECT_NEAR(*walk.course.leaves_in_s(), Course::kFarewell_s, 2.0 * kLittle_s);
-    walk.wait(Course::kFarewell_s - 3.0 * kLittle_s);
+    EXPECT_NEAR(*walk.course.leaves_in_s(), Course::kIdlePrompt_s, 2.0 * kLittle_s);
+    walk.wait(Course::kIdlePrompt_s - 3.0 * kLittle_s);
     EXPECT_EQ(walk.course.stage(), Stage::your_turn);
     const CourseOrders orders = walk.wait(3.0 * kLittle_s);
     EXPECT_EQ(walk.course.stage(), Stage::attract);
@@ -177,7 +177,7 @@ TEST(ExhibitCourse, AsksWhetherSomebodyIsThereAndThenAttractsAgain) {
 TEST(ExhibitCourse, ATouchInTheLastMomentKeepsTheVisit) {
     Walk walk;
     walk.go_to_your_turn();
-    walk.wait(Course::kIdle_s + Course::kFarewell_s - 2.0 * kFrame_s);
+    walk.wait(Course::kIdle_s + Course::kIdlePrompt_s - 2.0 * kFrame_s);
     walk.touch();
     EXPECT_FALSE(walk.course.leaves_in_s());
     walk.wait(Course::kIdle_s - kLittle_s);

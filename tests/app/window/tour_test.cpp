@@ -1,4 +1,4 @@
-// Covers Guide of app/exhibit/performer.cpp: the tour in the ordinary window.
+// Covers Guide of app/exhibit/scripted demo.cpp: the tour in the ordinary window.
 #include "engine/servo/safety_status.h"
 #include "tests/support/shown_window.h"
 

@@ -18,20 +18,20 @@
 namespace springdrive::app::exhibit {
 
 /// What it acts on; of the screen.
-struct Stagecraft {
+struct ScriptContext {
     session::Session &session;
     TuningEditor &editor;
     HandLift &lift;
 };
 
-class Performer {
+class ScriptedDemo {
 public:
     /// The present scene and gains are those of the start.
-    explicit Performer(const session::Session &session)
+    explicit ScriptedDemo(const session::Session &session)
         : tuning_(session.tuning().now()), wanted_(session.scenes().now().scene.file) {}
 
     /// Requests the scene, with the gains of the start.
-    void show(const Stagecraft &stage, const TourStop &stop);
+    void show(const ScriptContext &stage, const TourStop &stop);
 
     [[nodiscard]] bool has_scene(const session::Session &session) const {
         return session.scenes().now().scene.file == wanted_;
@@ -41,19 +41,19 @@ public:
     [[nodiscard]] CourseNow now(const session::Session &session, double time_s) const;
     /// Once a frame: the orders about scene and scripted hand. With a real hand nothing moves for
     /// some seconds.
-    void carry_out(const CourseOrders &orders, const Course &course, const Stagecraft &stage,
+    void carry_out(const CourseOrders &orders, const Course &course, const ScriptContext &stage,
                    double time_s);
     /// The scripted hand stops where it is.
-    void leave(const Stagecraft &stage);
+    void leave(const ScriptContext &stage);
 
-    void restore_gains(const Stagecraft &stage) const;
+    void restore_gains(const ScriptContext &stage) const;
 
     /// Why the hand did not act; else empty.
     [[nodiscard]] std::string take_error() { return std::exchange(error_, {}); }
 
 private:
-    void perform(const Stagecraft &stage, const TourStop &stop, double time_s);
-    void switch_map_if_due(const Stagecraft &stage);
+    void perform(const ScriptContext &stage, const TourStop &stop, double time_s);
+    void switch_map_if_due(const ScriptContext &stage);
 
     control::Tuning tuning_; ///< of the start
     std::filesystem::path wanted_;
@@ -67,16 +67,16 @@ private:
 /// The tour in the ordinary window: the scripted hand goes through all scenes once, until Escape.
 class Guide {
 public:
-    void begin(const Stagecraft &stage);
-    void end(const Stagecraft &stage);
+    void begin(const ScriptContext &stage);
+    void end(const ScriptContext &stage);
     [[nodiscard]] bool is_on() const { return course_.has_value(); }
 
     /// Once a frame. @param time_s  by any clock of the window
-    void update(const Stagecraft &stage, double time_s);
+    void update(const ScriptContext &stage, double time_s);
 
 private:
     std::optional<Course> course_;
-    std::optional<Performer> performer_;
+    std::optional<ScriptedDemo> script_;
     bool had_scene_ = false; ///< that it shows
 };
 

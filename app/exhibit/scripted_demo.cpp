@@ -1,4 +1,4 @@
-#include "app/exhibit/performer.h"
+#include "app/exhibit/scripted_demo.h"
 
 #include "base/error_text.h"
 
@@ -13,7 +13,7 @@ constexpr double kPathBegins_s = 0.2; ///< see Session::follow_path: from here t
 
 } // namespace
 
-void Performer::show(const Stagecraft &stage, const TourStop &stop) {
+void ScriptedDemo::show(const ScriptContext &stage, const TourStop &stop) {
     restore_gains(stage);
     wanted_ = file_of(stop);
     if (stage.session.scenes().is_loading() || !has_scene(stage.session)) {
@@ -22,7 +22,7 @@ void Performer::show(const Stagecraft &stage, const TourStop &stop) {
 }
 
 /// The lock is for changes by hand: back to the start one may always go.
-void Performer::restore_gains(const Stagecraft &stage) const {
+void ScriptedDemo::restore_gains(const ScriptContext &stage) const {
     if (stage.session.tuning().now() == tuning_) {
         return;
     }
@@ -31,7 +31,7 @@ void Performer::restore_gains(const Stagecraft &stage) const {
     stage.editor.is_unlocked = was_unlocked;
 }
 
-CourseNow Performer::now(const session::Session &session, double time_s) const {
+CourseNow ScriptedDemo::now(const session::Session &session, double time_s) const {
     const session::Scenes &scenes = session.scenes();
     CourseNow now;
     now.time_s = time_s;
@@ -42,8 +42,8 @@ CourseNow Performer::now(const session::Session &session, double time_s) const {
     return now;
 }
 
-void Performer::carry_out(const CourseOrders &orders, const Course &course, const Stagecraft &stage,
-                          double time_s) {
+void ScriptedDemo::carry_out(const CourseOrders &orders, const Course &course,
+                             const ScriptContext &stage, double time_s) {
     if (orders.leaves) {
         leave(stage);
     }
@@ -58,7 +58,7 @@ void Performer::carry_out(const CourseOrders &orders, const Course &course, cons
     }
 }
 
-void Performer::perform(const Stagecraft &stage, const TourStop &stop, double time_s) {
+void ScriptedDemo::perform(const ScriptContext &stage, const TourStop &stop, double time_s) {
     session::Session &session = stage.session;
     stage.lift.stop();
     showing_.reset();
@@ -81,7 +81,7 @@ void Performer::perform(const Stagecraft &stage, const TourStop &stop, double ti
     });
 }
 
-void Performer::switch_map_if_due(const Stagecraft &stage) {
+void ScriptedDemo::switch_map_if_due(const ScriptContext &stage) {
     if (!showing_ || switched_ >= showing_->switches_s.size()) {
         return;
     }
@@ -91,46 +91,46 @@ void Performer::switch_map_if_due(const Stagecraft &stage) {
     }
 }
 
-void Performer::leave(const Stagecraft &stage) {
+void ScriptedDemo::leave(const ScriptContext &stage) {
     showing_.reset();
     if (stage.session.hand().follows_path()) {
         stage.session.leave_path();
     }
 }
 
-void Guide::begin(const Stagecraft &stage) {
-    performer_.emplace(stage.session);
+void Guide::begin(const ScriptContext &stage) {
+    script_.emplace(stage.session);
     course_.emplace(kTour.size());
-    performer_->show(stage, kTour.front());
+    script_->show(stage, kTour.front());
     had_scene_ = false;
 }
 
-void Guide::end(const Stagecraft &stage) {
+void Guide::end(const ScriptContext &stage) {
     if (is_on()) {
-        performer_->leave(stage);
-        performer_->restore_gains(stage);
+        script_->leave(stage);
+        script_->restore_gains(stage);
         course_.reset();
     }
 }
 
-void Guide::update(const Stagecraft &stage, double time_s) {
+void Guide::update(const ScriptContext &stage, double time_s) {
     if (!is_on()) {
         return;
     }
-    const bool has_scene = performer_->has_scene(stage.session);
+    const bool has_scene = script_->has_scene(stage.session);
     if (had_scene_ && !has_scene && !stage.session.scenes().is_loading()) {
         end(stage); // somebody wanted another one
         return;
     }
     had_scene_ = had_scene_ || has_scene;
     const std::size_t before = course_->scene();
-    const CourseOrders orders = course_->update(performer_->now(stage.session, time_s));
+    const CourseOrders orders = course_->update(script_->now(stage.session, time_s));
     if (orders.scene && before + 1 == kTour.size()) {
         end(stage); // all were shown
         return;
     }
     had_scene_ = had_scene_ && !orders.scene;
-    performer_->carry_out(orders, *course_, stage, time_s);
+    script_->carry_out(orders, *course_, stage, time_s);
 }
 
 } // namespace springdrive::app::exhibit
