@@ -3,7 +3,7 @@
 
 #include "app/doctor/check.h"
 #include "app/doctor/machine.h"
-#include "app/doctor/trial.h"
+#include "app/doctor/probe.h"
 
 #include <vector>
 
@@ -13,7 +13,7 @@ struct Evidence {
     Machine machine;
     Process process;
     Purpose purpose;
-    Trials trials;
+    Probes probes;
 };
 
 /// In the order of the report.

@@ -42,7 +42,7 @@ std::string make_room(const std::string &folder) {
 std::string fix_refusal(const Evidence &evidence, const std::string &folder) {
     const std::string sudo = evidence.process.sudo();
     std::error_code unreadable;
-    switch (evidence.trials.disk.refused) {
+    switch (evidence.probes.disk.refused) {
     case ENOENT:
         if (!std::filesystem::exists(evidence.purpose.folder, unreadable)) {
             return "mkdir -p " + folder;
@@ -111,58 +111,58 @@ std::vector<char> noise(std::size_t size) {
 
 } // namespace
 
-DiskTrial try_disk(const std::filesystem::path &folder, std::size_t second_bytes) {
-    DiskTrial trial;
+DiskProbe try_disk(const std::filesystem::path &folder, std::size_t second_bytes) {
+    DiskProbe probe;
     const int file = create_nameless(folder);
     if (file < 0) {
-        trial.refused = errno;
-        return trial;
+        probe.refused = errno;
+        return probe;
     }
     struct statvfs space {};
     if (fstatvfs(file, &space) == 0) {
-        trial.free_bytes =
+        probe.free_bytes =
             static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize);
     }
     const std::vector<char> second = noise(second_bytes);
     const Clock::time_point start = Clock::now();
     std::size_t written = 0;
     do {
-        trial.refused = write_all(file, second);
+        probe.refused = write_all(file, second);
         const Clock::time_point wrote = Clock::now();
-        if (trial.refused == 0 && fdatasync(file) != 0) {
-            trial.refused = errno;
+        if (probe.refused == 0 && fdatasync(file) != 0) {
+            probe.refused = errno;
         }
-        trial.longest_sync_s = std::max(trial.longest_sync_s, seconds_since(wrote));
+        probe.longest_sync_s = std::max(probe.longest_sync_s, seconds_since(wrote));
         written += second.size();
-    } while (trial.refused == 0 && seconds_since(start) < kWriting_s && written < kMost_bytes);
-    trial.written_bytes_per_s = static_cast<double>(written) / seconds_since(start);
+    } while (probe.refused == 0 && seconds_since(start) < kWriting_s && written < kMost_bytes);
+    probe.written_bytes_per_s = static_cast<double>(written) / seconds_since(start);
     close(file);
-    return trial;
+    return probe;
 }
 
 Finding disk_check(const Evidence &evidence) {
-    const DiskTrial &trial = evidence.trials.disk;
+    const DiskProbe &probe = evidence.probes.disk;
     const std::string folder = shell_word(evidence.purpose.folder.string());
     const double needed_bytes_per_s = record_bytes_per_s(evidence.purpose.servo_hz);
     const std::string needed = fmt::format("a record needs {:.2f} MB/s at {:.6g} Hz",
                                            1e-6 * needed_bytes_per_s, evidence.purpose.servo_hz);
-    if (!trial.has_answered) {
+    if (!probe.has_answered) {
         return {Verdict::failure,
                 fmt::format("did not write one second of a record in {:.1f} s; {}",
-                            1e-3 * static_cast<double>(kTrialTime.count()), needed),
+                            1e-3 * static_cast<double>(kProbeTime.count()), needed),
                 kAnotherDisk};
     }
-    if (trial.refused != 0) {
-        return {Verdict::failure, std::generic_category().message(trial.refused),
+    if (probe.refused != 0) {
+        return {Verdict::failure, std::generic_category().message(probe.refused),
                 fix_refusal(evidence, folder)};
     }
-    const double lasts_s = trial.free_bytes / needed_bytes_per_s;
+    const double lasts_s = probe.free_bytes / needed_bytes_per_s;
     const std::string found =
         fmt::format("writes {:.1f} MB/s, synchronised in {:.1f} ms; {}; {} free, which last {}",
-                    1e-6 * trial.written_bytes_per_s, 1e3 * trial.longest_sync_s, needed,
-                    text_of_bytes(trial.free_bytes), text_of_time(lasts_s));
-    if (trial.written_bytes_per_s < kAmple * needed_bytes_per_s) {
-        return {trial.written_bytes_per_s < needed_bytes_per_s ? Verdict::failure
+                    1e-6 * probe.written_bytes_per_s, 1e3 * probe.longest_sync_s, needed,
+                    text_of_bytes(probe.free_bytes), text_of_time(lasts_s));
+    if (probe.written_bytes_per_s < kAmple * needed_bytes_per_s) {
+        return {probe.written_bytes_per_s < needed_bytes_per_s ? Verdict::failure
                                                                : Verdict::warning,
                 found, "cd ~  # start springdrive in a folder on a faster disk"};
     }

@@ -104,7 +104,7 @@ Finding preemption_check(const Evidence &evidence) {
 }
 
 Finding idle_check(const Evidence &evidence) {
-    const bool is_short = evidence.trials.rights.idle_is_short;
+    const bool is_short = evidence.probes.rights.idle_is_short;
     const double longest_s = kLongestWaking / evidence.purpose.servo_hz;
     const std::optional<IdleState> deepest = deepest_idle(evidence.machine);
     if (!deepest) {

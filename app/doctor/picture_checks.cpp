@@ -36,18 +36,18 @@ std::string socket_of(const std::string &display) {
 }
 
 Finding display(const Evidence &evidence) {
-    const PictureTrial &trial = evidence.trials.picture;
+    const PictureProbe &probe = evidence.probes.picture;
     const Process &process = evidence.process;
     const std::string name = process.variable("DISPLAY");
-    if (trial.has_answered && trial.display_problem.empty()) {
+    if (probe.has_answered && probe.display_problem.empty()) {
         return {Verdict::ok, name};
     }
-    if (!trial.has_answered) {
+    if (!probe.has_answered) {
         // An OpenGL driver that ends its process has got beyond the display.
         return {Verdict::failure,
                 fmt::format("{}: a window there did not open in {:.1f} s, or ended its program",
                             name.empty() ? "DISPLAY is not set" : "DISPLAY=" + name,
-                            1e-3 * static_cast<double>(kTrialTime.count())),
+                            1e-3 * static_cast<double>(kProbeTime.count())),
                 virtual_display(evidence)};
     }
     if (name.empty() && !process.variable("WAYLAND_DISPLAY").empty()) {
@@ -61,7 +61,7 @@ Finding display(const Evidence &evidence) {
     }
     const std::string socket = socket_of(name);
     const bool is_there = !socket.empty() && evidence.machine.exists(socket);
-    return {Verdict::failure, fmt::format("DISPLAY={}: {}", name, trial.display_problem),
+    return {Verdict::failure, fmt::format("DISPLAY={}: {}", name, probe.display_problem),
             is_there ? "xhost +si:localuser:$(id -un)  # by the person at that display"
                      : virtual_display(evidence)};
 }
@@ -79,23 +79,23 @@ std::string settings_of_mesa(const Process &process) {
 }
 
 Finding opengl(const Evidence &evidence) {
-    const PictureTrial &trial = evidence.trials.picture;
-    if (trial.has_answered && !trial.display_problem.empty()) {
+    const PictureProbe &probe = evidence.probes.picture;
+    if (probe.has_answered && !probe.display_problem.empty()) {
         return {Verdict::not_applicable, "no display to try it on"};
     }
     const std::string version =
-        trial.version.empty() ? "none" : trial.version + " on " + trial.renderer;
-    if (!trial.has_answered || !trial.window_problem.empty()) {
+        probe.version.empty() ? "none" : probe.version + " on " + probe.renderer;
+    if (!probe.has_answered || !probe.window_problem.empty()) {
         const std::string settings = settings_of_mesa(evidence.process);
         return {Verdict::failure,
-                !trial.has_answered
+                !probe.has_answered
                     ? "a window did not open in time, or its driver ended the program"
-                    : fmt::format("{}: {}", version, trial.window_problem),
+                    : fmt::format("{}: {}", version, probe.window_problem),
                 !settings.empty()
                     ? "unset" + settings
                     : install_line(evidence.machine, evidence.process, "libgl1 libgl1-mesa-dri")};
     }
-    const bool is_software = is_software_renderer(trial.renderer);
+    const bool is_software = is_software_renderer(probe.renderer);
     return {Verdict::ok,
             version + (is_software
                            ? "; drawn by the processor: half a core or more, and fewer frames"
@@ -142,24 +142,24 @@ GLFWwindow *open_hidden(bool is_as_in_demo) {
 
 } // namespace
 
-PictureTrial try_picture() {
-    PictureTrial trial;
+PictureProbe try_picture() {
+    PictureProbe probe;
     glfwSetErrorCallback(note_error);
     if (glfwInit() == GLFW_FALSE) {
-        trial.display_problem = last_error();
-        return trial;
+        probe.display_problem = last_error();
+        return probe;
     }
     GLFWwindow *window = open_hidden(true);
     if (window == nullptr) {
-        trial.window_problem = last_error();
+        probe.window_problem = last_error();
         window = open_hidden(false); // any, to name its version
     }
     if (window != nullptr) {
         glfwMakeContextCurrent(window);
-        trial.version = text_of_context(kVersion);
-        trial.renderer = text_of_context(kRenderer);
+        probe.version = text_of_context(kVersion);
+        probe.renderer = text_of_context(kRenderer);
     }
-    return trial; // its process ends: drivers that crash while being unloaded are not asked to
+    return probe; // its process ends: drivers that crash while being unloaded are not asked to
 }
 
 Finding display_check(const Evidence &evidence) { return if_window(evidence, display(evidence)); }

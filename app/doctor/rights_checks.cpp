@@ -167,7 +167,7 @@ std::string limit_text(std::uint64_t limit) {
 
 std::string why_no_priority(const Evidence &evidence) {
     const Process &process = evidence.process;
-    const auto wanted = static_cast<std::uint64_t>(evidence.trials.rights.priority);
+    const auto wanted = static_cast<std::uint64_t>(evidence.probes.rights.priority);
     if (process.priority_limit < wanted && process.priority_limit_hard >= wanted) {
         return fmt::format("ulimit -S -r {}", wanted);
     }
@@ -189,20 +189,20 @@ std::string why_no_priority(const Evidence &evidence) {
 } // namespace
 
 Finding priority_check(const Evidence &evidence) {
-    const RightsTrial &trial = evidence.trials.rights;
+    const RightsProbe &probe = evidence.probes.rights;
     const Verdict wrong = evidence.purpose.worse_with_usb();
-    if (!trial.has_answered) {
+    if (!probe.has_answered) {
         return {wrong, "the trial of it did not end: this computer is too busy",
                 "end what is busy (see top), and repeat springdrive doctor"};
     }
-    if (trial.priority_refused == 0) {
-        return {Verdict::ok, fmt::format("SCHED_FIFO {} granted", trial.priority)};
+    if (probe.priority_refused == 0) {
+        return {Verdict::ok, fmt::format("SCHED_FIFO {} granted", probe.priority)};
     }
     const bool has_share = file_of_missing_share(evidence.machine).empty();
     return {
         wrong,
-        fmt::format("SCHED_FIFO {} refused: {}; the limit is {} (ulimit -r){}", trial.priority,
-                    std::generic_category().message(trial.priority_refused),
+        fmt::format("SCHED_FIFO {} refused: {}; the limit is {} (ulimit -r){}", probe.priority,
+                    std::generic_category().message(probe.priority_refused),
                     limit_text(evidence.process.priority_limit),
                     has_share ? "" : "; its control group has no share of real-time scheduling"),
         why_no_priority(evidence)};
@@ -210,7 +210,7 @@ Finding priority_check(const Evidence &evidence) {
 
 Finding memory_lock_check(const Evidence &evidence) {
     const Process &process = evidence.process;
-    if (evidence.trials.rights.memory_locked) {
+    if (evidence.probes.rights.memory_locked) {
         return {Verdict::ok, "all memory may be kept in RAM"};
     }
     const std::uint64_t limit = process.memory_lock_limit_bytes;

@@ -75,9 +75,9 @@ std::vector<std::string> Board::hubs() const {
     return hubs;
 }
 
-std::vector<Board> boards_of(const Machine &machine, const UsbTrial &trial) {
+std::vector<Board> boards_of(const Machine &machine, const UsbProbe &probe) {
     std::vector<Board> boards;
-    for (const usb::SurveyedBoard &board : trial.boards) {
+    for (const usb::SurveyedBoard &board : probe.boards) {
         boards.push_back({board});
     }
     if (!boards.empty()) {
@@ -85,7 +85,7 @@ std::vector<Board> boards_of(const Machine &machine, const UsbTrial &trial) {
     }
     for (const std::string &name : machine.names_in(kDevices)) {
         if (has_its_numbers(machine, name) && has_its_interface(machine, name)) {
-            boards.push_back(board_of_kernel(machine, name, trial.has_answered));
+            boards.push_back(board_of_kernel(machine, name, probe.has_answered));
         }
     }
     return boards;

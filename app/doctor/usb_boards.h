@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/doctor/machine.h"
-#include "app/doctor/trial.h"
+#include "app/doctor/probe.h"
 
 #include <optional>
 #include <string>
@@ -24,7 +24,7 @@ struct Board : usb::SurveyedBoard {
 
 /// Those that libusb found. If none, those that the kernel has: libusb sees no board without its
 /// device node.
-[[nodiscard]] std::vector<Board> boards_of(const Machine &machine, const UsbTrial &trial);
+[[nodiscard]] std::vector<Board> boards_of(const Machine &machine, const UsbProbe &probe);
 
 /// The devices that have a board's numbers, which are for tests, but not its interface.
 [[nodiscard]] std::vector<std::string> others_with_its_numbers(const Machine &machine);

@@ -23,7 +23,7 @@ constexpr const char *kContainerLine = "start the container with -v /dev/bus/usb
 
 Finding absent(const Evidence &evidence) {
     const Machine &machine = evidence.machine;
-    const std::string &problem = evidence.trials.usb.problem;
+    const std::string &problem = evidence.probes.usb.problem;
     std::string found =
         fmt::format("none is connected (vendor {:04x}, product {:04x}, interface {:02x}/{:02x}){}",
                     usb::kVendorId, usb::kProductId, usb::kInterfaceClass, usb::kInterfaceSubclass,
@@ -231,15 +231,15 @@ constexpr std::array<BoardRow, 5> kOfEachBoard{{
 } // namespace
 
 std::vector<Check> usb_checks(const Evidence &evidence) {
-    const UsbTrial &trial = evidence.trials.usb;
-    const std::vector<Board> all = boards_of(evidence.machine, trial);
+    const UsbProbe &probe = evidence.probes.usb;
+    const std::vector<Board> all = boards_of(evidence.machine, probe);
     std::vector<Board> meant;
     std::ranges::copy_if(all, std::back_inserter(meant), [&](const Board &board) {
         return evidence.purpose.serial.empty() || board.serial == evidence.purpose.serial;
     });
     std::vector<Check> checks{
         {!all.empty() ? presence(evidence, all, meant)
-         : trial.has_answered
+         : probe.has_answered
              ? absent(evidence)
              : Finding{evidence.purpose.worse_with_usb(), "USB gave no answer in time",
                        "unplug what hangs on USB, and repeat springdrive "

@@ -1,4 +1,4 @@
-// Covers app/commands/doctor_command.cpp and app/doctor/trial.cpp, from outside: on this computer,
+// Covers app/commands/doctor_command.cpp and app/doctor/probe.cpp, from outside: on this computer,
 // whatever it is.
 #include "tests/support/files.h"
 #include "tests/support/program.h"

@@ -56,7 +56,7 @@ TEST(DoctorIdle, ADeepStateIsWrongUnlessTheServoMayForbidIt) {
     LaidOutComputer computer = with_idle_states();
     Evidence evidence = computer.evidence();
     expect_ok(idle_check(evidence), "C10 takes 890 us to leave; the servo keeps");
-    evidence.trials.rights.idle_is_short = false;
+    evidence.probes.rights.idle_is_short = false;
     expect_wrong(idle_check(evidence), Verdict::warning,
                  "C10 takes 890 us to leave, more than 100 us, a tenth of a tick",
                  "echo 'KERNEL==\"cpu_dma_latency\", MODE=\"0666\"' | sudo tee "
@@ -72,7 +72,7 @@ TEST(DoctorIdle, TheBoundIsATenthOfATick) {
     LaidOutComputer computer = with_idle_states();
     computer.has(kProcessors + "cpu1/cpuidle/state2/latency", "100");
     Evidence evidence = computer.evidence();
-    evidence.trials.rights.idle_is_short = false;
+    evidence.probes.rights.idle_is_short = false;
     expect_ok(idle_check(evidence), "100 us");
     evidence.purpose.servo_hz = 1001.0;
     EXPECT_EQ(idle_check(evidence).verdict, Verdict::warning);
@@ -83,7 +83,7 @@ TEST(DoctorIdle, TheBoundIsATenthOfATick) {
 TEST(DoctorIdle, NoStatesAtAll) {
     Evidence evidence = LaidOutComputer().evidence();
     expect_ok(idle_check(evidence), "none are shown");
-    evidence.trials.rights.idle_is_short = false;
+    evidence.probes.rights.idle_is_short = false;
     expect_no_verdict(idle_check(evidence), "none are shown");
 }
 
@@ -143,7 +143,7 @@ TEST(DoctorKernel, OddContentsAreBorne) {
         computer.has("/sys/kernel/realtime", odd);
         computer.has("/proc/sys/kernel/version", odd);
         Evidence evidence = computer.evidence();
-        evidence.trials.rights.idle_is_short = false;
+        evidence.probes.rights.idle_is_short = false;
         for (const Check &check : all_checks(evidence)) {
             EXPECT_LT(check.found.size(), 800U);
             EXPECT_EQ(check.found.find('\n'), std::string::npos);

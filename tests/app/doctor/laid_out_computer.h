@@ -45,10 +45,10 @@ public:
         all.process.group_ids = {1000};
         all.process.architecture = "amd64";
         all.process.setup_folder = root_ / "source/setup"; // which is not there
-        all.trials.rights = {true, 80, 0, true, true};
-        all.trials.picture = {true, "", "", "4.6 (Core Profile) Mesa 23.2", "Mesa Intel UHD"};
-        all.trials.disk = {true, 0, 200e6, 0.002, 50e9};
-        all.trials.usb.has_answered = true;
+        all.probes.rights = {true, 80, 0, true, true};
+        all.probes.picture = {true, "", "", "4.6 (Core Profile) Mesa 23.2", "Mesa Intel UHD"};
+        all.probes.disk = {true, 0, 200e6, 0.002, 50e9};
+        all.probes.usb.has_answered = true;
         return all;
     }
 

@@ -2,7 +2,7 @@
 #include "tests/app/doctor/laid_out_computer.h"
 
 #include "app/doctor/doctor_report.h"
-#include "app/doctor/trial.h"
+#include "app/doctor/probe.h"
 #include "base/input_error.h"
 
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@ constexpr const char *kXvfb = "xvfb-run -a -s '-screen 0 1280x800x24' springdriv
 
 Evidence without_display(const LaidOutComputer &computer) {
     Evidence evidence = computer.evidence();
-    evidence.trials.picture = {true, "X11: The DISPLAY environment variable is missing", "", "",
+    evidence.probes.picture = {true, "X11: The DISPLAY environment variable is missing", "", "",
                                ""};
     return evidence;
 }
@@ -28,7 +28,7 @@ TEST(DoctorPicture, ADisplayWithOpenGlIsDescribed) {
     expect_ok(display_check(evidence), ":7");
     expect_ok(opengl_check(evidence), "4.6 (Core Profile) Mesa 23.2 on Mesa Intel UHD");
     EXPECT_EQ(opengl_check(evidence).found.find("processor"), std::string::npos);
-    evidence.trials.picture.renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";
+    evidence.probes.picture.renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";
     expect_ok(opengl_check(evidence), "drawn by the processor");
 }
 
@@ -55,7 +55,7 @@ TEST(DoctorPicture, ADisplayThatRefusesIsToldFromOneThatIsNotThere) {
     LaidOutComputer computer;
     computer.has_program("/usr/bin/xvfb-run");
     Evidence evidence = without_display(computer);
-    evidence.trials.picture.display_problem = "X11: Failed to open display :1.0";
+    evidence.probes.picture.display_problem = "X11: Failed to open display :1.0";
     evidence.process.environment["DISPLAY"] = ":1.0";
     EXPECT_EQ(display_check(evidence).fix, kXvfb);
     computer.has("/tmp/.X11-unix/X1");
@@ -66,7 +66,7 @@ TEST(DoctorPicture, ADisplayThatRefusesIsToldFromOneThatIsNotThere) {
         evidence.process.environment["DISPLAY"] = odd;
         EXPECT_EQ(display_check(evidence).fix, kXvfb) << odd;
     }
-    evidence.trials.picture = {}; // crashed or hangs
+    evidence.probes.picture = {}; // crashed or hangs
     EXPECT_EQ(display_check(evidence).verdict, Verdict::failure);
     EXPECT_EQ(opengl_check(evidence).verdict, Verdict::failure);
 }
@@ -75,13 +75,13 @@ TEST(DoctorPicture, OpenGlThatIsTooOldFails) {
     LaidOutComputer computer;
     computer.has("/etc/os-release", "ID=debian\n");
     Evidence evidence = computer.evidence();
-    evidence.trials.picture = {true, "", "GLX: Failed to create context: GLXBadFBConfig",
+    evidence.probes.picture = {true, "", "GLX: Failed to create context: GLXBadFBConfig",
                                "2.1 Mesa 22.3.6", "Mesa Intel GMA"};
     expect_wrong(opengl_check(evidence), Verdict::failure, "2.1 Mesa 22.3.6 on Mesa Intel GMA",
                  "sudo apt-get install libgl1 libgl1-mesa-dri");
     evidence.process.environment["MESA_GL_VERSION_OVERRIDE"] = "2.1";
     EXPECT_EQ(opengl_check(evidence).fix, "unset MESA_GL_VERSION_OVERRIDE");
-    evidence.trials.picture.version.clear();
+    evidence.probes.picture.version.clear();
     EXPECT_EQ(opengl_check(evidence).found.substr(0, 5), "none:");
 }
 
@@ -101,9 +101,9 @@ TEST(DoctorDisk, IsComparedWithWhatARecordNeeds) {
     EXPECT_EQ(record_bytes_per_s(4000.0), 4.0 * needed);
     expect_ok(disk_check(evidence), "writes 200.0 MB/s, synchronised in 2.0 ms; a record needs");
     EXPECT_NE(disk_check(evidence).found.find("50.0 GB free"), std::string::npos);
-    evidence.trials.disk.written_bytes_per_s = 4.01 * needed;
+    evidence.probes.disk.written_bytes_per_s = 4.01 * needed;
     EXPECT_EQ(disk_check(evidence).verdict, Verdict::ok);
-    evidence.trials.disk.written_bytes_per_s = 3.99 * needed;
+    evidence.probes.disk.written_bytes_per_s = 3.99 * needed;
     EXPECT_EQ(disk_check(evidence).verdict, Verdict::warning);
     evidence.purpose.servo_hz = 4000.0;
     EXPECT_EQ(disk_check(evidence).verdict, Verdict::failure);
@@ -113,9 +113,9 @@ TEST(DoctorDisk, IsComparedWithWhatARecordNeeds) {
 TEST(DoctorDisk, LittleRoomIsAWarning) {
     Evidence evidence = LaidOutComputer().evidence();
     evidence.purpose.folder = "/data/my records";
-    evidence.trials.disk.free_bytes = 601.0 * record_bytes_per_s(1000.0);
+    evidence.probes.disk.free_bytes = 601.0 * record_bytes_per_s(1000.0);
     EXPECT_EQ(disk_check(evidence).verdict, Verdict::ok);
-    evidence.trials.disk.free_bytes = 599.0 * record_bytes_per_s(1000.0);
+    evidence.probes.disk.free_bytes = 599.0 * record_bytes_per_s(1000.0);
     expect_wrong(disk_check(evidence), Verdict::warning, "which last 10 min",
                  "du -xh '/data/my records' | sort -h | tail  # lists what takes the space");
 }
@@ -124,7 +124,7 @@ TEST(DoctorDisk, EachRefusalHasItsLine) {
     Evidence evidence = LaidOutComputer().evidence();
     evidence.purpose.folder = "/data";
     const auto fix = [&](int refused) {
-        evidence.trials.disk.refused = refused;
+        evidence.probes.disk.refused = refused;
         EXPECT_EQ(disk_check(evidence).verdict, Verdict::failure);
         return disk_check(evidence).fix;
     };
@@ -133,16 +133,16 @@ TEST(DoctorDisk, EachRefusalHasItsLine) {
     EXPECT_EQ(fix(EROFS), "sudo mount -o remount,rw \"$(findmnt -n -o TARGET --target /data)\"");
     EXPECT_EQ(fix(ENOSPC), "du -xh /data | sort -h | tail  # lists what takes the space");
     EXPECT_NE(fix(EIO), "");
-    evidence.trials.disk = {};
+    evidence.probes.disk = {};
     EXPECT_NE(disk_check(evidence).found.find("did not write one second"), std::string::npos);
 }
 
-TEST(DoctorDisk, TheTrialWritesAndLeavesNothing) {
+TEST(DoctorDisk, TheProbeWritesAndLeavesNothing) {
     const std::filesystem::path folder = testing::fresh_folder("disk");
-    const DiskTrial trial = try_disk(folder, 100'000);
-    EXPECT_EQ(trial.refused, 0);
-    EXPECT_GT(trial.written_bytes_per_s, 0.0);
-    EXPECT_GT(trial.free_bytes, 0.0);
+    const DiskProbe probe = try_disk(folder, 100'000);
+    EXPECT_EQ(probe.refused, 0);
+    EXPECT_GT(probe.written_bytes_per_s, 0.0);
+    EXPECT_GT(probe.free_bytes, 0.0);
     EXPECT_TRUE(std::filesystem::is_empty(folder));
     EXPECT_EQ(try_disk(folder / "none", 1000).refused, ENOENT);
     std::ofstream(folder / "file") << "x";

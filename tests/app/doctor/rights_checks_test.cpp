@@ -22,7 +22,7 @@ LaidOutComputer fresh_installation() {
 
 Evidence refused(const LaidOutComputer &computer) {
     Evidence evidence = computer.evidence();
-    evidence.trials.rights = {true, 80, EPERM, false, true};
+    evidence.probes.rights = {true, 80, EPERM, false, true};
     evidence.process.memory_lock_limit_bytes = 8'388'608; // 8 MiB
     evidence.process.memory_lock_limit_hard_bytes = 8'388'608;
     return evidence;
@@ -86,7 +86,7 @@ TEST(DoctorRights, AUsersOwnLineNeedsNoGroup) {
 
 TEST(DoctorRights, ALimitThatTheUserMayRaiseIsRaised) {
     Evidence evidence = refused(fresh_installation());
-    evidence.trials.rights.priority = 81;
+    evidence.probes.rights.priority = 81;
     evidence.process.priority_limit_hard = 81;
     evidence.process.memory_lock_limit_hard_bytes = Process::kUnlimited;
     EXPECT_EQ(priority_check(evidence).fix, "ulimit -S -r 81");
@@ -150,7 +150,7 @@ TEST(DoctorRights, AreNeededByABoardAndMerelyGoodForASimulation) {
     evidence.purpose.uses_usb = true;
     EXPECT_EQ(name_of(priority_check(evidence).verdict), "failure");
     EXPECT_EQ(name_of(memory_lock_check(evidence).verdict), "failure");
-    evidence.trials.rights = {};
+    evidence.probes.rights = {};
     EXPECT_NE(priority_check(evidence).found.find("did not end"), std::string::npos);
 }
 

@@ -40,7 +40,7 @@ Evidence for_usb(const LaidOutComputer &computer,
                  const std::vector<usb::SurveyedBoard> &boards = {good_board()}) {
     Evidence evidence = computer.evidence();
     evidence.purpose.uses_usb = true;
-    evidence.trials.usb.boards = boards;
+    evidence.probes.usb.boards = boards;
     return evidence;
 }
 
@@ -86,7 +86,7 @@ TEST(DoctorUsb, NoBoardFailsOnlyWhereOneIsAskedFor) {
     computer.has("/dev/bus/usb/001/001");
     EXPECT_EQ(usb_check(for_usb(computer, {}), "usb_board").fix.substr(0, 17), "plug the board in");
     Evidence silent = for_usb(computer, {});
-    silent.trials.usb.has_answered = false;
+    silent.probes.usb.has_answered = false;
     EXPECT_EQ(usb_check(silent, "usb_board").found, "USB gave no answer in time");
 }
 
@@ -220,7 +220,7 @@ TEST(DoctorUsb, FullSpeedIsSlowAndTooSlowAbove1000Hz) {
     expect_ok(usb_check(evidence, "usb_speed"), "5000 Mbit/s");
     computer.has_no(kBoard + "speed"); // then libusb's word
     expect_ok(usb_check(evidence, "usb_speed"), "high speed");
-    evidence.trials.usb.boards.front().speed = "full speed (12 Mbit/s)";
+    evidence.probes.usb.boards.front().speed = "full speed (12 Mbit/s)";
     EXPECT_EQ(usb_check(evidence, "usb_speed").verdict, Verdict::failure);
 }
 
@@ -240,7 +240,7 @@ TEST(DoctorUsb, HubsAreCountedAndNamed) {
     LaidOutComputer computer = with_board();
     computer.has("/sys/bus/usb/devices/1-2/product", "USB2.0 Hub\n");
     Evidence evidence = for_usb(computer);
-    evidence.trials.usb.boards.front().sysfs_name = "1-2.3.1";
+    evidence.probes.usb.boards.front().sysfs_name = "1-2.3.1";
     expect_wrong(usb_check(evidence, "usb_hub"), Verdict::warning,
                  "2 at 1-2.3.1; 1-2: USB2.0 Hub; 1-2.3: a hub",
                  "plug the board into the computer itself (one hub may be built into it)");

@@ -1,4 +1,4 @@
-#include "app/doctor/trial.h"
+#include "app/doctor/probe.h"
 
 #include "app/doctor/check.h"
 #include "app/doctor/child_answer.h"
@@ -24,53 +24,53 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SurveyedBoard, bus, address, sysfs_name, seri
 
 namespace springdrive::app::doctor {
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RightsTrial, has_answered, priority, priority_refused,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RightsProbe, has_answered, priority, priority_refused,
                                    memory_locked, idle_is_short)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PictureTrial, has_answered, display_problem, window_problem,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PictureProbe, has_answered, display_problem, window_problem,
                                    version, renderer)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DiskTrial, has_answered, refused, written_bytes_per_s,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DiskProbe, has_answered, refused, written_bytes_per_s,
                                    longest_sync_s, free_bytes)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(UsbTrial, has_answered, problem, boards)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(UsbProbe, has_answered, problem, boards)
 
 namespace {
 
 /// The priority last, and on a thread that ends at once: with it, this process could hold up a
 /// servo that is running.
-RightsTrial try_rights(int priority) {
-    RightsTrial trial;
+RightsProbe try_rights(int priority) {
+    RightsProbe probe;
     const servo::ShortIdle short_idle;
-    trial.idle_is_short = short_idle.warning().empty();
-    trial.priority = priority;
-    trial.memory_locked = servo::request_locked_memory();
-    std::thread([&] { trial.priority_refused = request_priority(priority); }).join();
-    return trial;
+    probe.idle_is_short = short_idle.warning().empty();
+    probe.priority = priority;
+    probe.memory_locked = servo::request_locked_memory();
+    std::thread([&] { probe.priority_refused = request_priority(priority); }).join();
+    return probe;
 }
 
-UsbTrial try_usb() {
-    UsbTrial trial;
+UsbProbe try_usb() {
+    UsbProbe probe;
     try {
-        trial.boards = usb::survey_boards();
+        probe.boards = usb::survey_boards();
     } catch (const InputError &error) {
-        trial.problem = error.what();
+        probe.problem = error.what();
     }
-    return trial;
+    return probe;
 }
 
 /// In a process of its own, from now on.
-template <typename Trial> class Asked {
+template <typename Probe> class Asked {
 public:
-    explicit Asked(const std::function<Trial()> &work)
+    explicit Asked(const std::function<Probe()> &work)
         : child_([&work] {
-              Trial trial = work();
-              trial.has_answered = true;
-              return nlohmann::json(trial).dump(-1, ' ', true,
+              Probe probe = work();
+              probe.has_answered = true;
+              return nlohmann::json(probe).dump(-1, ' ', true,
                                                 nlohmann::json::error_handler_t::replace);
           }) {}
 
-    [[nodiscard]] Trial by(ChildAnswer::Clock::time_point deadline) {
+    [[nodiscard]] Probe by(ChildAnswer::Clock::time_point deadline) {
         const std::optional<std::string> answer = child_.by(deadline);
         try {
-            return answer ? nlohmann::json::parse(*answer).get<Trial>() : Trial();
+            return answer ? nlohmann::json::parse(*answer).get<Probe>() : Probe();
         } catch (const nlohmann::json::exception &) {
             return {};
         }
@@ -86,21 +86,21 @@ double record_bytes_per_s(double servo_hz) {
     return record::record_header(servo_hz).row_bytes * servo_hz;
 }
 
-Trials try_all(const Purpose &purpose) {
-    const auto deadline = ChildAnswer::Clock::now() + kTrialTime;
+Probes try_all(const Purpose &purpose) {
+    const auto deadline = ChildAnswer::Clock::now() + kProbeTime;
     const int priority = purpose.uses_usb ? usb::kPortThreadPriority : servo::kServoPriority;
     const auto second_bytes = static_cast<std::size_t>(record_bytes_per_s(purpose.servo_hz));
-    Asked<UsbTrial> usb(try_usb);
-    Asked<PictureTrial> picture(try_picture);
-    Asked<DiskTrial> disk([&] { return try_disk(purpose.folder, second_bytes); });
+    Asked<UsbProbe> usb(try_usb);
+    Asked<PictureProbe> picture(try_picture);
+    Asked<DiskProbe> disk([&] { return try_disk(purpose.folder, second_bytes); });
     // Last: with its priority it could hold up the others on a computer with one processor.
-    Asked<RightsTrial> rights([&] { return try_rights(priority); });
-    Trials trials;
-    trials.rights = rights.by(deadline);
-    trials.disk = disk.by(deadline);
-    trials.picture = picture.by(deadline);
-    trials.usb = usb.by(deadline);
-    return trials;
+    Asked<RightsProbe> rights([&] { return try_rights(priority); });
+    Probes probes;
+    probes.rights = rights.by(deadline);
+    probes.disk = disk.by(deadline);
+    probes.picture = picture.by(deadline);
+    probes.usb = usb.by(deadline);
+    return probes;
 }
 
 } // namespace springdrive::app::doctor

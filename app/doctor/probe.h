@@ -1,4 +1,4 @@
-// What can only be known by trying: each trial runs in a process of its own, so that a driver that
+// What can only be known by trying: each probe runs in a process of its own, so that a driver that
 // crashes or hangs, or a disk that does not answer, ends neither the doctor nor its patience.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace springdrive::app::doctor {
 struct Purpose;
 
 /// What the servo's thread is granted.
-struct RightsTrial {
+struct RightsProbe {
     bool has_answered = false;
     int priority = 0;         ///< that was requested
     int priority_refused = 0; ///< an errno; 0: granted
@@ -25,7 +25,7 @@ struct RightsTrial {
 };
 
 /// A hidden window, as `demo` would open it.
-struct PictureTrial {
+struct PictureProbe {
     bool has_answered = false;
     std::string display_problem; ///< empty: there is a display
     std::string window_problem;  ///< empty: there is a window with OpenGL 3.3
@@ -34,7 +34,7 @@ struct PictureTrial {
 };
 
 /// Rows of a record, written as fast as the disk takes them.
-struct DiskTrial {
+struct DiskProbe {
     bool has_answered = false;
     int refused = 0; ///< an errno; 0: written and synchronised
     double written_bytes_per_s = 0.0;
@@ -42,35 +42,35 @@ struct DiskTrial {
     double free_bytes = 0.0;
 };
 
-struct UsbTrial {
+struct UsbProbe {
     bool has_answered = false;
     std::string problem; ///< of USB as a whole; empty: the list is complete
     std::vector<usb::SurveyedBoard> boards;
 };
 
-struct Trials {
-    RightsTrial rights;
-    PictureTrial picture;
-    DiskTrial disk;
-    UsbTrial usb;
+struct Probes {
+    RightsProbe rights;
+    PictureProbe picture;
+    DiskProbe disk;
+    UsbProbe usb;
 };
 
 /// Bytes that a record takes each second.
 [[nodiscard]] double record_bytes_per_s(double servo_hz);
 
-inline constexpr std::chrono::milliseconds kTrialTime{2300};
+inline constexpr std::chrono::milliseconds kProbeTime{2300};
 
-/// All trials at once, which takes as long as the slowest, at most kTrialTime. Call while the
+/// All probes at once, which takes as long as the slowest, at most kProbeTime. Call while the
 /// process has no other thread: it forks.
-[[nodiscard]] Trials try_all(const Purpose &purpose);
+[[nodiscard]] Probes try_all(const Purpose &purpose);
 
-// The trials of the processes, one by one.
+// The probes of the processes, one by one.
 
 /// Writes for some 0.4 s to a file without a name, which goes with this process.
 /// @param second_bytes  of a record: written before each synchronisation
-[[nodiscard]] DiskTrial try_disk(const std::filesystem::path &folder, std::size_t second_bytes);
+[[nodiscard]] DiskProbe try_disk(const std::filesystem::path &folder, std::size_t second_bytes);
 
 /// Opens a hidden window. For a process of its own: graphics drivers may end it.
-[[nodiscard]] PictureTrial try_picture();
+[[nodiscard]] PictureProbe try_picture();
 
 } // namespace springdrive::app::doctor
