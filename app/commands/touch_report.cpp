@@ -45,13 +45,13 @@ Json optional_json(const std::optional<std::size_t> &value) {
     return value ? Json(*value) : Json(nullptr);
 }
 
-Json standstill_json(const rig::Standstill &standstill, double servo_hz) {
-    if (standstill.steps == 0) {
+Json stall_json(const rig::Stall &stall, double servo_hz) {
+    if (stall.steps == 0) {
         return nullptr;
     }
-    return {{"steps", standstill.steps},
-            {"s", static_cast<double>(standstill.steps) / servo_hz},
-            {"first_step", standstill.first}};
+    return {{"steps", stall.steps},
+            {"s", static_cast<double>(stall.steps) / servo_hz},
+            {"first_step", stall.first}};
 }
 
 Json value_json(const rig::Maximum &maximum, double factor) {
@@ -90,12 +90,11 @@ void print_rate(std::ostream &out, const rig::TouchFindings &found) {
           100.0 * rig::kConfidence);
 }
 
-void print_standstill(std::ostream &out, const char *what, const rig::Standstill &standstill,
-                      double servo_hz) {
-    print(out, "{:<23}{:>8.3f}   {} steps", what, static_cast<double>(standstill.steps) / servo_hz,
-          standstill.steps);
-    if (standstill.steps > 0) {
-        print(out, " from step {}", standstill.first);
+void print_stall(std::ostream &out, const char *what, const rig::Stall &stall, double servo_hz) {
+    print(out, "{:<23}{:>8.3f}   {} steps", what, static_cast<double>(stall.steps) / servo_hz,
+          stall.steps);
+    if (stall.steps > 0) {
+        print(out, " from step {}", stall.first);
     }
     out << '\n';
 }
@@ -170,8 +169,8 @@ void write_touch_json(std::ostream &out, const TouchReport &report) {
     json["steps_sampled_lagging"] = found.sampled_lagging;
     json["confidence"] = rig::kConfidence;
     json["rate_not_excluded"] = found.rate_not_excluded();
-    json["longest_standstill"] = standstill_json(found.standstill, report.servo_hz);
-    json["longest_standstill_that_lags"] = standstill_json(found.stuck_for, report.servo_hz);
+    json["longest_standstill"] = stall_json(found.stall, report.servo_hz);
+    json["longest_standstill_that_lags"] = stall_json(found.stuck_for, report.servo_hz);
     json["steps_suspicious"] = found.suspicious;
     json["steps_suspicious_unchecked"] = found.suspicious_unchecked;
     json["steps_with_friction"] = found.with_friction;
@@ -232,8 +231,8 @@ void write_touch_table(std::ostream &out, const TouchReport &report) {
     }
     out << '\n';
     print_rate(out, found);
-    print_standstill(out, "longest standstill, s", found.standstill, report.servo_hz);
-    print_standstill(out, "  while lagging, s", found.stuck_for, report.servo_hz);
+    print_stall(out, "longest standstill, s", found.stall, report.servo_hz);
+    print_stall(out, "  while lagging, s", found.stuck_for, report.servo_hz);
     print(out, "direction error, °     {:>8.3f}\n",
           kDegreesPerRadian * found.direction_error_rad.value);
     if (report.sphere_error_rad) {

@@ -16,7 +16,7 @@ RecoveryState recovery_of(const session::Session &session) {
     now.can_reach_a_hand = session.device().device().can_reach_a_hand();
     now.is_lost = latest.health == device::DeviceHealth::lost;
     now.is_zeroed = session.is_zeroed() || now.is_lost;
-    now.is_held_back = session.is_kept_released();
+    now.is_limited = session.is_kept_released();
     now.is_touching = latest.contact.touching;
     return now;
 }
@@ -73,8 +73,8 @@ Remedy TripRecovery::watch(const RecoveryState &now) {
         running_since_s_.reset();
     }
     condition_ = Condition::well;
-    if (!now.is_zeroed || now.is_held_back) {
-        condition_ = now.is_held_back ? Condition::needs_staff : Condition::needs_zeroing;
+    if (!now.is_zeroed || now.is_limited) {
+        condition_ = now.is_limited ? Condition::needs_staff : Condition::needs_zeroing;
         return Remedy::none;
     }
     const bool is_caught =

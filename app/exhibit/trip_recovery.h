@@ -22,7 +22,7 @@ struct RecoveryState {
     bool can_reach_a_hand = false;
     bool is_lost = false;      ///< the device does not answer
     bool is_zeroed = true;     ///< its angles are known
-    bool is_held_back = false; ///< the device only brakes, since it failed its commissioning
+    bool is_limited = false;   ///< the device only brakes, since it failed its commissioning
     bool is_touching = false;  ///< a surface
     bool is_inside = false;    ///< the tip lies in a solid
     bool hand_is_held = false; ///< by the visitor

@@ -19,7 +19,7 @@ constexpr double kMicro = 1e6;
 /// Which limit holds the command back, and how near it is.
 std::string held_force_text(const session::Session &session) {
     const servo::ServoSample &now = session.latest();
-    const servo::ForceLimit by = now.held_back.force;
+    const servo::ForceLimit by = now.active_limits.force;
     if (by == servo::ForceLimit::singular) {
         return "held back: no force in this pose";
     }
@@ -36,11 +36,11 @@ std::string held_force_text(const session::Session &session) {
 }
 
 std::string held_back_text(const session::Session &session) {
-    const servo::ActiveLimits &held_back = session.latest().held_back;
-    return held_back.holds_force() ? held_force_text(session)
-           : held_back.at_edge     ? "edge of the workspace"
-           : held_back.voltage     ? "voltage limited"
-                                   : "";
+    const servo::ActiveLimits &active_limits = session.latest().active_limits;
+    return active_limits.holds_force() ? held_force_text(session)
+           : active_limits.at_edge     ? "edge of the workspace"
+           : active_limits.voltage     ? "voltage limited"
+                                       : "";
 }
 
 void show_state(const session::Session &session) {
@@ -130,7 +130,7 @@ void show_rate(const session::Session &session) {
     const std::uint64_t lost = session.servo().lost_samples();
     if (session.device().device().clock() == device::DeviceClock::servo) {
         // No deadlines are missed: the simulation pauses instead.
-        ui::text(kFaintInk, "paused {:.0f} ms", 1e3 * session.servo().standstills().seconds);
+        ui::text(kFaintInk, "paused {:.0f} ms", 1e3 * session.servo().stalls().seconds);
     } else {
         const std::uint64_t missed = statistics.missed_deadlines();
         ui::text(missed == 0 ? kFaintInk : kWarning, "missed {}", missed);

@@ -16,7 +16,7 @@ public:
     /// To be asked with every measurement. @return whether the answer to it may reset faults
     [[nodiscard]] bool may_follow(const Measurement &measured) noexcept {
         const bool is_first = number_ == 0;
-        if (!has_news(measured.arrival)) {
+        if (!is_new(measured.arrival)) {
             has_gap_ = has_gap_ || !is_first;
             return false;
         }

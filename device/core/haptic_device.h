@@ -88,7 +88,7 @@ enum class Arrival : std::uint8_t {
 };
 
 /// Whether the measurement is new.
-[[nodiscard]] constexpr bool has_news(Arrival arrival) {
+[[nodiscard]] constexpr bool is_new(Arrival arrival) {
     return arrival == Arrival::fresh || arrival == Arrival::late;
 }
 

@@ -91,7 +91,7 @@ CalibrationRun::CalibrationRun(device::HapticDevice &device, const CalibrationOp
         const auto index = static_cast<Eigen::Index>(j);
         drag_A_[index] = options.drag_N * link_m /
                          (file.geometry.transmission_ratio[index] * motor.torque_constant_Nm_per_A);
-        at_first_[j] = control::ResistanceObserver(file, j, kPeriod_s).learned();
+        at_first_[j] = control::WindingObserver(file, j, kPeriod_s).learned();
         motor_[j].before = cancellable(file.motor[j], servo::used_at_start(file, j),
                                        guarded_Ohm(file, j), options.dR_Ohm);
     }

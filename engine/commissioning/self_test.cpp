@@ -89,7 +89,7 @@ bool SelfTest::step() {
 }
 
 void SelfTest::require_news(const device::Measurement &measured) {
-    silent_reads_ = device::has_news(measured.arrival) ? 0 : silent_reads_ + 1;
+    silent_reads_ = device::is_new(measured.arrival) ? 0 : silent_reads_ + 1;
     if (silent_reads_ > kLongestSilence_reads) {
         throw InputError("the board sends no reports any more; plug it in again, and begin anew");
     }

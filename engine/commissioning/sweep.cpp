@@ -442,7 +442,7 @@ void StiffnessSweep::measure(const ServoSample &sample) {
 }
 
 bool StiffnessSweep::is_too_much(const ServoSample &sample) const noexcept {
-    return sample.held_back.holds_force() || sample.held_back.voltage ||
+    return sample.active_limits.holds_force() || sample.active_limits.voltage ||
            sample.tip_force_N.norm() > kForceTooMuch * options_.tip_force_N ||
            is_too_much_energy(sample);
 }
@@ -511,7 +511,7 @@ void StiffnessSweep::begin_block() {
 bool StiffnessSweep::is_clean(const ServoSample &sample) const noexcept {
     const double T = servo_.period_s();
     return sample.arrival == device::Arrival::fresh && sample.missed_periods == 0 &&
-           std::abs(sample.since_last_s - T) < kOnTime * T && !sample.held_back.at_edge &&
+           std::abs(sample.since_last_s - T) < kOnTime * T && !sample.active_limits.at_edge &&
            sample.safety.state == SafetyState::running;
 }
 

@@ -56,7 +56,7 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
     before_ = sample;
     theta_rate_rad_per_s_ = sample.theta_rate_rad_per_s;
     const device::DeviceCommand held = std::exchange(command_, sample.command);
-    const servo::ActiveLimits held_back = std::exchange(held_back_, sample.held_back);
+    const servo::ActiveLimits active_limits = std::exchange(active_limits_, sample.active_limits);
     if (servo::is_final(sample.safety.cause)) {
         return std::nullopt;
     }
@@ -66,9 +66,9 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
     }
     ++replayed_;
     const control::Tuning &tuning = tuning_ ? *tuning_ : sample.tuning;
-    const bool has_news = sample.since_last_s > 0.0;
+    const bool is_new = sample.since_last_s > 0.0;
     Vector3 theta_rate_rad_per_s = filter.velocity_rad_per_s();
-    if (has_news) {
+    if (is_new) {
         const double pole =
             control::velocity_filter_pole(tuning.lambda_rad_per_s, sample.since_last_s);
         theta_rate_rad_per_s = filter.update(theta_rad, pole, sample.since_last_s);
@@ -82,19 +82,19 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
         law_(tick.now, sample.contact, tuning, sample.global_alpha_rad2_per_m2, sample.motor);
     if (!servo::lets_pass(sample.safety.state)) {
         tick.command = device::DeviceCommand::braking();
-    } else if (has_news) {
+    } else if (is_new) {
         device::DeviceCommand wanted = tick.found.command;
-        wanted.e_W_V += sample.carried_V;
+        wanted.e_W_V += sample.transfer_offset_V;
         const servo::LimitedCommand passed =
             servo::limited(device_, wanted, limiter_inputs(sample, tick.now));
         tick.command = passed.command;
-        tick.held_back = passed.held_back;
+        tick.active_limits = passed.active_limits;
     } else { // no new measurement: the last command is held
         tick.command = held;
-        tick.held_back = held_back;
+        tick.active_limits = active_limits;
     }
     command_ = tick.command;
-    held_back_ = tick.held_back;
+    active_limits_ = tick.active_limits;
     compare(sample, tick);
     return tick;
 }

@@ -27,7 +27,7 @@ struct ReplayedTick {
     control::Configuration now;
     control::LawOutcome found;
     device::DeviceCommand command;
-    servo::ActiveLimits held_back{}; ///< when the command was computed
+    servo::ActiveLimits active_limits{}; ///< when the command was computed
 };
 
 /// One quantity of a replay, compared bit by bit.
@@ -67,7 +67,7 @@ private:
     std::optional<servo::ServoSample> before_;
     Vector3 theta_rate_rad_per_s_{Vector3::Zero()}; ///< from which the filter continues
     device::DeviceCommand command_ = device::DeviceCommand::braking(); ///< of the previous tick
-    servo::ActiveLimits held_back_;                                    ///< the same
+    servo::ActiveLimits active_limits_;                                ///< the same
     bool has_measured_ = false; ///< whether there was a measurement since the servo started
     std::uint64_t replayed_ = 0;
     std::uint64_t skipped_ = 0;

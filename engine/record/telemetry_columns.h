@@ -102,7 +102,7 @@ template <typename Sample, typename Visit> void of_law(Sample &s, Visit &visit) 
     visit_three(visit, {"x_Sd_x_m", "x_Sd_y_m", "x_Sd_z_m"}, "m", s.x_Sd_m);
     visit_three(visit, {"theta_Sd1_rad", "theta_Sd2_rad", "theta_Sd3_rad"}, "rad", s.theta_Sd_rad);
     visit("inverse_possible", "1", s.inverse_possible);
-    visit_three(visit, {"carried1_V", "carried2_V", "carried3_V"}, "V", s.carried_V);
+    visit_three(visit, {"carried1_V", "carried2_V", "carried3_V"}, "V", s.transfer_offset_V);
     // command.number equals measurement_number; resets_faults and voids_zero concern the device
     // alone
     visit("command_mode", "1", s.command.mode);
@@ -142,9 +142,9 @@ template <typename Sample, typename Visit> void of_safety(Sample &s, Visit &visi
     visit("trip_limit", "SI", s.safety.limit);
     visit("ramp", "1", s.safety.ramp);
     visit("held_stop", "1", s.safety.held_stop);
-    visit("held_back_force", "1", s.held_back.force);
-    visit("held_back_voltage", "1", s.held_back.voltage);
-    visit("held_back_at_edge", "1", s.held_back.at_edge);
+    visit("held_back_force", "1", s.active_limits.force);
+    visit("held_back_voltage", "1", s.active_limits.voltage);
+    visit("held_back_at_edge", "1", s.active_limits.at_edge);
     for (std::size_t i = 0; i < servo::kSafetyLimits.size(); ++i) {
         visit(kLimitNames[i].view(), si_unit(servo::kSafetyLimits[i]),
               s.limits.*servo::kSafetyLimits[i].value);

@@ -53,18 +53,18 @@ void BumplessTransfer::approach(const LawSettings &wanted, bool is_felt) noexcep
 void BumplessTransfer::carry(const Vector3 &e_W_V, const std::optional<Vector3> &unchanged_V,
                              bool scene_is_new, bool is_felt) noexcept {
     if (!is_felt) {
-        carried_V_.setZero();
+        transfer_offset_V_.setZero();
     } else {
         if (scene_is_new) {
-            carried_V_ = last_e_W_V_ - e_W_V;
+            transfer_offset_V_ = last_e_W_V_ - e_W_V;
         } else if (unchanged_V) {
             // The old command counts only within the supply, the new one in full.
-            carried_V_ = within_supply(*unchanged_V + carried_V_) - e_W_V;
+            transfer_offset_V_ = within_supply(*unchanged_V + transfer_offset_V_) - e_W_V;
         }
         const Vector3 bound_V = Vector3::Constant(kMaxChange_V_per_s * period_s_);
-        carried_V_ -= carried_V_.cwiseMax(-bound_V).cwiseMin(bound_V);
+        transfer_offset_V_ -= transfer_offset_V_.cwiseMax(-bound_V).cwiseMin(bound_V);
     }
-    last_e_W_V_ = within_supply(e_W_V + carried_V_);
+    last_e_W_V_ = within_supply(e_W_V + transfer_offset_V_);
 }
 
 Vector3 BumplessTransfer::within_supply(const Vector3 &e_W_V) const noexcept {

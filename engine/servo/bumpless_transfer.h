@@ -54,7 +54,7 @@ public:
                bool is_felt) noexcept;
 
     /// The offset of e_W from the law's value.
-    [[nodiscard]] const Vector3 &carried_V() const { return carried_V_; }
+    [[nodiscard]] const Vector3 &transfer_offset_V() const { return transfer_offset_V_; }
 
 private:
     [[nodiscard]] Vector3 within_supply(const Vector3 &e_W_V) const noexcept;
@@ -64,7 +64,7 @@ private:
     double period_s_;
     LawSettings active_;
     LawSettings before_;
-    Vector3 carried_V_{Vector3::Zero()};
+    Vector3 transfer_offset_V_{Vector3::Zero()};
     Vector3 last_e_W_V_{Vector3::Zero()}; ///< including the offset, within the supply
 };
 

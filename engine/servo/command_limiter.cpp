@@ -93,7 +93,7 @@ LimitedCommand limited(const device::DeviceDescription &device, const device::De
     const Vector3 edge_Nm =
         edge_torque_Nm(device, device::joint_from_motor(device.geometry, now.theta_rad),
                        device::joint_from_motor(device.geometry, now.theta_rate_rad_per_s));
-    result.held_back.at_edge = !edge_Nm.isZero(0.0);
+    result.active_limits.at_edge = !edge_Nm.isZero(0.0);
 
     Vector3 no_current_V; // back-EMF, less what R̂ makes of the sensor's offset
     Vector3 dR_Ohm;
@@ -114,13 +114,13 @@ LimitedCommand limited(const device::DeviceDescription &device, const device::De
     }
     const Permissible first = draw_back(device, inputs, no_current_V, dR_Ohm, e_W_V);
     result.force_share = first.share;
-    result.held_back.force = first.by;
+    result.active_limits.force = first.by;
     result.permissible_e_W_V = e_W_V;
-    result.held_back.voltage = hold_to_supply(device, inputs, e_W_V);
-    if (result.held_back.voltage) { // the clamped part may have opposed the others: check again
+    result.active_limits.voltage = hold_to_supply(device, inputs, e_W_V);
+    if (result.active_limits.voltage) { // the clamped part may have opposed the others: check again
         const Permissible second = draw_back(device, inputs, no_current_V, dR_Ohm, e_W_V);
         result.force_share *= second.share;
-        result.held_back.force = second.share < 1.0 ? second.by : first.by;
+        result.active_limits.force = second.share < 1.0 ? second.by : first.by;
         static_cast<void>(hold_to_supply(device, inputs, e_W_V));
     }
     result.command.e_W_V = e_W_V;

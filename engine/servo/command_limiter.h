@@ -35,7 +35,7 @@ struct LimiterInputs {
 
 struct LimitedCommand {
     device::DeviceCommand command;
-    ActiveLimits held_back;
+    ActiveLimits active_limits;
     Vector3 permissible_e_W_V{Vector3::Zero()}; ///< after force and current, before the supply
     double force_share = 1.0;                   ///< share of the requested force that is passed on
 };

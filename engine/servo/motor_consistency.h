@@ -21,7 +21,7 @@
 #pragma once
 
 #include "device/core/device_description.h"
-#include "engine/control/resistance_observer.h"
+#include "engine/control/winding_observer.h"
 
 #include <algorithm>
 #include <optional>

@@ -164,9 +164,9 @@ void SafetyMonitor::watch_window(const SafetyOrders &orders, double elapsed_s) n
 void SafetyMonitor::watch_link(const Link &link, double elapsed_s) noexcept {
     stale_s_ = link.arrival == device::Arrival::fresh ? 0.0 : stale_s_ + elapsed_s;
     amplifier_is_at_fault_ = link.faults.has(device::BoardFaults::kAmplifier) ||
-                             (amplifier_is_at_fault_ && !device::has_news(link.arrival));
-    board_has_faults_ = link.faults.any() || (board_has_faults_ && !device::has_news(link.arrival));
-    clears_board_ = clears_board_ && device::has_news(link.arrival) && elapsed_s < 1.5 * period_s_;
+                             (amplifier_is_at_fault_ && !device::is_new(link.arrival));
+    board_has_faults_ = link.faults.any() || (board_has_faults_ && !device::is_new(link.arrival));
+    clears_board_ = clears_board_ && device::is_new(link.arrival) && elapsed_s < 1.5 * period_s_;
     const double left_s = board_reset_left_s_ - elapsed_s;
     board_reset_left_s_ = board_has_faults_ && left_s > kRoundOff ? left_s : 0.0;
     if (link.zeroing != zeroing_) { // of which the counts before know nothing
@@ -184,7 +184,7 @@ void SafetyMonitor::watch_link(const Link &link, double elapsed_s) noexcept {
 void SafetyMonitor::watch_stops(const Link &link, const SafetyOrders &orders) noexcept {
     const bool was_on = switch_is_on_;
     const bool was_pressed = switch_is_pressed_;
-    const bool is_old = !device::has_news(link.arrival);
+    const bool is_old = !device::is_new(link.arrival);
     switch_is_on_ = link.faults.has(device::BoardFaults::kStop) || (was_on && is_old);
     switch_is_pressed_ = link.faults.has(device::BoardFaults::kPressed) || (was_pressed && is_old);
     last_stop_ = std::max({last_stop_, orders.requested_stop, orders.released_stop});
@@ -274,7 +274,7 @@ void SafetyMonitor::check_windings(const Vector3 &current_A) noexcept {
 /// Sustained clamping means that the supply cannot provide a command that force and current limits
 /// allow.
 void SafetyMonitor::check_voltage(const LimitedCommand &passed) noexcept {
-    cut_off_s_ = passed.held_back.voltage ? cut_off_s_ + period_s_ : 0.0;
+    cut_off_s_ = passed.active_limits.voltage ? cut_off_s_ + period_s_ : 0.0;
     if (cut_off_s_ > kVoltageTolerated_s + 0.5 * period_s_) {
         Eigen::Index motor = 0;
         static_cast<void>((passed.permissible_e_W_V - passed.command.e_W_V)
@@ -367,7 +367,7 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
                                           const Observation &seen,
                                           const SafetyOrders &orders) noexcept {
     approach_limits(orders.limits);
-    held_back_ = {};
+    active_limits_ = {};
     voids_zero_ = false;
     watch_windings(seen); // also while tripped
     const std::uint32_t unwatched =
@@ -390,7 +390,7 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
     if (!lets_pass()) {
         return safe_state();
     }
-    held_back_ = passed.held_back;
+    active_limits_ = passed.active_limits;
     force_share_ = passed.force_share;
     return passed.command;
 }

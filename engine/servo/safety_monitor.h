@@ -122,7 +122,7 @@ public:
 
     [[nodiscard]] const SafetyStatus &status() const { return status_; }
     [[nodiscard]] const SafetyLimits &limits() const { return limits_; }
-    [[nodiscard]] const ActiveLimits &held_back() const { return held_back_; }
+    [[nodiscard]] const ActiveLimits &active_limits() const { return active_limits_; }
     [[nodiscard]] const std::array<WindingStatus, 3> &windings() const { return winding_; }
     [[nodiscard]] double generated_energy_J() const { return energy_.generated_J(); }
 
@@ -176,7 +176,7 @@ private:
     bool switch_is_on_ = false;          ///< stop switch or enable line, as the board latched it
     bool switch_is_pressed_ = false;     ///< the same, at present
     std::uint32_t last_stop_ = 0;        ///< number of the last requested stop
-    ActiveLimits held_back_;
+    ActiveLimits active_limits_;
     double force_share_ = 1.0; ///< passed on by the limiter in the previous tick
     SafetyStatus status_;
 };

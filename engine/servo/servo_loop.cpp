@@ -283,7 +283,7 @@ void ServoLoop::finish(const device::Measurement &measured, ServoSample &sample)
     command_.number = measured.number;
     sample.command = command_;
     sample.safety = safety_.status();
-    sample.held_back = safety_.held_back();
+    sample.active_limits = safety_.active_limits();
     sample.limits = safety_.limits();
     sample.generated_energy_J = safety_.generated_energy_J();
     sample.winding = safety_.windings();
@@ -298,7 +298,7 @@ ServoSample ServoLoop::hold(const device::Measurement &measured, const ServoInpu
     sample.scene_id = scene_id_;
     sample.counts = measured_.counts;
     sample.current_A = measured_.current_A;
-    sample.carried_V = transfer_.carried_V();
+    sample.transfer_offset_V = transfer_.transfer_offset_V();
     if (has_measured_) {
         const control::Configuration then =
             law_.configuration(velocity_filter_.theta_rad(), velocity_filter_.velocity_rad_per_s());
@@ -341,7 +341,7 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
     if (is_final(safety_.status().cause)) {
         return brake(measured, inputs, timing);
     }
-    if (!device::has_news(measured.arrival) || measured.health == device::DeviceHealth::lost) {
+    if (!device::is_new(measured.arrival) || measured.health == device::DeviceHealth::lost) {
         return hold(measured, inputs, timing);
     }
     take(inputs);
@@ -370,9 +370,9 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
     transfer_.carry(found.command.e_W_V,
                     unchanged ? std::optional(unchanged->command.e_W_V) : std::nullopt,
                     scene_is_new_, safety_.lets_pass());
-    sample.carried_V = transfer_.carried_V() + inputs_.excitation_V;
+    sample.transfer_offset_V = transfer_.transfer_offset_V() + inputs_.excitation_V;
     device::DeviceCommand wanted = found.command;
-    wanted.e_W_V += sample.carried_V;
+    wanted.e_W_V += sample.transfer_offset_V;
     command_ =
         safety_.pass(wanted, observation(now, found, unchanged, since, measured, sample), orders());
     observers_.note(command_);

@@ -37,18 +37,18 @@ struct ServoSample {
     double alpha_rad2_per_m2 = 0.0;        ///< active α
     double alpha_bound_rad2_per_m2 = 0.0;  ///< (29) at this configuration
     Vector3 x_Sd_m{Vector3::Zero()};
-    Vector3 theta_Sd_rad{Vector3::Zero()}; ///< of the map in use
-    bool inverse_possible = true;          ///< false: out of reach or singular for (18)
-    Vector3 carried_V{Vector3::Zero()};    ///< offset of e_W: bumpless transfer and excitation
-    control::ObservedMotors motor;         ///< for which the command was computed
-    device::DeviceCommand command;         ///< as passed on by the safety monitor
-    Vector3 current_A{Vector3::Zero()};    ///< as measured, with the sensors' offsets
-    Vector3 tip_force_N{Vector3::Zero()};  ///< rendered force: J⁻ᵀ k_T i (3), (22)
-    double rendered_error_rad = 0.0;       ///< angle between `tip_force_N` and n; NaN when free
-    double inverse_error_rad = 0.0;        ///< the same for the static force of (18) in this state
-    double transpose_error_rad = 0.0;      ///< the same for that of (23)
+    Vector3 theta_Sd_rad{Vector3::Zero()};      ///< of the map in use
+    bool inverse_possible = true;               ///< false: out of reach or singular for (18)
+    Vector3 transfer_offset_V{Vector3::Zero()}; ///< offset of e_W: bumpless transfer and excitation
+    control::ObservedMotors motor;              ///< for which the command was computed
+    device::DeviceCommand command;              ///< as passed on by the safety monitor
+    Vector3 current_A{Vector3::Zero()};         ///< as measured, with the sensors' offsets
+    Vector3 tip_force_N{Vector3::Zero()};       ///< rendered force: J⁻ᵀ k_T i (3), (22)
+    double rendered_error_rad = 0.0;  ///< angle between `tip_force_N` and n; NaN when free
+    double inverse_error_rad = 0.0;   ///< the same for the static force of (18) in this state
+    double transpose_error_rad = 0.0; ///< the same for that of (23)
     SafetyStatus safety;
-    ActiveLimits held_back;
+    ActiveLimits active_limits;
     SafetyLimits limits;                    ///< active
     double generated_energy_J = 0.0;        ///< by the energy observer
     std::array<WindingStatus, 3> winding{}; ///< by the safety monitor, per motor

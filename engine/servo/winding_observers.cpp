@@ -45,9 +45,9 @@ WindingObservers::WindingObservers(const device::DeviceDescription &device, doub
                           (1.0 + control::kHeldUpDeviations)),
       whole_delay_(whole_delay(delay_periods)),
       delay_fraction_(delay_periods - std::floor(delay_periods)),
-      observer_{control::ResistanceObserver(device, 0, period_s),
-                control::ResistanceObserver(device, 1, period_s),
-                control::ResistanceObserver(device, 2, period_s)},
+      observer_{control::WindingObserver(device, 0, period_s),
+                control::WindingObserver(device, 1, period_s),
+                control::WindingObserver(device, 2, period_s)},
       motor_(device.motor), used_(control::motors_of_file(device.motor)) {}
 
 std::size_t WindingObservers::whole_delay(double delay_periods) noexcept {
@@ -62,13 +62,13 @@ void WindingObservers::set_timing(double delay_periods, double period_s) noexcep
     delay_fraction_ = delay_periods - std::floor(delay_periods);
     known_commands_ = 0; // delays were of another period
     has_previous_ = false;
-    for (control::ResistanceObserver &observer : observer_) {
+    for (control::WindingObserver &observer : observer_) {
         observer.set_period(period_s);
     }
 }
 
 void WindingObservers::restart() noexcept {
-    for (control::ResistanceObserver &observer : observer_) {
+    for (control::WindingObserver &observer : observer_) {
         observer.restart();
     }
     begins_anew_.fill(true);
@@ -209,25 +209,26 @@ void WindingObservers::approach(const Vector3 &theta_rad, const Vector3 &before_
         control::ObservedMotor &used = used_[j];
         if (!used.is_observed || begins_anew_[j]) {
             begins_anew_[j] = false;
-            carried_here_Ohm_[index] = used.here.resistance_Ohm - now.here.resistance_Ohm;
-            carried_mean_Ohm_[index] = used.mean.resistance_Ohm - now.mean.resistance_Ohm;
+            transfer_offset_here_Ohm_[index] = used.here.resistance_Ohm - now.here.resistance_Ohm;
+            transfer_offset_mean_Ohm_[index] = used.mean.resistance_Ohm - now.mean.resistance_Ohm;
         } else {
-            carried_here_Ohm_[index] += before_Ohm[index] - now.here.resistance_Ohm;
-            carried_mean_Ohm_[index] += mean_before_Ohm[index] - now.mean.resistance_Ohm;
+            transfer_offset_here_Ohm_[index] += before_Ohm[index] - now.here.resistance_Ohm;
+            transfer_offset_mean_Ohm_[index] += mean_before_Ohm[index] - now.mean.resistance_Ohm;
         }
         const bool is_known = motor_[j].resistance_tolerance == 0.0 || observer_[j].is_settled();
         const double unsettled_Ohm = is_known ? 0.0 : kUnsettled * now.mean.resistance_Ohm;
-        const auto carried = [&](Vector3 &carried_Ohm, const control::ResistanceEstimate &estimate,
-                                 double deviation_before_Ohm,
-                                 double least_Ohm) -> control::ResistanceEstimate {
-            carried_Ohm[index] = limited_step(carried_Ohm[index], 0.0, step_Ohm);
+        const auto carried =
+            [&](Vector3 &transfer_offset_Ohm, const control::ResistanceEstimate &estimate,
+                double deviation_before_Ohm, double least_Ohm) -> control::ResistanceEstimate {
+            transfer_offset_Ohm[index] = limited_step(transfer_offset_Ohm[index], 0.0, step_Ohm);
             const double deviation_Ohm =
-                std::max({estimate.deviation_Ohm, std::abs(carried_Ohm[index]), least_Ohm});
-            return {estimate.resistance_Ohm + carried_Ohm[index],
+                std::max({estimate.deviation_Ohm, std::abs(transfer_offset_Ohm[index]), least_Ohm});
+            return {estimate.resistance_Ohm + transfer_offset_Ohm[index],
                     limited_step(deviation_before_Ohm, deviation_Ohm, step_Ohm)};
         };
-        used.here = carried(carried_here_Ohm_, now.here, used.here.deviation_Ohm, 0.0);
-        used.mean = carried(carried_mean_Ohm_, now.mean, used.mean.deviation_Ohm, unsettled_Ohm);
+        used.here = carried(transfer_offset_here_Ohm_, now.here, used.here.deviation_Ohm, 0.0);
+        used.mean =
+            carried(transfer_offset_mean_Ohm_, now.mean, used.mean.deviation_Ohm, unsettled_Ohm);
         approach_constants(now, used);
         used.is_observed = true;
         used.is_trusted = now.is_trusted;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "device/core/haptic_device.h"
-#include "engine/control/resistance_observer.h"
+#include "engine/control/winding_observer.h"
 
 #include <array>
 #include <cstddef>
@@ -52,7 +52,7 @@ public:
     /// From the next `restart` on, the counts' zero is taken to be found by eye, as after a
     /// connection was lost.
     void forget_zero() noexcept {
-        for (control::ResistanceObserver &observer : observer_) {
+        for (control::WindingObserver &observer : observer_) {
             observer.forget_zero();
         }
     }
@@ -74,7 +74,7 @@ public:
     /// At the angles last taken. They approach what was last learned without a step.
     [[nodiscard]] const control::ObservedMotors &motors() const { return used_; }
 
-    [[nodiscard]] const control::ResistanceObserver &observer(std::size_t motor) const {
+    [[nodiscard]] const control::WindingObserver &observer(std::size_t motor) const {
         return observer_[motor];
     }
 
@@ -105,12 +105,12 @@ private:
     double max_rate_Ohm_per_s_; ///< of the resistances used, and of their deviations
     std::size_t whole_delay_;
     double delay_fraction_;
-    std::array<control::ResistanceObserver, 3> observer_;
+    std::array<control::WindingObserver, 3> observer_;
     std::array<device::MotorParameters, 3> motor_;
     control::ObservedMotors used_;
     std::array<bool, 3> begins_anew_{}; ///< its estimates have nothing to do with those before
-    Vector3 carried_here_Ohm_{Vector3::Zero()}; ///< steps of the estimates that are left
-    Vector3 carried_mean_Ohm_{Vector3::Zero()};
+    Vector3 transfer_offset_here_Ohm_{Vector3::Zero()}; ///< steps of the estimates that are left
+    Vector3 transfer_offset_mean_Ohm_{Vector3::Zero()};
 
     std::array<device::DeviceCommand, kHistory> history_{};
     std::size_t newest_ = 0;

@@ -148,17 +148,17 @@ void ServoRun::take_in() {
         next_tick_ = sample.tick + 1;
         statistics_.add(sample);
         history_.add(sample);
-        note_standstill(sample);
+        note_stall(sample);
     });
 }
 
-void ServoRun::note_standstill(const servo::ServoSample &sample) {
+void ServoRun::note_stall(const servo::ServoSample &sample) {
     if (device_->clock() != device::DeviceClock::servo || sample.missed_deadlines == 0) {
         return;
     }
-    ++standstills_.times;
-    standstills_.seconds += sample.missed_deadlines * period_s();
-    standstills_.longest_s = std::max(standstills_.longest_s, sample.missed_in_a_row * period_s());
+    ++stalls_.times;
+    stalls_.seconds += sample.missed_deadlines * period_s();
+    stalls_.longest_s = std::max(stalls_.longest_s, sample.missed_in_a_row * period_s());
 }
 
 void ServoRun::stop() {
@@ -241,7 +241,7 @@ std::uint64_t ServoRun::set_rate(double servo_hz) {
         pending_ticks_ *= servo_hz / before_hz;
         history_.set_rate(servo_hz);
         statistics_ = {};
-        standstills_ = {};
+        stalls_ = {};
     });
     return next_tick_;
 }
@@ -265,7 +265,7 @@ void ServoRun::renew(device::HapticDevice &device) {
     latest_.winding = {};
     speed_ = 1.0;
     statistics_ = {};
-    standstills_ = {};
+    stalls_ = {};
     publish();
 }
 

@@ -28,7 +28,7 @@ struct ServoOptions {
 
 /// How long a simulated device, which waits for its servo, was paused because the host did not run
 /// the servo.
-struct Standstills {
+struct Stalls {
     std::uint64_t times = 0;
     double seconds = 0.0;
     double longest_s = 0.0; ///< consecutive, including late ticks in between
@@ -130,7 +130,7 @@ public:
     [[nodiscard]] const TelemetryHistory &history() const { return history_; }
     /// Since the last change of rate or device.
     [[nodiscard]] const servo::ServoStatistics &statistics() const { return statistics_; }
-    [[nodiscard]] const Standstills &standstills() const { return standstills_; }
+    [[nodiscard]] const Stalls &stalls() const { return stalls_; }
     /// Samples lost because this thread was too slow.
     [[nodiscard]] std::uint64_t lost_samples() const { return lost_ + servo_->lost_samples(); }
 
@@ -142,7 +142,7 @@ private:
 
     void tune(const control::Tuning &tuning);
     void publish();
-    void note_standstill(const servo::ServoSample &sample);
+    void note_stall(const servo::ServoSample &sample);
 
     ServoOptions way_;
     device::HapticDevice *device_;
@@ -157,7 +157,7 @@ private:
     servo::ServoSample latest_;
     std::uint64_t next_tick_ = 0; ///< the one after `latest_`
     servo::ServoStatistics statistics_;
-    Standstills standstills_;
+    Stalls stalls_;
     TelemetryHistory history_;
 };
 

@@ -17,7 +17,7 @@ namespace springdrive::session {
 namespace {
 
 /// Longest pause of a simulated device that causes no warning.
-constexpr double kReportedStandstill_s = 0.05;
+constexpr double kReportedStall_s = 0.05;
 
 } // namespace
 
@@ -106,7 +106,7 @@ void Session::advance(double frame_s) {
     hand_.advance(latest().time_s);
     forget_old_past();
     scenes_->note_in_use(latest().scene_id);
-    note_standstill();
+    note_stall();
     note_failed_assertion();
     watch_zero();
     watch_link();
@@ -130,10 +130,10 @@ double Session::plot_time_s() const {
     return store.is_empty() ? 0.0 : store.time_s(store.end() - 1);
 }
 
-void Session::note_standstill() {
-    const double longest_s = servo_->standstills().longest_s;
-    if (!reported_standstill_ && longest_s > kReportedStandstill_s) {
-        reported_standstill_ = true;
+void Session::note_stall() {
+    const double longest_s = servo_->stalls().longest_s;
+    if (!reported_stall_ && longest_s > kReportedStall_s) {
+        reported_stall_ = true;
         warnings_.add("this computer was busy for " + std::to_string(std::lround(1e3 * longest_s)) +
                       " ms; the simulation waited");
     }

@@ -243,7 +243,7 @@ private:
     void prepare_again();
     void begin_on(Prepared next);
     void begin_part(const std::filesystem::path &part_before, const char *why);
-    void note_standstill();
+    void note_stall();
     void note_failed_assertion();
     void start_servo();
     void release_until_zeroed();
@@ -273,7 +273,7 @@ private:
     std::deque<Past> past_; ///< of each device with ticks in memory
     SimulatedHand hand_;
     bool has_started_ = false;
-    bool reported_standstill_ = false;
+    bool reported_stall_ = false;
     bool reported_failure_ = false; ///< of a failed assertion
     bool is_kept_released_ = false;
     bool knows_zero_ = false;       ///< of the device, when it was released or not last

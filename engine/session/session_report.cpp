@@ -45,7 +45,7 @@ void print_time(std::ostream &out, const Session &session) {
         print(out, ", {} deadlines missed", servo.statistics().missed_deadlines());
     }
     print(out, "\n");
-    const Standstills &still = servo.standstills();
+    const Stalls &still = servo.stalls();
     if (still.times > 0) {
         print(out,
               "simulation: paused {} times, {:.1f} ms in total, at most {:.1f} ms in a row, while "
@@ -95,8 +95,7 @@ void write_session_json(std::ostream &out, const Session &session) {
     json["lockstep"] = run.is_in_lockstep();
     json["ticks"] = servo.ticks();
     json["missed_deadlines"] = servo.missed_deadlines();
-    json["stood_still"] = {{"times", run.standstills().times},
-                           {"seconds", run.standstills().seconds}};
+    json["stood_still"] = {{"times", run.stalls().times}, {"seconds", run.stalls().seconds}};
     json["period"] = json_of(servo.period());
     json["jitter"] = json_of(servo.lateness());
     json["read"] = json_of(servo.read());

@@ -46,7 +46,7 @@ bool is_of_a_servo(const servo::ServoSample &sample) {
         }
     }
     return std::isfinite(sample.since_last_s) && sample.since_last_s >= 0.0 &&
-           std::isfinite(sample.safety.ramp) && sample.carried_V.allFinite() &&
+           std::isfinite(sample.safety.ramp) && sample.transfer_offset_V.allFinite() &&
            contact.x0_m.allFinite() && contact.allowed_motion.allFinite() &&
            contact.normal.allFinite() && std::isfinite(contact.eta) &&
            std::isfinite(sample.global_alpha_rad2_per_m2);
@@ -92,9 +92,9 @@ Vector3 PredictedCurrents::at(const servo::ServoSample &recorded) {
         commands_.clear();
     }
     last_tick_ = recorded.tick;
-    const bool has_news = recorded.since_last_s > 0.0;
+    const bool is_new = recorded.since_last_s > 0.0;
     const Vector3 offset_A = offsets_A(recorded.motor);
-    if (!has_news && measured_) {
+    if (!is_new && measured_) {
         return current_A_ + offset_A;
     }
     const int periods = measured_ ? periods_until(recorded) : 1;
@@ -106,7 +106,7 @@ Vector3 PredictedCurrents::at(const servo::ServoSample &recorded) {
     } else {
         current_A_ = recorded.current_A - offset_A;
     }
-    if (has_news) {
+    if (is_new) {
         measured_ = recorded;
     }
     constexpr std::size_t kMostCommands = kMostPeriods + 1 + 1;
@@ -187,7 +187,7 @@ void WhatIf::take_law(const record::ReplayedTick &tick, servo::ServoSample &answ
     if (servo::lets_pass(answer.safety.state)) {
         answer.command.e_W_V = tick.command.e_W_V;
         answer.command.cancelled_resistance_Ohm = tick.command.cancelled_resistance_Ohm;
-        answer.held_back = tick.held_back;
+        answer.active_limits = tick.active_limits;
     }
 }
 

@@ -95,7 +95,7 @@ void step_carry_over(benchmark::State &state, const RecordedTouch &touch) {
         const control::LawOutcome before =
             law(now, sample.contact, sample.tuning, sample.global_alpha_rad2_per_m2);
         transfer.carry(sample.command.e_W_V, before.command.e_W_V, false, true);
-        return transfer.carried_V();
+        return transfer.transfer_offset_V();
     });
 }
 

@@ -341,7 +341,7 @@ private:
                 "is well without a connection");
         require(!has_number_ || measured.number >= number_, "the newest number goes back");
         require(!has_number_ || measured.time_s >= time_s_, "device time goes back");
-        require(!has_number_ || measured.number > number_ || !device::has_news(measured.arrival),
+        require(!has_number_ || measured.number > number_ || !device::is_new(measured.arrival),
                 "old, but passes for new");
         number_ = measured.number;
         time_s_ = measured.time_s;

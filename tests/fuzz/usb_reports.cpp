@@ -147,7 +147,7 @@ private:
 
     void settle() {
         const Arrival arrival = stream_.settle(now_s_, 1e-3, (input_.byte() & 1U) != 0);
-        require(device::has_news(arrival) == is_new_, "old, but passes for new");
+        require(device::is_new(arrival) == is_new_, "old, but passes for new");
         require(is_new_ || arrival == (is_corrupt_    ? Arrival::corrupt
                                        : is_repeated_ ? Arrival::repeated
                                                       : Arrival::absent),

@@ -18,8 +18,9 @@ namespace {
 /// Of the voltages.
 constexpr double kRoundOff_V = 1e-9;
 
-bool is_held_back(const servo::ServoSample &sample) {
-    return sample.held_back.holds_force() || sample.held_back.voltage || sample.held_back.at_edge;
+bool is_limited(const servo::ServoSample &sample) {
+    return sample.active_limits.holds_force() || sample.active_limits.voltage ||
+           sample.active_limits.at_edge;
 }
 
 class Judge {
@@ -40,7 +41,8 @@ public:
             found.rates += std::abs(sample.since_last_s - before_->since_last_s) > 1e-9 ? 1 : 0;
         }
         found.felt += servo::lets_pass(sample.safety.state) && sample.contact.touching ? 1 : 0;
-        found.max_carried_V = std::max(found.max_carried_V, sample.carried_V.cwiseAbs().maxCoeff());
+        found.max_transfer_offset_V =
+            std::max(found.max_transfer_offset_V, sample.transfer_offset_V.cwiseAbs().maxCoeff());
         before_ = sample;
     }
 
@@ -85,24 +87,24 @@ private:
     [[nodiscard]] Vector3 unchanged_V(const servo::ServoSample &before,
                                       const servo::ServoSample &now) const {
         if (now.scene_id == before.scene_id) {
-            return within_supply(wanted_V(before, now, before) + before.carried_V);
+            return within_supply(wanted_V(before, now, before) + before.transfer_offset_V);
         }
         const control::Configuration then =
             law_.configuration(before.theta_rad, before.theta_rate_rad_per_s);
         const control::LawOutcome last =
             law_(then, before.contact, before.tuning, before.global_alpha_rad2_per_m2);
-        return within_supply(last.command.e_W_V + before.carried_V);
+        return within_supply(last.command.e_W_V + before.transfer_offset_V);
     }
 
     void check_step(const servo::ServoSample &before, const servo::ServoSample &now) {
-        if (is_held_back(before) || is_held_back(now)) {
+        if (is_limited(before) || is_limited(now)) {
             return; // the limiter's reduction is not part of a change
         }
         const Vector3 unchanged = unchanged_V(before, now);
         const double step_V =
             (now.command.e_W_V - before.safety.ramp * unchanged).cwiseAbs().maxCoeff();
         const double ramp_V = (std::abs(now.safety.ramp - before.safety.ramp) + kRoundOff_V) *
-                              (unchanged.cwiseAbs().maxCoeff() + now.carried_V.norm());
+                              (unchanged.cwiseAbs().maxCoeff() + now.transfer_offset_V.norm());
         expect(std::abs(now.safety.ramp - before.safety.ramp) <=
                    now.since_last_s / servo::kRampTime_s + 1e-12,
                now, "a step of the ramp");

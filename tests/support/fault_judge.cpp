@@ -284,7 +284,7 @@ void FaultJudge::look(const device::Measurement &measured, const servo::ServoInp
         law_(law_.configuration(theta_rad, rate_rad_per_s_), sample.contact, sample.tuning,
              sample.global_alpha_rad2_per_m2)
             .command;
-    wanted.e_W_V += sample.carried_V;
+    wanted.e_W_V += sample.transfer_offset_V;
     const Permissible passes = permissible(now, wanted, sample);
     look_at_voltage(passes.e_W_V, sample);
     share_ = passes.share;

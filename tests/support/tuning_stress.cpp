@@ -174,16 +174,16 @@ void TuningStress::check_step(const servo::ServoSample &sample) {
     const control::Configuration now = configuration(sample);
     expect((now.theta_rate_rad_per_s - sample.theta_rate_rad_per_s).norm() < 1e-6, sample,
            "a velocity that is not the filter's");
-    const Vector3 after_V = within_supply(wanted_V(sample, sample, now) + sample.carried_V);
+    const Vector3 after_V = within_supply(wanted_V(sample, sample, now) + sample.transfer_offset_V);
     Vector3 unchanged_V;
     if (sample.scene_id != before_.scene_id) {
         ++figures_.scenes;
         const control::Configuration then =
             law_.configuration(before_.theta_rad, before_.theta_rate_rad_per_s);
-        unchanged_V = within_supply(wanted_V(before_, before_, then) + before_.carried_V);
+        unchanged_V = within_supply(wanted_V(before_, before_, then) + before_.transfer_offset_V);
     } else {
-        unchanged_V =
-            within_supply(wanted_V(sample, before_, configuration(before_)) + before_.carried_V);
+        unchanged_V = within_supply(wanted_V(sample, before_, configuration(before_)) +
+                                    before_.transfer_offset_V);
     }
     const double step_V = (after_V - unchanged_V).cwiseAbs().maxCoeff();
     figures_.max_step_V = std::max(figures_.max_step_V, step_V);

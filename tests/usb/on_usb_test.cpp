@@ -198,7 +198,7 @@ TEST(OnUsb, KeepsTheServosRateByTheClock) {
             const Measurement measured = device->read();
             ASSERT_GE(measured.number, last) << i;
             last = measured.number;
-            news += device::has_news(measured.arrival) ? 1U : 0U;
+            news += device::is_new(measured.arrival) ? 1U : 0U;
             device::DeviceCommand command = device::DeviceCommand::braking();
             command.number = measured.number;
             device->write(command);

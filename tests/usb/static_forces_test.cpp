@@ -99,7 +99,7 @@ Rest settled(simulated::SimulatedWorld &world, const Press &press, const Tick &t
         const servo::ServoSample sample = tick();
         EXPECT_EQ(sample.safety.state, servo::SafetyState::running);
         EXPECT_TRUE(sample.contact.touching);
-        EXPECT_FALSE(sample.held_back.holds_force());
+        EXPECT_FALSE(sample.active_limits.holds_force());
         rest.counts += Vector3(sample.counts[0], sample.counts[1], sample.counts[2]) / ticks;
         rest.theta_rad += truth().theta_rad / ticks;
         rest.e_W_V += sample.command.e_W_V / ticks;

@@ -112,7 +112,7 @@ private:
     void expect_servo_is_safe() {
         tick();
         EXPECT_EQ(last.health, device::DeviceHealth::lost);
-        EXPECT_FALSE(device::has_news(last.arrival));
+        EXPECT_FALSE(device::is_new(last.arrival));
         ASSERT_TRUE(has_tripped());
         EXPECT_EQ(last.safety.cause, servo::TripCause::device_lost)
             << servo::description(last.safety);

@@ -30,7 +30,7 @@ Vector3 mean_force_N(rig::ServoRig &rig, double until_s, bool measures = false) 
                              servo::description(sample.safety) +
                              "); choose a softer tuning or another configuration");
         }
-        if (measures && (sample.held_back.holds_force() || sample.held_back.voltage)) {
+        if (measures && (sample.active_limits.holds_force() || sample.active_limits.voltage)) {
             throw InputError("locked device: the servo reduced the force to stay within its "
                              "limits; choose a softer tuning or another configuration");
         }

@@ -110,9 +110,9 @@ void note(const TouchRun &run, std::size_t index, const CheckedStep &checked,
 }
 
 /// Of steps in ascending order.
-Standstill longest_of(const std::vector<std::size_t> &steps) {
-    Standstill longest;
-    Standstill now;
+Stall longest_of(const std::vector<std::size_t> &steps) {
+    Stall longest;
+    Stall now;
     for (const std::size_t step : steps) {
         if (now.end() != step || now.steps == 0) {
             now = {0, step};
@@ -184,7 +184,7 @@ TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
     findings.sampled_lagging = static_cast<std::size_t>(std::ranges::count_if(sample, lags));
     findings.suspicious_unchecked = static_cast<std::size_t>(std::ranges::count_if(
         suspicious, [&](std::size_t step) { return !findings.lag_of_step_m[step]; }));
-    findings.standstill = longest_of(suspicious);
+    findings.stall = longest_of(suspicious);
     findings.stuck_for = longest_of(findings.stuck);
     return findings;
 }

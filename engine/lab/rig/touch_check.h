@@ -54,7 +54,7 @@ struct Maximum {
 };
 
 /// Consecutive steps in which the proxy stood still while the tip moved along the surface.
-struct Standstill {
+struct Stall {
     std::size_t steps = 0;
     std::size_t first = 0; ///< of them
 
@@ -84,8 +84,8 @@ struct TouchFindings {
     Maximum unsettled_lag_m;              ///< of the others
     Maximum direction_error_rad;
     std::vector<std::optional<double>> lag_of_step_m; ///< of those checked
-    Standstill standstill; ///< the longest, right or wrong: at a corner it may be right
-    Standstill stuck_for;  ///< the longest of steps that lag
+    Stall stall;     ///< the longest, right or wrong: at a corner it may be right
+    Stall stuck_for; ///< the longest of steps that lag
 
     /// The rate of lagging steps that the sample does not exclude, with kConfidence.
     [[nodiscard]] double rate_not_excluded() const;

@@ -49,7 +49,7 @@ ProtocolFindings findings_of(const Protocol &protocol, const std::vector<Stimulu
                              1e3 * trial.shaking_m_per_s, 1e3 * kMostShaking_m_per_s),
                  "lower K_P_V_per_rad or K_D_Vs_per_rad"});
         }
-        if (trial.delivered.is_held_back) {
+        if (trial.delivered.is_limited) {
             findings.push_back({Severity::warning, trial.name,
                                 fmt::format("the servo holds its force back in simulation; the "
                                             "largest is {:.2f} N",

@@ -51,7 +51,8 @@ Vector3 DeliveryMeter::law_force_N(const servo::ServoSample &sample, const Matri
         const control::ObservedMotor &motor = sample.motor[static_cast<std::size_t>(j)];
         const double R_hat_Ohm = sample.command.cancelled_resistance_Ohm[j];
         last_dR_Ohm_[j] = motor.here.resistance_Ohm - R_hat_Ohm;
-        last_law_V_[j] = sample.command.e_W_V[j] + R_hat_Ohm * motor.offset_A - sample.carried_V[j];
+        last_law_V_[j] =
+            sample.command.e_W_V[j] + R_hat_Ohm * motor.offset_A - sample.transfer_offset_V[j];
     }
     return J.transpose().inverse() * k_T.cwiseProduct(law_current_A_);
 }
@@ -119,8 +120,8 @@ void DeliveryMeter::take(const servo::ServoSample &sample, const StimulusRun &ru
     so_far_.lateness_s = std::max({so_far_.lateness_s, sample.missed_in_a_row * period_s_,
                                    sample.missed_periods * period_s_});
     so_far_.missed_deadlines += sample.missed_deadlines;
-    so_far_.is_held_back =
-        so_far_.is_held_back || sample.held_back.holds_force() || sample.held_back.voltage;
+    so_far_.is_limited =
+        so_far_.is_limited || sample.active_limits.holds_force() || sample.active_limits.voltage;
     so_far_.winding_C = estimated_windings_C(sample);
     if (run.phase() == StimulusPhase::presenting) {
         take_presented(sample, run.presented_s());

@@ -34,7 +34,7 @@ struct DeliveredStimulus {
     double along_work_J = 0.0; ///< of a steered force on the hand
     double lateness_s = 0.0;   ///< longest row of missed deadlines
     std::uint64_t missed_deadlines = 0;
-    bool is_held_back = false;          ///< the servo reduced force or voltage
+    bool is_limited = false;            ///< the servo reduced force or voltage
     Vector3 winding_C{Vector3::Zero()}; ///< at the end, by the monitor: the middle of its bounds
 };
 

@@ -5,7 +5,7 @@
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
 #include "device/simulated/drawn_device.h"
-#include "engine/control/resistance_observer.h"
+#include "engine/control/winding_observer.h"
 #include "tests/app/assistant/walker.h"
 
 #include <gtest/gtest.h>

@@ -120,7 +120,7 @@ TEST(DeviceFactory, StateIsCorrectAfterEveryOrderOfFourCalls) {
             const bool is_closed = expected == DeviceState::closed;
             ASSERT_EQ(measured.health,
                       is_closed ? device::DeviceHealth::lost : device::DeviceHealth::ok);
-            ASSERT_EQ(device::has_news(measured.arrival), !is_closed);
+            ASSERT_EQ(device::is_new(measured.arrival), !is_closed);
             const double tolerance_rad = 40.0 * device->description().rad_per_count();
             if (call == Call::zero && !is_closed) {
                 ASSERT_LT((theta_rad(open, measured) - kElsewhere_rad).norm(), tolerance_rad);

@@ -155,7 +155,7 @@ TEST(UsbDevice, IsLostWhenUnpluggedAndTheBoardBrakesAtOnce) {
     EXPECT_EQ(rig.state(), board::State::fault_braking);
     const Measurement measured = rig.device.read();
     EXPECT_EQ(measured.health, DeviceHealth::lost);
-    EXPECT_FALSE(device::has_news(measured.arrival));
+    EXPECT_FALSE(device::is_new(measured.arrival));
     for (int i = 0; i < 1000; ++i) { // the servo goes on
         rig.tick(driving());
     }

@@ -1,5 +1,5 @@
-// Covers what engine/control/resistance_observer.cpp makes of a device's calibration.
-#include "engine/control/resistance_observer.h"
+// Covers what engine/control/winding_observer.cpp makes of a device's calibration.
+#include "engine/control/winding_observer.h"
 #include "engine/servo/winding_observers.h"
 
 #include "device/core/calibration_file.h"
@@ -39,7 +39,7 @@ device::DeviceDescription calibrated(const std::string &kind, double transmissio
 TEST(CalibratedObserver, StartsFromTheCalibration) {
     const device::DeviceDescription device = calibrated("simulated");
     const device::MotorCalibration &known = device.calibration->motor[1];
-    const ResistanceObserver observer(device, 1, kPeriod_s);
+    const WindingObserver observer(device, 1, kPeriod_s);
     EXPECT_EQ(observer.unheated().resistance_Ohm, known.resistance_Ohm);
     // Air then within 2 K, and now within 10 K of 25 °C, both uniform.
     const double air_Ohm = 2.1 * 0.0039 * std::sqrt((2.0 * 2.0 + 10.0 * 10.0) / 3.0);
@@ -61,7 +61,7 @@ TEST(CalibratedObserver, StartsFromTheCalibration) {
 // A board measures its sensors' offsets whenever it powers up.
 TEST(CalibratedObserver, TakesNoOffsetFromABoard) {
     const device::DeviceDescription device = calibrated("USB");
-    const device::MotorCalibration learned = ResistanceObserver(device, 0, kPeriod_s).learned();
+    const device::MotorCalibration learned = WindingObserver(device, 0, kPeriod_s).learned();
     EXPECT_EQ(learned.offset_A, 0.0);
     EXPECT_NEAR(learned.offset_deviation_A, 0.02 / std::sqrt(3.0), 1e-12);
 }
@@ -103,7 +103,7 @@ TEST(CalibratedObserver, ItsRippleFadesWithAZeroFoundByEye) {
                 known.ripple_cos_2_Ohm = known.ripple_sin_2_Ohm = 0.0;
             }
             const double sigma_rad = ratio * device::kZeroByEye_rad / std::sqrt(3.0);
-            const ResistanceObserver observer(device, 0, kPeriod_s);
+            const WindingObserver observer(device, 0, kPeriod_s);
             for (const double theta_rad : {0.0, 0.05, 0.11, 0.3}) {
                 const ResistanceEstimate R = observer.at(theta_rad);
                 const ResistanceEstimate expected = integrated(known, theta_rad, sigma_rad);
@@ -121,7 +121,7 @@ TEST(CalibratedObserver, ItsRippleFadesWithAZeroFoundByEye) {
 
 TEST(CalibratedObserver, AnotherZeroIsTakenToBeFoundByEye) {
     const device::DeviceDescription device = calibrated("simulated");
-    ResistanceObserver observer(device, 0, kPeriod_s);
+    WindingObserver observer(device, 0, kPeriod_s);
     const double before_Ohm = observer.expected_Ohm(0.0);
     observer.forget_zero();
     observer.restart();
@@ -132,11 +132,11 @@ TEST(CalibratedObserver, AnotherZeroIsTakenToBeFoundByEye) {
 
 TEST(CalibratedObserver, WhatContradictsItselfIsTheFilesMotorAgain) {
     const device::DeviceDescription device = calibrated("simulated");
-    ResistanceObserver observer(device, 0, kPeriod_s);
+    WindingObserver observer(device, 0, kPeriod_s);
     observer.distrust();
     EXPECT_EQ(observer.mean().resistance_Ohm, 2.18);
     const double kind_Ohm =
-        ResistanceObserver(testing::phantom_1_0(), 0, kPeriod_s).mean().deviation_Ohm;
+        WindingObserver(testing::phantom_1_0(), 0, kPeriod_s).mean().deviation_Ohm;
     EXPECT_EQ(observer.mean().deviation_Ohm, kind_Ohm);
     EXPECT_FALSE(observer.is_trusted());
     observer.restart();

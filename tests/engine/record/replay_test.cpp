@@ -81,7 +81,7 @@ TEST(Replay, ReproducesTheServosBits) {
         bool carried = false;
         for (const servo::ServoSample &sample : samples) {
             drove = drove || !sample.command.e_W_V.isZero(1e-2);
-            carried = carried || !sample.carried_V.isZero(0.0);
+            carried = carried || !sample.transfer_offset_V.isZero(0.0);
         }
         EXPECT_TRUE(drove);
         EXPECT_TRUE(carried);

@@ -51,14 +51,14 @@ TEST(TelemetryColumns, KnowEveryMember) {
                                   since_last, counts, theta, rate, tip, contact, scene, tuning, eta,
                                   global_alpha, alpha, bound, x_Sd, theta_Sd, inverse_possible,
                                   carried, motor, command, current, force, rendered, inverse,
-                                  transpose, safety, held_back, limits, energy, winding, missed,
+                                  transpose, safety, active_limits, limits, energy, winding, missed,
                                   in_a_row, missed_periods, clock, lateness, period, read, compute,
                                   write] = sample;
     [[maybe_unused]] const auto &[touching, x0, motion, normal, surface_eta, constraints, sticking,
                                   settled, surface, barycentric, triangle, material] = contact;
     [[maybe_unused]] const auto &[dR, K_P, K_D, lambda, by_hand, softness, map, mode] = tuning;
     [[maybe_unused]] const auto &[state, cause, measured, limit, ramp, failure, held_stop] = safety;
-    [[maybe_unused]] const auto &[held_force, held_voltage, at_edge] = held_back;
+    [[maybe_unused]] const auto &[held_force, held_voltage, at_edge] = active_limits;
     [[maybe_unused]] const auto &[e_W, R_hat, command_mode, command_number, resets_faults,
                                   voids_zero] = command;
     [[maybe_unused]] const auto &[minimum, maximum, R_hat_limit, is_limited, is_contradicted,
@@ -184,7 +184,7 @@ TEST(TelemetryColumns, OfEqualUnitMapToTheMemberOfTheirName) {
         {"R_mean2_deviation_Ohm", &sample.motor[1].mean.deviation_Ohm},
         {"k_T2_Nm_per_A", &sample.motor[1].torque_constant_Nm_per_A},
         {"offset2_A", &sample.motor[1].offset_A},
-        {"carried2_V", &sample.carried_V[1]},
+        {"carried2_V", &sample.transfer_offset_V[1]},
         {"e_W2_V", &sample.command.e_W_V[1]},
     };
     double value = 0.0;

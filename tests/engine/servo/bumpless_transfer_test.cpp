@@ -22,7 +22,7 @@ Vector3 carried_on_V(BumplessTransfer &transfer, const Vector3 &law_V,
                      const std::optional<Vector3> &unchanged_V, bool scene_is_new = false,
                      bool is_felt = true) {
     transfer.carry(law_V, unchanged_V, scene_is_new, is_felt);
-    return law_V + transfer.carried_V();
+    return law_V + transfer.transfer_offset_V();
 }
 
 TEST(BumplessTransfer, NoChangeMovesTheVoltageByMoreThanItsBound) {
@@ -66,7 +66,7 @@ TEST(BumplessTransfer, DecaysToExactlyZeroInTheExpectedTime) {
         EXPECT_NEAR(now_V[1], -std::max(0.0, 1.0 - 0.05 * tick), 1e-12);
         EXPECT_EQ(now_V[2], 0.0);
     }
-    EXPECT_EQ(transfer.carried_V(), Vector3::Zero()); // exactly
+    EXPECT_EQ(transfer.transfer_offset_V(), Vector3::Zero()); // exactly
 }
 
 TEST(BumplessTransfer, LimitsTheOffsetToTheSupply) {
@@ -87,9 +87,9 @@ TEST(BumplessTransfer, StartsANewSceneWithTheLastVoltage) {
 TEST(BumplessTransfer, HasNoOffsetWhileMotorsAreOff) {
     BumplessTransfer transfer = transfer_at(1e-3);
     transfer.carry(Vector3::Zero(), Vector3::Ones(), false, true);
-    EXPECT_NE(transfer.carried_V(), Vector3::Zero());
+    EXPECT_NE(transfer.transfer_offset_V(), Vector3::Zero());
     transfer.carry(Vector3::Ones(), Vector3::Zero(), false, false);
-    EXPECT_EQ(transfer.carried_V(), Vector3::Zero());
+    EXPECT_EQ(transfer.transfer_offset_V(), Vector3::Zero());
 }
 
 TEST(BumplessTransfer, MovesParametersSmoothlyToTheirTargets) {

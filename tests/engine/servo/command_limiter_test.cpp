@@ -127,10 +127,10 @@ TEST_F(CommandLimiter, SteadyForceAndCurrentsStayWithinTheirLimits) {
         ASSERT_LE(current_A.cwiseAbs().maxCoeff(), kLimiterShare * min_A * (1 + 1e-9)) << run;
         ASSERT_LE(result.command.e_W_V.cwiseAbs().maxCoeff(),
                   std::min(12.0, c.inputs.limits.voltage_V));
-        ASSERT_EQ(result.held_back.holds_force(), result.force_share < 1.0);
-        if (result.held_back.holds_force() && !result.held_back.voltage) {
+        ASSERT_EQ(result.active_limits.holds_force(), result.force_share < 1.0);
+        if (result.active_limits.holds_force() && !result.active_limits.voltage) {
             // The limit that is named is the one that is reached.
-            const ForceLimit by = result.held_back.force;
+            const ForceLimit by = result.active_limits.force;
             const double reached =
                 by == ForceLimit::tip_force
                     ? force_N(c, current_A) / c.inputs.limits.tip_force_N
@@ -139,7 +139,7 @@ TEST_F(CommandLimiter, SteadyForceAndCurrentsStayWithinTheirLimits) {
             ++by_limit.at(static_cast<std::size_t>(by));
         }
         ASSERT_GE(result.force_share, 0.0);
-        (result.held_back.holds_force() ? drawn_back : let_be) += 1;
+        (result.active_limits.holds_force() ? drawn_back : let_be) += 1;
     }
     EXPECT_GT(drawn_back, 1000);
     EXPECT_GT(let_be, 1000);
@@ -202,7 +202,7 @@ TEST_F(CommandLimiter, WindingsOfUnequalTemperatureExceedTheShareOnlySlightly) {
 
 TEST_F(CommandLimiter, CommandsWithinLimitsPassBitForBit) {
     int passed = 0;
-    int held_back = 0;
+    int active_limits = 0;
     for (int run = 0; run < 20'000; ++run) {
         Case c = any_case(devices[static_cast<std::size_t>(run % 2)]);
         c.inputs.ramp = 1.0;
@@ -224,19 +224,19 @@ TEST_F(CommandLimiter, CommandsWithinLimitsPassBitForBit) {
         if (!within.allow(q_rad)) {
             continue;
         }
-        ASSERT_FALSE(result.held_back.at_edge);
+        ASSERT_FALSE(result.active_limits.at_edge);
         if (share < 0.999) {
             ++passed;
             ASSERT_EQ(result.command.e_W_V, c.wanted.e_W_V);
             ASSERT_EQ(result.command.cancelled_resistance_Ohm, c.wanted.cancelled_resistance_Ohm);
             ASSERT_EQ(result.force_share, 1.0);
-            ASSERT_FALSE(result.held_back.holds_force() || result.held_back.voltage);
+            ASSERT_FALSE(result.active_limits.holds_force() || result.active_limits.voltage);
         } else if (share > 1.001) {
-            ++held_back;
-            ASSERT_TRUE(result.held_back.holds_force() || result.held_back.voltage);
+            ++active_limits;
+            ASSERT_TRUE(result.active_limits.holds_force() || result.active_limits.voltage);
         }
     }
-    EXPECT_GT(held_back, 1000);
+    EXPECT_GT(active_limits, 1000);
     EXPECT_GT(passed, 1000);
 }
 
@@ -246,7 +246,7 @@ TEST_F(CommandLimiter, OffsetsOfTheSensorsMakeNoCurrent) {
         c.inputs.limits = limits_of(c.device);
         c.wanted.e_W_V = testing::random_vector(random, 0.3);
         const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
-        if (result.held_back.holds_force() || result.held_back.voltage) {
+        if (result.active_limits.holds_force() || result.active_limits.voltage) {
             continue;
         }
         Case ideal = c;
@@ -319,7 +319,7 @@ TEST_F(CommandLimiter, TheEdgeActsWithAnyTuning) {
         c.inputs.ramp = 1.0;
         c.wanted = {Vector3::Zero(), Vector3::Constant(R_hat_Ohm)};
         const LimitedCommand result = limited(device, c.wanted, c.inputs);
-        EXPECT_TRUE(result.held_back.at_edge);
+        EXPECT_TRUE(result.active_limits.at_edge);
         const Vector3 torque_Nm =
             device.motor[0].torque_constant_Nm_per_A *
             steady_current_A(c, result.command).cwiseProduct(device.geometry.transmission_ratio);

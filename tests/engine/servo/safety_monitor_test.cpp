@@ -172,7 +172,7 @@ TEST_F(SafetyMonitorTest, LimitsCommandsToSupplyForceAndResistance) {
     start_up();
     const device::DeviceCommand absurd{Vector3(1e3, -1e3, 0.0), Vector3(10.0, -1.0, 2.0)};
     const device::DeviceCommand command = pass(calm(), {}, absurd);
-    EXPECT_TRUE(monitor.held_back().holds_force());
+    EXPECT_TRUE(monitor.active_limits().holds_force());
     const device::MotorParameters &motor = device.motor[0];
     Vector3 steady_current_A;
     for (Eigen::Index j = 0; j < 3; ++j) {
@@ -195,12 +195,12 @@ TEST_F(SafetyMonitorTest, LimitsCommandsToSupplyForceAndResistance) {
         held = pass(calm(), orders);
     }
     EXPECT_EQ(held.e_W_V, Vector3(0.2, -0.25, 0.1));
-    EXPECT_TRUE(monitor.held_back().voltage);
+    EXPECT_TRUE(monitor.active_limits().voltage);
     for (int i = 0; i < 5; ++i) { // 12 mV a tick back
         held = pass(calm());
     }
     EXPECT_EQ(held.e_W_V, little().e_W_V);
-    EXPECT_FALSE(monitor.held_back().voltage || monitor.held_back().holds_force());
+    EXPECT_FALSE(monitor.active_limits().voltage || monitor.active_limits().holds_force());
 }
 
 TEST_F(SafetyMonitorTest, TripsOnAWindingThatMayBeTooHot) {

@@ -64,7 +64,7 @@ Vector3 unchanged_V(const control::HapticLaw &law, const ServoSample &before,
     const control::Configuration state =
         law.configuration(now.theta_rad, filter.update(now.theta_rad, pole, kPeriod_s));
     return law(state, now.contact, before.tuning, before.global_alpha_rad2_per_m2).command.e_W_V +
-           before.carried_V;
+           before.transfer_offset_V;
 }
 
 struct Change {
@@ -76,7 +76,7 @@ struct Change {
 /// The largest step of e_W due to a change alone, and the largest offset.
 struct Felt {
     double step_V = 0.0;
-    double carried_V = 0.0;
+    double transfer_offset_V = 0.0;
     int ticks = 0; ///< examined: until the limiter acts
 };
 
@@ -95,13 +95,14 @@ Felt feel(const Change &change, const std::function<void(ServoInputs &)> &first)
         const ServoSample now = rig.tick();
         EXPECT_EQ(now.safety.state, SafetyState::running)
             << change.name << ": " << description(now.safety);
-        if (now.held_back.holds_force() || now.held_back.voltage) {
+        if (now.active_limits.holds_force() || now.active_limits.voltage) {
             break; // the limiter's reduction is not part of the change
         }
         ++felt.ticks;
         const Vector3 moved_V = now.command.e_W_V - unchanged_V(law, before, now);
         felt.step_V = std::max(felt.step_V, moved_V.cwiseAbs().maxCoeff());
-        felt.carried_V = std::max(felt.carried_V, now.carried_V.cwiseAbs().maxCoeff());
+        felt.transfer_offset_V =
+            std::max(felt.transfer_offset_V, now.transfer_offset_V.cwiseAbs().maxCoeff());
         before = now;
     }
     return felt;
@@ -112,7 +113,7 @@ void nothing(ServoInputs & /*inputs*/) {}
 TEST(ServoLoopChanges, WithoutAChangeTheLawIsReproducedFromTheSamples) {
     const Felt felt = feel({"nothing", nothing}, nothing);
     EXPECT_LT(felt.step_V, 1e-12);
-    EXPECT_EQ(felt.carried_V, 0.0);
+    EXPECT_EQ(felt.transfer_offset_V, 0.0);
 }
 
 TEST(ServoLoopChanges, OfAnyParameterMoveEWWithinTheBound) {
@@ -166,7 +167,7 @@ TEST(ServoLoopChanges, OfMapAlphaSourceAndGlobalAlphaMoveEWWithinTheBound) {
     for (const auto &[change, first] : changes) {
         const Felt felt = feel(change, first);
         EXPECT_LE(felt.step_V, kBound_V + 1e-9) << change.name;
-        EXPECT_GT(felt.carried_V, change.min_V) << change.name; // not vacuous
+        EXPECT_GT(felt.transfer_offset_V, change.min_V) << change.name; // not vacuous
         EXPECT_GT(felt.ticks, 100) << change.name;
     }
 }
@@ -189,10 +190,10 @@ TEST(ServoLoopChanges, OfAllParametersRepeatedDuringATransferMoveEWWithinTheBoun
             rig.inputs.global_alpha_rad2_per_m2 = 2000.0 + tick;
         }
         const ServoSample now = rig.tick();
-        ASSERT_FALSE(now.held_back.holds_force() || now.held_back.voltage) << tick;
+        ASSERT_FALSE(now.active_limits.holds_force() || now.active_limits.voltage) << tick;
         const Vector3 moved_V = now.command.e_W_V - unchanged_V(law, before, now);
         ASSERT_LE(moved_V.cwiseAbs().maxCoeff(), kBound_V + 1e-9) << tick;
-        max_V = std::max(max_V, now.carried_V.cwiseAbs().maxCoeff());
+        max_V = std::max(max_V, now.transfer_offset_V.cwiseAbs().maxCoeff());
         before = now;
     }
     EXPECT_GT(max_V, 0.3);
@@ -213,7 +214,7 @@ TEST(ServoLoopChanges, ToALawBeyondTheSupplyMoveEWWithinTheBound) {
         const ServoSample now = rig.tick();
         const Vector3 moved_V = now.command.e_W_V - unchanged_V(law, before, now);
         EXPECT_LE(moved_V.cwiseAbs().maxCoeff(), kBound_V + 1e-9) << tick;
-        law_V = law_V.cwiseMax((now.command.e_W_V - now.carried_V).cwiseAbs());
+        law_V = law_V.cwiseMax((now.command.e_W_V - now.transfer_offset_V).cwiseAbs());
         before = now;
     }
     EXPECT_GT(law_V.maxCoeff(), 12.0); // not vacuous
@@ -236,18 +237,18 @@ TEST(ServoLoopChanges, OfSceneReleaseTheOldVoltageSlowly) {
         EXPECT_FALSE(first.contact.touching);
         EXPECT_LE((first.command.e_W_V - before.command.e_W_V).cwiseAbs().maxCoeff(),
                   kBound_V + 1e-9);
-        EXPECT_GT(first.carried_V.cwiseAbs().maxCoeff(), 0.4);
+        EXPECT_GT(first.transfer_offset_V.cwiseAbs().maxCoeff(), 0.4);
         before = first;
         for (int tick = 0; tick < 400; ++tick) {
             const ServoSample now = rig.tick();
             ASSERT_EQ(now.safety.state, SafetyState::running) << description(now.safety);
-            if (!now.held_back.holds_force()) {
+            if (!now.active_limits.holds_force()) {
                 const Vector3 moved_V = now.command.e_W_V - unchanged_V(law, before, now);
                 ASSERT_LE(moved_V.cwiseAbs().maxCoeff(), kBound_V + 1e-9) << tick;
             }
             before = now;
         }
-        EXPECT_EQ(before.carried_V, Vector3::Zero());
+        EXPECT_EQ(before.transfer_offset_V, Vector3::Zero());
     }
 }
 

@@ -408,7 +408,7 @@ TEST(ServoLoop, HoldsAFixedPointInAllDirectionsAndAddsTheExcitation) {
         ASSERT_EQ(now.safety.state, SafetyState::running) << description(now.safety);
         ASSERT_EQ(now.contact.x0_m, x0_m);
         ASSERT_EQ(now.x_Sd_m, x0_m);
-        ASSERT_FALSE(now.held_back.holds_force());
+        ASSERT_FALSE(now.active_limits.holds_force());
         // (18), (10) with a set-point at rest:
         const Vector3 set_rad = set_point_rad(rig.device().description(), x0_m);
         const control::Tuning &tuning = now.tuning;
@@ -435,7 +435,7 @@ TEST(ServoLoop, LimitsAnExcitationLikeEveryCommand) {
         ASSERT_LE(std::abs(now.command.e_W_V[0]), device.motor[0].supply_V);
         ASSERT_LE(now.tip_force_N.norm(), 1.05 * device.limits.tip_force_N);
     }
-    EXPECT_TRUE(absurd.has_tripped() || absurd.last.held_back.holds_force());
+    EXPECT_TRUE(absurd.has_tripped() || absurd.last.active_limits.holds_force());
 
     FixedRig unreal;
     unreal.inputs.excitation_V = Vector3(0.0, std::nan(""), 0.0);

@@ -74,7 +74,7 @@ void expect_edge_before_stop(const Way &way, const control::Tuning &tuning, doub
         if (sample.safety.state == SafetyState::running && to_stop_rad > 0.0) {
             before_stop_Nm = std::max(before_stop_Nm, pushed_back_Nm);
             if (depth_rad > 0.4 * device.edge.margin_rad) {
-                EXPECT_TRUE(sample.held_back.at_edge);
+                EXPECT_TRUE(sample.active_limits.at_edge);
                 met = true;
                 share = std::min(share,
                                  pushed_back_Nm / (device.edge.stiffness_Nm_per_rad * depth_rad));

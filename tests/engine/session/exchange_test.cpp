@@ -92,7 +92,8 @@ struct Sum {
         worst.rates += part.rates;
         worst.max_share = std::max(worst.max_share, part.max_share);
         worst.max_step_V = std::max(worst.max_step_V, part.max_step_V);
-        worst.max_carried_V = std::max(worst.max_carried_V, part.max_carried_V);
+        worst.max_transfer_offset_V =
+            std::max(worst.max_transfer_offset_V, part.max_transfer_offset_V);
     }
 };
 
@@ -153,7 +154,7 @@ void note(const Sum &all) {
     ::testing::Test::RecordProperty("parts", std::to_string(all.parts));
     ::testing::Test::RecordProperty("step_V", std::to_string(all.worst.max_step_V));
     ::testing::Test::RecordProperty("share", std::to_string(all.worst.max_share));
-    ::testing::Test::RecordProperty("carried_V", std::to_string(all.worst.max_carried_V));
+    ::testing::Test::RecordProperty("carried_V", std::to_string(all.worst.max_transfer_offset_V));
 }
 
 void exchange_in_every_order(bool apart) {
@@ -168,7 +169,7 @@ void exchange_in_every_order(bool apart) {
     EXPECT_GT(all.worst.felt, 10'000U); // not vacuous
     EXPECT_GE(all.worst.scenes, 9U);
     EXPECT_GE(all.worst.rates, 9U);
-    EXPECT_GT(all.worst.max_carried_V, 0.2);
+    EXPECT_GT(all.worst.max_transfer_offset_V, 0.2);
 }
 
 TEST(Exchange, InContactOneByOneInEveryOrderCausesNoSteps) { exchange_in_every_order(true); }

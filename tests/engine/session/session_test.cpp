@@ -232,8 +232,8 @@ TEST(Session, TheSimulationWaitsWhileTheWindowIsSilent) {
     }
     session.stop();
     EXPECT_NE(session.latest().safety.state, servo::SafetyState::tripped);
-    EXPECT_GT(session.servo().standstills().seconds, 0.4 * silence_s);
-    EXPECT_GT(session.servo().standstills().longest_s, 0.4 * silence_s);
+    EXPECT_GT(session.servo().stalls().seconds, 0.4 * silence_s);
+    EXPECT_GT(session.servo().stalls().longest_s, 0.4 * silence_s);
     int told = 0;
     for (const std::string &warning : session.warnings().take_new()) {
         told += warning.find("the simulation waited") != std::string::npos ? 1 : 0;

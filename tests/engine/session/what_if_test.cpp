@@ -93,7 +93,7 @@ TEST(WhatIf, TheRecordsOwnTuningChangesNoBitButTheCurrents) {
         const Samples recorded = press.samples();
         const Samples found = answers(recorded, press.inputs.tuning);
         std::uint64_t passing = 0;
-        std::uint64_t held_back = 0;
+        std::uint64_t active_limits = 0;
         std::uint64_t held = 0;
         std::uint64_t pushing = 0;
         for (std::size_t i = 0; i < recorded.size(); ++i) {
@@ -101,12 +101,12 @@ TEST(WhatIf, TheRecordsOwnTuningChangesNoBitButTheCurrents) {
                       testing::row_of(recorded[i]))
                 << i;
             passing += servo::lets_pass(recorded[i].safety.state) ? 1U : 0U;
-            held_back += recorded[i].held_back.holds_force() ? 1U : 0U;
+            active_limits += recorded[i].active_limits.holds_force() ? 1U : 0U;
             held += recorded[i].since_last_s == 0.0 ? 1U : 0U;
             pushing += std::isnan(recorded[i].transpose_error_rad) ? 0U : 1U;
         }
         EXPECT_GT(passing, 1000U); // not vacuous
-        EXPECT_GT(held_back, 50U);
+        EXPECT_GT(active_limits, 50U);
         EXPECT_EQ(held, 4U);
         EXPECT_GT(pushing, 500U);
     }

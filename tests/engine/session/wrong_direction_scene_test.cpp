@@ -60,7 +60,7 @@ public:
     void expect_well() const {
         const servo::ServoSample &now = session_.latest();
         EXPECT_EQ(now.safety.state, servo::SafetyState::running);
-        EXPECT_FALSE(now.held_back.holds_force());
+        EXPECT_FALSE(now.active_limits.holds_force());
         EXPECT_GT(now.tip_force_N.norm(), 1.0);
         EXPECT_LT(now.tip_force_N.norm(), 3.0);
     }

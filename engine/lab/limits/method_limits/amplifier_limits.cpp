@@ -27,7 +27,7 @@ bool settles(const device::MotorParameters &motor, double e_W_V, double rate_rad
 }
 
 /// K_P (θ_Sd − θ)/dR reaches the peak current, or what the supply drives through R at standstill.
-LimitTrial at_standstill(const device::MotorParameters &motor) {
+LimitTrial at_stall(const device::MotorParameters &motor) {
     const control::Tuning tuning;
     const double max_A = std::min(motor.peak_current_A, motor.supply_V / motor.resistance_Ohm);
     return {{kMotorMethod,
@@ -75,7 +75,7 @@ LimitTrial returning(const device::MotorParameters &motor) {
 } // namespace
 
 std::vector<LimitTrial> amplifier_trials(const device::DeviceDescription &device) {
-    return {at_standstill(device.motor[1]), returning(device.motor[1])};
+    return {at_stall(device.motor[1]), returning(device.motor[1])};
 }
 
 } // namespace springdrive::limits

@@ -28,7 +28,7 @@ public:
         contact.normal = normal;
         contact.x0_m = now.tip_m + depth_m * normal;
         contact.allowed_motion = Matrix3::Identity() - normal * normal.transpose();
-        return held_back(now, contact);
+        return active_limits(now, contact);
     }
 
     /// In free space, one motor turning.
@@ -37,12 +37,12 @@ public:
             law_.configuration(theta_rad_, Vector3(0.0, rate_rad_per_s, 0.0));
         contact::Contact contact;
         contact.x0_m = now.tip_m;
-        return held_back(now, contact);
+        return active_limits(now, contact);
     }
 
 private:
-    [[nodiscard]] servo::ActiveLimits held_back(const control::Configuration &now,
-                                                const contact::Contact &contact) const {
+    [[nodiscard]] servo::ActiveLimits active_limits(const control::Configuration &now,
+                                                    const contact::Contact &contact) const {
         servo::LimiterInputs inputs{now, servo::limits_of(device_), 1.0, Vector3::Zero(),
                                     control::motors_of_file(device_.motor)};
         for (std::size_t j = 0; j < 3; ++j) {
@@ -51,7 +51,7 @@ private:
                     .max_cancelled_Ohm();
         }
         return servo::limited(device_, law_(now, contact, control::Tuning{}, 0.0).command, inputs)
-            .held_back;
+            .active_limits;
     }
 
     device::DeviceDescription device_;

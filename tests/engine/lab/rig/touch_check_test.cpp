@@ -107,7 +107,7 @@ TEST(TouchCheck, FindsAStuckProxyAndOnlyIt) {
     }
 }
 
-TEST(TouchCheck, TakesAStandstillThatDoesNotLagForRight) {
+TEST(TouchCheck, TakesAStallThatDoesNotLagForRight) {
     // Stands as still as the tip moves along: by less than a micrometre.
     TouchRun run;
     go_on(run, on_sheet(0.0, 0.0));
@@ -289,7 +289,7 @@ TEST(TouchCheck, TellsTheLagOfEachStepThatItChecked) {
     EXPECT_TRUE(some.lag_of_step_m[0] && some.lag_of_step_m[9] && !some.lag_of_step_m[5]);
 }
 
-TEST(TouchCheck, TellsTheLongestStandstill) {
+TEST(TouchCheck, TellsTheLongestStall) {
     // The proxy stands still in steps 3 to 5 and 8 to 14, and from 11 on so that it could move.
     TouchRun run;
     const TouchedSurface corner = sheet();
@@ -302,11 +302,11 @@ TEST(TouchCheck, TellsTheLongestStandstill) {
         go_on(run, on_sheet(proxy_m, tip_m));
     }
     const TouchFindings found = check_touch(run, corner, options());
-    EXPECT_EQ(found.standstill.steps, 7U);
-    EXPECT_EQ(found.standstill.first, 8U);
+    EXPECT_EQ(found.stall.steps, 7U);
+    EXPECT_EQ(found.stall.first, 8U);
     EXPECT_EQ(found.stuck_for.steps, 4U);
     EXPECT_EQ(found.stuck_for.first, 11U);
-    EXPECT_EQ(check_touch({}, sheet(), options()).standstill.steps, 0U);
+    EXPECT_EQ(check_touch({}, sheet(), options()).stall.steps, 0U);
 }
 
 TEST(TouchCheck, FindsPopThroughs) {

@@ -29,7 +29,7 @@ TEST(ConditionTrial, AHandPressesAsHardAsTheConditionSays) {
     const StimulusTrial trial = trial_of(protocol);
     EXPECT_EQ(trial.trip, "");
     EXPECT_TRUE(trial.has_touched);
-    EXPECT_FALSE(trial.delivered.is_held_back);
+    EXPECT_FALSE(trial.delivered.is_limited);
     // Of 1 N the weight of the bare linkage and the joints' friction, 0.04 N at the tip of each,
     // are not the motors'; the arrival of a grip damped with 6/(2 √(300 · 0.2)) = 0.4 of critical
     // overshoots by up to e^(−0.4 π/√(1 − 0.4²)) = 0.25 of it.

@@ -73,7 +73,7 @@ TEST(StimulusTrial, APressHasTheStiffnessOf27AndTheDirectionThatWasAskedFor) {
             EXPECT_NEAR(found.across_deg.value(), 0.0, 1.0) << axis_deg;
             // The hand presses with the weight made up for; friction holds some: 0.04 N at the tip.
             EXPECT_NEAR(found.press_N.value(), 1.0, 2.0 * 0.04);
-            EXPECT_FALSE(trial.delivered.is_held_back);
+            EXPECT_FALSE(trial.delivered.is_limited);
         }
     }
 }

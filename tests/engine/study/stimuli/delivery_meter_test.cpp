@@ -78,8 +78,8 @@ TEST(DeliveryMeter, FindsThePulseInCurrentsOfALawThatMoves) {
             law_A = left * law_A + (1.0 - left) / dR * (law_V - k_T.cwiseProduct(rate));
         }
         law_V = Vector3(0.3, 0.1, -0.2) + 0.05 * std::sin(60.0 * now_s) * Vector3::Ones();
-        trial.sample.carried_V = 0.4 * Vector3(std::sin(now_s), 0.3, 0.1);
-        trial.sample.command.e_W_V = law_V + trial.sample.carried_V;
+        trial.sample.transfer_offset_V = 0.4 * Vector3(std::sin(now_s), 0.3, 0.1);
+        trial.sample.command.e_W_V = law_V + trial.sample.transfer_offset_V;
         const double share =
             now_s > 0.5 && now_s < 0.54
                 ? 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * 25.0 * (now_s - 0.5)))
@@ -128,7 +128,7 @@ TEST(DeliveryMeter, CountsDeadlinesAndKeepsPeaks) {
     EXPECT_DOUBLE_EQ(delivered.lateness_s, 3.0 * kPeriod_s);
     EXPECT_EQ(delivered.missed_deadlines, 3U);
     EXPECT_DOUBLE_EQ(delivered.peak_force_N, 5.0);
-    EXPECT_FALSE(delivered.is_held_back);
+    EXPECT_FALSE(delivered.is_limited);
 }
 
 } // namespace

@@ -88,7 +88,7 @@ TEST_P(WarmUpOfHands, ComesIntoTheBandAndLeavesTheTipInItsPlace) {
         warm_up.update(sample, rig.inputs);
         generated_J = std::max(generated_J, sample.generated_energy_J);
         force_N = std::max(force_N, sample.tip_force_N.norm());
-        EXPECT_FALSE(sample.held_back.holds_force() || sample.held_back.voltage);
+        EXPECT_FALSE(sample.active_limits.holds_force() || sample.active_limits.voltage);
         const bool is_full =
             warm_up.phase() == WarmUpPhase::heating && warm_up.amplitude_A().minCoeff() > 0.0;
         heated_s += is_full ? kWarmUpPeriod_s : 0.0;

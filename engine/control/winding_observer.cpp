@@ -1,4 +1,4 @@
-#include "engine/control/resistance_observer.h"
+#include "engine/control/winding_observer.h"
 
 #include "device/core/motor/winding_guard.h"
 
@@ -131,7 +131,7 @@ double mean_current_A(const DrivenInterval &interval, double dR_Ohm, double indu
 
 ObservedMotor known_at_start(const device::DeviceDescription &device, std::size_t motor) {
     constexpr double kAny_s = 1e-3;
-    return ResistanceObserver(device, motor, kAny_s).motor(0.0);
+    return WindingObserver(device, motor, kAny_s).motor(0.0);
 }
 
 double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
@@ -152,8 +152,8 @@ double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
            (1.0 / (enough_Ohm * enough_Ohm) - 1.0 / (deviation_Ohm * deviation_Ohm));
 }
 
-ResistanceObserver::ResistanceObserver(const device::DeviceDescription &device, std::size_t motor,
-                                       double period_s)
+WindingObserver::WindingObserver(const device::DeviceDescription &device, std::size_t motor,
+                                 double period_s)
     : motor_(device.motor[motor]), sensing_(device.current_sensing),
       count_variance_rad2_(uniform_variance(0.5 * device.rad_per_count())),
       current_variance_A2_(sensing_.noise_A * sensing_.noise_A +
@@ -169,7 +169,7 @@ ResistanceObserver::ResistanceObserver(const device::DeviceDescription &device, 
     restart();
 }
 
-void ResistanceObserver::restart() noexcept {
+void WindingObserver::restart() noexcept {
     start_from_file();
     if (calibration_) {
         start_from_calibration();
@@ -181,7 +181,7 @@ void ResistanceObserver::restart() noexcept {
     is_trusted_ = true;
 }
 
-void ResistanceObserver::start_from_file() noexcept {
+void WindingObserver::start_from_file() noexcept {
     const double R_Ohm = motor_.resistance_Ohm;
     const double file_error =
         motor_.resistance_tolerance > 0.0 ? std::max(motor_.resistance_tolerance, kFileError) : 0.0;
@@ -204,7 +204,7 @@ void ResistanceObserver::start_from_file() noexcept {
     covariance_(kRounding, kRounding) = count_variance_rad2_;
 }
 
-void ResistanceObserver::start_from_calibration() noexcept {
+void WindingObserver::start_from_calibration() noexcept {
     const auto square = [](double value) { return value * value; };
     state_[kResistance] = calibration_->resistance_Ohm;
     covariance_(kResistance, kResistance) =
@@ -223,8 +223,8 @@ void ResistanceObserver::start_from_calibration() noexcept {
     }
 }
 
-void ResistanceObserver::take_ripple(Eigen::Index harmonic, double cos_Ohm, double sin_Ohm,
-                                     double deviation_Ohm) noexcept {
+void WindingObserver::take_ripple(Eigen::Index harmonic, double cos_Ohm, double sin_Ohm,
+                                  double deviation_Ohm) noexcept {
     const double phase_rad = static_cast<double>(harmonic) * motor_.commutator_segments *
                              (has_zero_of_calibration_ ? 0.0 : zero_by_eye_rad_);
     const double f = std::exp(-0.5 * phase_rad * phase_rad); // E[cos]
@@ -243,13 +243,12 @@ void ResistanceObserver::take_ripple(Eigen::Index harmonic, double cos_Ohm, doub
 }
 
 /// R(T)/R at 25 °C.
-double ResistanceObserver::warmth() const noexcept {
+double WindingObserver::warmth() const noexcept {
     return 1.0 + motor_.resistance_rise_per_K *
                      (temperature_.winding_C() - device::kReferenceTemperature_C);
 }
 
-ResistanceObserver::State
-ResistanceObserver::weights_of_resistance(double theta_rad) const noexcept {
+WindingObserver::State WindingObserver::weights_of_resistance(double theta_rad) const noexcept {
     const double phase_rad = motor_.commutator_segments * theta_rad;
     State weights = State::Zero();
     weights[kResistance] = 1.0;
@@ -260,7 +259,7 @@ ResistanceObserver::weights_of_resistance(double theta_rad) const noexcept {
     return warmth() * weights;
 }
 
-void ResistanceObserver::skip(double current_A, std::uint32_t periods) noexcept {
+void WindingObserver::skip(double current_A, std::uint32_t periods) noexcept {
     constexpr std::uint32_t kMaxAtOnce = 100;
     const double heat_W = std::isfinite(current_A) ? std::max(0.0, warmth() * state_[kResistance]) *
                                                          current_A * current_A
@@ -273,7 +272,7 @@ void ResistanceObserver::skip(double current_A, std::uint32_t periods) noexcept 
     forget_rounding();
 }
 
-void ResistanceObserver::update(const DrivenInterval &interval) noexcept {
+void WindingObserver::update(const DrivenInterval &interval) noexcept {
     const double T = interval.duration_s;
     period_s_ = T;
     const State of_resistance =
@@ -305,7 +304,7 @@ void ResistanceObserver::update(const DrivenInterval &interval) noexcept {
 }
 
 /// Ends the present window.
-void ResistanceObserver::take_window() noexcept {
+void WindingObserver::take_window() noexcept {
     const double k_T = state_[kTorqueConstant];
     State h = weights_; // derivatives of what was measured
     h[kTorqueConstant] = turned_rad_ + state_[kRounding];
@@ -347,14 +346,14 @@ void ResistanceObserver::take_window() noexcept {
 /// Whether the mean current is far above noise and what is not known of its offset. If it is not, a
 /// product of two unknowns is no evidence about R: a linearised filter would take it for some. That
 /// of the window before decides, or windows would be chosen by their own noise.
-bool ResistanceObserver::had_current() const noexcept {
+bool WindingObserver::had_current() const noexcept {
     constexpr double kDeviations = 10.0;
     const double variance_A2 =
         current_variance_A2_ * period_s_ / kWindow_s + covariance_(kOffset, kOffset);
     return mean_before_A_ * mean_before_A_ > kDeviations * kDeviations * variance_A2;
 }
 
-void ResistanceObserver::begin_window() noexcept {
+void WindingObserver::begin_window() noexcept {
     voltage_Vs_ = current_Vs2_ = charge_As2_ = bias_VAs2_ = asymmetry_s_ = turned_rad_ = window_s_ =
         0.0;
     weights_.setZero();
@@ -365,8 +364,8 @@ void ResistanceObserver::begin_window() noexcept {
 /// @param h             derivatives of what was measured
 /// @param has_evidence  of R; if not, R stays as it is, and what is not known of it is considered
 ///                      in what is learned of the others (Schmidt)
-void ResistanceObserver::learn(const State &h, double surprise_Vs, const Noise &noise,
-                               bool has_evidence) noexcept {
+void WindingObserver::learn(const State &h, double surprise_Vs, const Noise &noise,
+                            bool has_evidence) noexcept {
     const double k_T = h[kRounding];
     const State gain_numerator = covariance_ * h;
     const double rounding_Vs2 = k_T * k_T * count_variance_rad2_;
@@ -402,7 +401,7 @@ void ResistanceObserver::learn(const State &h, double surprise_Vs, const Noise &
 /// The current's noise is in h as well: it looks like a current that changes, whose voltage changes
 /// by R̂ times it, and so, in time, like an R of R̂. What that adds to the information about R,
 /// and to R, is taken off again.
-void ResistanceObserver::compensate(const Noise &noise, double variance_Vs2) noexcept {
+void WindingObserver::compensate(const Noise &noise, double variance_Vs2) noexcept {
     const State spread = covariance_ * noise.of_current;
     const double information = noise.charge_As2 / variance_Vs2;
     const double left = 1.0 - information * noise.of_current.dot(spread);
@@ -413,14 +412,14 @@ void ResistanceObserver::compensate(const Noise &noise, double variance_Vs2) noe
 }
 
 /// The last angle is another, whose rounding is not known.
-void ResistanceObserver::forget_rounding() noexcept {
+void WindingObserver::forget_rounding() noexcept {
     state_[kRounding] = 0.0;
     covariance_.row(kRounding).setZero();
     covariance_.col(kRounding).setZero();
     covariance_(kRounding, kRounding) = count_variance_rad2_;
 }
 
-void ResistanceObserver::note_surprise(bool is_outlier) noexcept {
+void WindingObserver::note_surprise(bool is_outlier) noexcept {
     disbelief_ = std::max(0.0, disbelief_ + (is_outlier ? 1.0 : -kBelief));
     settled_windows_ = disbelief_ > 0.0 ? 0 : settled_windows_;
     if (disbelief_ >= kMaxDisbelief) {
@@ -428,21 +427,21 @@ void ResistanceObserver::note_surprise(bool is_outlier) noexcept {
     }
 }
 
-bool ResistanceObserver::is_settled() const noexcept {
+bool WindingObserver::is_settled() const noexcept {
     return settled_windows_ * kWindow_s >= kSettling_s;
 }
 
-void ResistanceObserver::distrust() noexcept {
+void WindingObserver::distrust() noexcept {
     restart();
     start_from_file(); // it may be the calibration that is wrong
     is_trusted_ = false;
 }
 
-ResistanceEstimate ResistanceObserver::estimate(const State &weights) const noexcept {
+ResistanceEstimate WindingObserver::estimate(const State &weights) const noexcept {
     return {weights.dot(state_), std::sqrt(std::max(0.0, weights.dot(covariance_ * weights)))};
 }
 
-device::MotorCalibration ResistanceObserver::learned() const noexcept {
+device::MotorCalibration WindingObserver::learned() const noexcept {
     const auto deviation = [this](Eigen::Index state) {
         return std::sqrt(std::max(0.0, covariance_(state, state)));
     };
@@ -462,7 +461,7 @@ device::MotorCalibration ResistanceObserver::learned() const noexcept {
     return learned;
 }
 
-ObservedMotor ResistanceObserver::motor(double theta_rad) const noexcept {
+ObservedMotor WindingObserver::motor(double theta_rad) const noexcept {
     const double k_T = motor_.torque_constant_Nm_per_A;
     const double k_T_tolerance = motor_.torque_constant_tolerance * k_T;
     return {at(theta_rad),
@@ -473,17 +472,17 @@ ObservedMotor ResistanceObserver::motor(double theta_rad) const noexcept {
             is_trusted_};
 }
 
-ResistanceEstimate ResistanceObserver::at(double theta_rad) const noexcept {
+ResistanceEstimate WindingObserver::at(double theta_rad) const noexcept {
     return estimate(weights_of_resistance(theta_rad));
 }
 
-ResistanceEstimate ResistanceObserver::mean() const noexcept {
+ResistanceEstimate WindingObserver::mean() const noexcept {
     State weights = State::Zero();
     weights[kResistance] = warmth();
     return estimate(weights);
 }
 
-ResistanceEstimate ResistanceObserver::unheated() const noexcept {
+ResistanceEstimate WindingObserver::unheated() const noexcept {
     State weights = State::Zero();
     weights[kResistance] = 1.0;
     return estimate(weights);

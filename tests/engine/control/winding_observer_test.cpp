@@ -1,7 +1,7 @@
-// Covers engine/control/resistance_observer.cpp, against the true state of drawn devices in closed
+// Covers engine/control/winding_observer.cpp, against the true state of drawn devices in closed
 // loop. The plant integrates the windings in ten steps a period, and shares no equation with the
 // observer but R(T, θ) and the thermal network.
-#include "engine/control/resistance_observer.h"
+#include "engine/control/winding_observer.h"
 
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/haptic_law.h"
@@ -36,9 +36,8 @@ public:
     ObservedTouch(const Touch &touch, std::uint64_t seed)
         : touch_(touch), device_(testing::phantom_1_0()), law_(device_),
           phantom_(device_, options(touch, seed), kStart_m),
-          observers_{ResistanceObserver(device_, 0, kPeriod_s),
-                     ResistanceObserver(device_, 1, kPeriod_s),
-                     ResistanceObserver(device_, 2, kPeriod_s)} {
+          observers_{WindingObserver(device_, 0, kPeriod_s), WindingObserver(device_, 1, kPeriod_s),
+                     WindingObserver(device_, 2, kPeriod_s)} {
         tuning_.dR_Ohm = touch.dR_Ohm;
         last_ = phantom_.advance(command_);
         filter_.reset(law_.theta_rad(last_.counts));
@@ -47,7 +46,7 @@ public:
         }
     }
 
-    [[nodiscard]] const ResistanceObserver &observer(std::size_t motor) const {
+    [[nodiscard]] const WindingObserver &observer(std::size_t motor) const {
         return observers_[motor];
     }
     [[nodiscard]] const simulated::SimulatedPhantom::Truth &truth() const {
@@ -124,7 +123,7 @@ private:
     Tuning tuning_;
     HapticLaw law_;
     simulated::SimulatedPhantom phantom_;
-    std::array<ResistanceObserver, 3> observers_;
+    std::array<WindingObserver, 3> observers_;
     VelocityFilter filter_;
     device::DeviceCommand command_ = device::DeviceCommand::braking();
     device::Measurement last_;
@@ -167,7 +166,7 @@ int fewest_within(int count) {
     return static_cast<int>(0.95 * count - 3.0 * std::sqrt(0.95 * 0.05 * count));
 }
 
-TEST(ResistanceObserver, FindsR) {
+TEST(WindingObserver, FindsR) {
     for (const double dR_Ohm : {0.5, 0.2}) {
         for (const double air_C : {15.0, 25.0, 35.0}) {
             const Errors found = errors({.dR_Ohm = dR_Ohm, .air_C = air_C}, 20);
@@ -181,7 +180,7 @@ TEST(ResistanceObserver, FindsR) {
 
 /// R at the angle held is known, its mean over the angles only as well as the ripple: with an
 /// amplitude of 2 % of 2.18 Ω some 30 mΩ.
-TEST(ResistanceObserver, SaysThatHoldingStillDoesNotTellTheMean) {
+TEST(WindingObserver, SaysThatHoldingStillDoesNotTellTheMean) {
     const Errors found = errors({.stroke_m = 0.0}, 20);
     EXPECT_LT(found.worst_Ohm, 0.006);
     EXPECT_GE(found.within, fewest_within(found.count));
@@ -190,9 +189,9 @@ TEST(ResistanceObserver, SaysThatHoldingStillDoesNotTellTheMean) {
 }
 
 /// Nothing is learned from a winding without current, except that nothing was.
-TEST(ResistanceObserver, KnowsTheToleranceOnlyBeforeAnyCurrent) {
+TEST(WindingObserver, KnowsTheToleranceOnlyBeforeAnyCurrent) {
     const device::DeviceDescription device = testing::phantom_1_0();
-    ResistanceObserver observer(device, 0, kPeriod_s);
+    WindingObserver observer(device, 0, kPeriod_s);
     const double before_Ohm = observer.mean().deviation_Ohm;
     const double R_Ohm = device.motor[0].resistance_Ohm;
     // 20 % and 1 %, uniform, and air 10 K warmer or colder, also uniform.
@@ -249,7 +248,7 @@ Warmth warmed(const Waveform &waveform, double residual_Ohm, double amplitude_A,
     Warmth warmth;
     for (std::size_t motor = 0; motor < 3; ++motor) {
         const auto j = static_cast<Eigen::Index>(motor);
-        const ResistanceObserver &observer = observers.observer(motor);
+        const WindingObserver &observer = observers.observer(motor);
         const double warm = observer.mean().resistance_Ohm / observer.unheated().resistance_Ohm;
         warmth.observed_K[j] = (warm - 1.0) / device.motor[motor].resistance_rise_per_K;
         warmth.true_K[j] = phantom.truth().winding_C[j] - device::kReferenceTemperature_C;
@@ -260,7 +259,7 @@ Warmth warmed(const Waveform &waveform, double residual_Ohm, double amplitude_A,
 /// Also by a current whose mean is zero, as a study warms its windings by. Within a tick the speed
 /// changes by k_T a T/I, which is not seen: half of that back-EMF is k_T² T/(2 I dR) of the net
 /// voltage, 8 % at 0.5 Ω with the 7e-6 kg·m² at a rotor.
-TEST(ResistanceObserver, FollowsTheHeatOfAnyCurrent) {
+TEST(WindingObserver, FollowsTheHeatOfAnyCurrent) {
     for (const Waveform &waveform : kWaveforms) {
         for (const double residual_Ohm : {2.18, 0.5}) {
             for (const double delay_periods : {0.0, 0.5, 1.3}) {

@@ -70,11 +70,11 @@ struct DrivenInterval {
                                   const ObservedMotor &known, double dR_Ohm, double current_A);
 
 /// The observer of one motor. RT-safe after construction.
-class ResistanceObserver {
+class WindingObserver {
 public:
     /// @param device  its calibration is what is known before anything is observed; without one,
     ///                its tolerances
-    ResistanceObserver(const device::DeviceDescription &device, std::size_t motor, double period_s);
+    WindingObserver(const device::DeviceDescription &device, std::size_t motor, double period_s);
 
     /// Keeps the estimates. RT-safe.
     void set_period(double period_s) noexcept { temperature_.set_period(period_s); }
