@@ -14,13 +14,13 @@ namespace springdrive::contact {
 /// friction holds it.
 struct Contact {
     bool touching = false;
-    Vector3 x0_m{Vector3::Zero()};               ///< x₀: where the proxy rests
-    Matrix3 allowed_motion{Matrix3::Identity()}; ///< P, see above
-    Vector3 normal{Vector3::Zero()};             ///< unit, from the tip to x₀; zero when free
-    double eta = 1.0;                            ///< η of the material touched
-    int active_constraints = 0;                  ///< 0 free, 1 face, 2 edge, 3 vertex
-    bool sticking = false;                       ///< friction holds x₀ where it is
-    bool settled = true;                         ///< false: the tick's budget ran out before
+    Vector3 x0_m{Vector3::Zero()};                  ///< x₀: where the proxy rests
+    Matrix3 tangent_projector{Matrix3::Identity()}; ///< P, see above
+    Vector3 normal{Vector3::Zero()};                ///< unit, from the tip to x₀; zero when free
+    double eta = 1.0;                               ///< η of the material touched
+    int active_constraints = 0;                     ///< 0 free, 1 face, 2 edge, 3 vertex
+    bool sticking = false;                          ///< friction holds x₀ where it is
+    bool settled = true;                            ///< false: the tick's budget ran out before
 
     // Of the first of the constraints, if touching.
     Vector3 surface_m{Vector3::Zero()};   ///< the point of the surface nearest to x₀

@@ -29,8 +29,8 @@ TipSetPoint contact_set_point(const Vector3 &tip_m, const Vector3 &tip_velocity_
                               const contact::Contact &contact, double eta) {
     TipSetPoint target;
     target.x_Sd_m = eta * tip_m + (1.0 - eta) * contact.x0_m;
-    target.x_Sd_rate_m_per_s =
-        eta * tip_velocity_m_per_s + (1.0 - eta) * (contact.allowed_motion * tip_velocity_m_per_s);
+    target.x_Sd_rate_m_per_s = eta * tip_velocity_m_per_s +
+                               (1.0 - eta) * (contact.tangent_projector * tip_velocity_m_per_s);
     return target;
 }
 

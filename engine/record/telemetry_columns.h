@@ -65,15 +65,15 @@ template <typename ContactOf, typename Visit> void of_contact(ContactOf &c, Visi
     visit("touching", "1", c.touching);
     visit_three(visit, {"proxy_x_m", "proxy_y_m", "proxy_z_m"}, "m", c.x0_m);
     // P, row by row.
-    visit("allowed_motion_xx", "1", c.allowed_motion(0, 0));
-    visit("allowed_motion_xy", "1", c.allowed_motion(0, 1));
-    visit("allowed_motion_xz", "1", c.allowed_motion(0, 2));
-    visit("allowed_motion_yx", "1", c.allowed_motion(1, 0));
-    visit("allowed_motion_yy", "1", c.allowed_motion(1, 1));
-    visit("allowed_motion_yz", "1", c.allowed_motion(1, 2));
-    visit("allowed_motion_zx", "1", c.allowed_motion(2, 0));
-    visit("allowed_motion_zy", "1", c.allowed_motion(2, 1));
-    visit("allowed_motion_zz", "1", c.allowed_motion(2, 2));
+    visit("allowed_motion_xx", "1", c.tangent_projector(0, 0));
+    visit("allowed_motion_xy", "1", c.tangent_projector(0, 1));
+    visit("allowed_motion_xz", "1", c.tangent_projector(0, 2));
+    visit("allowed_motion_yx", "1", c.tangent_projector(1, 0));
+    visit("allowed_motion_yy", "1", c.tangent_projector(1, 1));
+    visit("allowed_motion_yz", "1", c.tangent_projector(1, 2));
+    visit("allowed_motion_zx", "1", c.tangent_projector(2, 0));
+    visit("allowed_motion_zy", "1", c.tangent_projector(2, 1));
+    visit("allowed_motion_zz", "1", c.tangent_projector(2, 2));
     visit_three(visit, {"normal_x", "normal_y", "normal_z"}, "1", c.normal);
     visit("surface_eta", "1", c.eta);
     visit("active_constraints", "1", c.active_constraints);

@@ -117,7 +117,7 @@ template <typename Step> void for_each_node(const std::vector<PlacedMesh> &nodes
 
 /// Adds what the file declares of a primitive, so that a scene is refused before it is read.
 void add_declared(const tinygltf::Model &model, const tinygltf::Primitive &primitive,
-                  LoadAllowance &allowance) {
+                  WorkBudget &allowance) {
     const auto position = primitive.attributes.find("POSITION");
     const bool is_drawn_by_line =
         primitive.mode >= TINYGLTF_MODE_POINTS && primitive.mode < TINYGLTF_MODE_TRIANGLES;
@@ -135,7 +135,7 @@ void add_declared(const tinygltf::Model &model, const tinygltf::Primitive &primi
 }
 
 void check_declared(const tinygltf::Model &model, const std::vector<PlacedMesh> &nodes) {
-    LoadAllowance allowance;
+    WorkBudget allowance;
     if (std::ranges::any_of(nodes, [](const PlacedMesh &node) { return node.touch.smooth; })) {
         allowance.add(kMaxCurvedTriangles, kMaxCurvedTriangles);
     }
@@ -156,7 +156,7 @@ std::vector<PlacedPrimitive> gather(const tinygltf::Model &model,
     check_declared(model, nodes);
     std::vector<PlacedPrimitive> gathered;
     MeshCache cache(model);
-    LoadAllowance allowance; // of what was read: compressed data may hold more than declared
+    WorkBudget allowance; // of what was read: compressed data may hold more than declared
     std::size_t done = 0;
     for_each_node(nodes, [&](const PlacedMesh &node) {
         if (node.has_skin) {

@@ -16,7 +16,7 @@ std::string in_GiB(double bytes) {
 
 } // namespace
 
-void LoadAllowance::add(std::size_t triangles, std::size_t vertices) {
+void WorkBudget::add(std::size_t triangles, std::size_t vertices) {
     triangles_ += triangles;
     vertices_ += vertices;
     const double needed_bytes = kPerTriangle_bytes * static_cast<double>(triangles_) +

@@ -15,7 +15,7 @@ inline constexpr double kPerTriangle_bytes = 300.0;
 inline constexpr double kPerVertex_bytes = 220.0;
 
 /// Counts the triangles and vertices of a scene before memory for them is allocated.
-class LoadAllowance {
+class WorkBudget {
 public:
     /// @throw InputError with both amounts if the sum exceeds the maximum.
     void add(std::size_t triangles, std::size_t vertices);

@@ -104,7 +104,7 @@ contact::Contact ServoLoop::touch(const Vector3 &tip_m) noexcept {
         contact::Contact held;
         held.touching = true;
         held.x0_m = *fixed_x0_m_;
-        held.allowed_motion = Matrix3::Zero();
+        held.tangent_projector = Matrix3::Zero();
         held.eta = 0.0;
         held.active_constraints = 3;
         return held;

@@ -47,7 +47,7 @@ bool is_of_a_servo(const servo::ServoSample &sample) {
     }
     return std::isfinite(sample.since_last_s) && sample.since_last_s >= 0.0 &&
            std::isfinite(sample.safety.ramp) && sample.transfer_offset_V.allFinite() &&
-           contact.x0_m.allFinite() && contact.allowed_motion.allFinite() &&
+           contact.x0_m.allFinite() && contact.tangent_projector.allFinite() &&
            contact.normal.allFinite() && std::isfinite(contact.eta) &&
            std::isfinite(sample.global_alpha_rad2_per_m2);
 }

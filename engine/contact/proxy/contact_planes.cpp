@@ -218,7 +218,7 @@ NearestPoint nearest_point(const Vector3 &tip_m, const ContactPlanes &planes,
     return stay;
 }
 
-AllowedMotion allowed_motion(const ContactPlanes &active) noexcept {
+AllowedMotion tangent_projector(const ContactPlanes &active) noexcept {
     AllowedMotion motion;
     for (const ContactPlane &plane : active) {
         const Vector3 rest = motion.projector * plane.normal;

@@ -76,6 +76,6 @@ struct AllowedMotion {
     Matrix3 projector{Matrix3::Identity()};
     int blocked_directions = 0;
 };
-[[nodiscard]] AllowedMotion allowed_motion(const ContactPlanes &active) noexcept;
+[[nodiscard]] AllowedMotion tangent_projector(const ContactPlanes &active) noexcept;
 
 } // namespace springdrive::contact

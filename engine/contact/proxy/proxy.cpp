@@ -339,7 +339,7 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
     contact.settled = has_settled;
     if (sticks_ && material.static_friction > 0.0) {
         contact.sticking = true;
-        contact.allowed_motion.setZero();
+        contact.tangent_projector.setZero();
     }
     return contact;
 }

@@ -23,14 +23,14 @@ Contact free_contact(const Vector3 &point_m) noexcept {
 
 Contact resting_contact(const HapticSurface &surface, const Vector3 &tip_m,
                         const Rest &rest) noexcept {
-    const AllowedMotion motion = allowed_motion(rest.held_by);
+    const AllowedMotion motion = tangent_projector(rest.held_by);
     const ContactPlane &first = rest.held_by[0];
     const Vector3 gap = rest.point_m - tip_m;
     const double gap_m = gap.norm();
     Contact contact;
     contact.touching = true;
     contact.x0_m = rest.point_m;
-    contact.allowed_motion = motion.projector;
+    contact.tangent_projector = motion.projector;
     contact.normal = gap_m > kLostByRoundOff_m ? Vector3(gap / gap_m) : first.normal;
     contact.active_constraints = motion.blocked_directions;
     for (const ContactPlane &plane : rest.held_by) {
@@ -45,7 +45,7 @@ Contact resting_contact(const HapticSurface &surface, std::uint32_t shape_obstac
     Contact contact;
     contact.touching = true;
     contact.x0_m = slide.rest_m;
-    contact.allowed_motion -= slide.normal * slide.normal.transpose();
+    contact.tangent_projector -= slide.normal * slide.normal.transpose();
     contact.normal = slide.normal;
     contact.active_constraints = 1;
     contact.eta = surface.material(shape_obstacle).eta;

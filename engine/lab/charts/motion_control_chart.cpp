@@ -67,7 +67,7 @@ Cost cost_of_tick(const ChartSetting &setting, const MotionMethod &method,
         theta_rad.push_back(device::motor_from_joint(setting.device.geometry, q_rad));
     }
     contact::Contact contact;
-    contact.allowed_motion -= Vector3::UnitY() * Vector3::UnitY().transpose();
+    contact.tangent_projector -= Vector3::UnitY() * Vector3::UnitY().transpose();
     const double ticks = kRounds * static_cast<double>(theta_rad.size());
     return cost_of(setting.repeats, ticks, [&] {
         for (int round = 0; round < kRounds; ++round) {

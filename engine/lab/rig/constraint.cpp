@@ -16,7 +16,7 @@ Constraint tied_to(const Vector3 &point_m) {
     contact::Contact contact;
     contact.touching = true;
     contact.x0_m = point_m;
-    contact.allowed_motion.setZero();
+    contact.tangent_projector.setZero();
     contact.eta = 0.0;
     return [contact](const Vector3 &) { return contact; };
 }
@@ -31,7 +31,7 @@ Constraint plane(const Vector3 &point_m, const Vector3 &normal, Sides sides) {
         }
         contact.touching = true;
         contact.x0_m = tip_m - outside_m * normal;
-        contact.allowed_motion = Matrix3::Identity() - normal * normal.transpose();
+        contact.tangent_projector = Matrix3::Identity() - normal * normal.transpose();
         contact.normal = normal;
         contact.eta = 0.0;
         contact.active_constraints = 1;

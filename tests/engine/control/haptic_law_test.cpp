@@ -37,7 +37,7 @@ protected:
         contact.active_constraints = constraints;
         const Matrix3 face = contact.normal * contact.normal.transpose();
         const Vector3 along = contact.normal.unitOrthogonal();
-        contact.allowed_motion =
+        contact.tangent_projector =
             constraints == 1 ? Matrix3(Matrix3::Identity() - face)
                              : Matrix3((constraints == 2 ? 1.0 : 0.0) * along * along.transpose());
         contact.eta = std::uniform_real_distribution<double>(0.0, 1.0)(random);

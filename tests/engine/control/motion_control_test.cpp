@@ -30,7 +30,7 @@ contact::Contact wall(const Vector3 &x0_m, const Vector3 &normal) {
     contact.touching = true;
     contact.x0_m = x0_m;
     contact.normal = normal;
-    contact.allowed_motion = Matrix3::Identity() - normal * normal.transpose();
+    contact.tangent_projector = Matrix3::Identity() - normal * normal.transpose();
     contact.eta = 0.0;
     contact.active_constraints = 1;
     return contact;

@@ -104,7 +104,7 @@ private:
             contact.touching = true;
             contact.normal = kNormal;
             contact.x0_m = now.tip_m - height_m * kNormal;
-            contact.allowed_motion = Matrix3::Identity() - kNormal * kNormal.transpose();
+            contact.tangent_projector = Matrix3::Identity() - kNormal * kNormal.transpose();
             contact.eta = 0.0;
         }
         device::DeviceCommand command = law_(now, contact, tuning_, 3000.0).command;

@@ -127,7 +127,7 @@ TEST(TelemetryColumns, MapToTheMemberOfTheirName) {
     servo::ServoSample sample;
     sample.counts = {-1, -2, -3};
     sample.tip_m = {1.0, 2.0, 3.0};
-    sample.contact.allowed_motion << 11, 12, 13, 21, 22, 23, 31, 32, 33;
+    sample.contact.tangent_projector << 11, 12, 13, 21, 22, 23, 31, 32, 33;
     sample.contact.x0_m = {4.0, 5.0, 6.0};
     sample.tuning.eta = 0.25;
     sample.contact.eta = 0.5;

@@ -33,14 +33,14 @@ TEST(LoadProgress, LoadingEndsWithEverythingPlaced) {
     EXPECT_EQ(scene.surface.triangles.size(), 1U);
 }
 
-TEST(LoadAllowance, EndsAtTheStatedMemory) {
+TEST(WorkBudget, EndsAtTheStatedMemory) {
     // 300 bytes a triangle and 220 a vertex are 8 GiB at 16,519,104.98 of each.
-    gltf::LoadAllowance allowance;
+    gltf::WorkBudget allowance;
     EXPECT_NO_THROW(allowance.add(16'000'000, 16'000'000));
     EXPECT_NO_THROW(allowance.add(519'104, 519'104));
     EXPECT_THROW(allowance.add(1, 1), InputError);
-    EXPECT_THROW(gltf::LoadAllowance().add(0, 60'000'000), InputError);
-    EXPECT_NO_THROW(gltf::LoadAllowance().add(10'000'000, 20'000'000));
+    EXPECT_THROW(gltf::WorkBudget().add(0, 60'000'000), InputError);
+    EXPECT_NO_THROW(gltf::WorkBudget().add(10'000'000, 20'000'000));
 }
 
 } // namespace

@@ -27,7 +27,7 @@ public:
         contact.eta = 0.0;
         contact.normal = normal;
         contact.x0_m = now.tip_m + depth_m * normal;
-        contact.allowed_motion = Matrix3::Identity() - normal * normal.transpose();
+        contact.tangent_projector = Matrix3::Identity() - normal * normal.transpose();
         return active_limits(now, contact);
     }
 

@@ -2,8 +2,8 @@
 // what it allows.
 #include "engine/contact/mesh/preparation_allowance.h"
 
-#include "engine/contact/mesh/crack_closing.h"
-#include "engine/contact/mesh/edge_splitting.h"
+#include "engine/contact/mesh/boundary_stitching.h"
+#include "engine/contact/mesh/t_junction_removal.h"
 #include "engine/contact/mesh/vertex_welding.h"
 #include "tests/engine/contact/mesh/dense_soups.h"
 #include "tests/engine/contact/mesh/meshes.h"

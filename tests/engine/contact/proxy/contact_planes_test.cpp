@@ -134,7 +134,7 @@ void expect_projector(const Matrix3 &P, int rank) {
 }
 
 TEST(AllowedMotion, IsAnyWithoutPlanes) {
-    const AllowedMotion motion = allowed_motion({});
+    const AllowedMotion motion = tangent_projector({});
     EXPECT_EQ(motion.projector, Matrix3::Identity());
     EXPECT_EQ(motion.blocked_directions, 0);
 }
@@ -147,17 +147,17 @@ TEST(AllowedMotion, LeavesThePlaneOfAFaceTheLineOfAnEdgeAndNothingAtAVertex) {
         const Vector3 c = random_direction(random);
         const Vector3 t = a.cross(b).normalized();
 
-        const AllowedMotion face = allowed_motion(planes({{a, 0.0, 0}}));
+        const AllowedMotion face = tangent_projector(planes({{a, 0.0, 0}}));
         EXPECT_LT((face.projector - (Matrix3::Identity() - a * a.transpose())).norm(), 1e-14);
         EXPECT_EQ(face.blocked_directions, 1);
         expect_projector(face.projector, 2);
 
-        const AllowedMotion edge = allowed_motion(planes({{a, 0.0, 0}, {b, 0.0, 0}}));
+        const AllowedMotion edge = tangent_projector(planes({{a, 0.0, 0}, {b, 0.0, 0}}));
         // Oracle and result both lose digits as the planes become parallel.
         EXPECT_LT((edge.projector - t * t.transpose()).norm(), 1e-14 / a.cross(b).norm());
         EXPECT_EQ(edge.blocked_directions, 2);
 
-        const AllowedMotion vertex = allowed_motion(planes({{a, 0, 0}, {b, 0, 0}, {c, 0, 0}}));
+        const AllowedMotion vertex = tangent_projector(planes({{a, 0, 0}, {b, 0, 0}, {c, 0, 0}}));
         EXPECT_EQ(vertex.projector, Matrix3::Zero());
         EXPECT_EQ(vertex.blocked_directions, 3);
     }
@@ -165,9 +165,11 @@ TEST(AllowedMotion, LeavesThePlaneOfAFaceTheLineOfAnEdgeAndNothingAtAVertex) {
 
 TEST(AllowedMotion, CountsNearlyParallelPlanesAsOne) {
     const auto tilted = [](double angle) { return Vector3(std::sin(angle), std::cos(angle), 0.0); };
-    const AllowedMotion one = allowed_motion(planes({{kUnitY, 0.0, 0}, {tilted(0.9e-6), 0.0, 0}}));
+    const AllowedMotion one =
+        tangent_projector(planes({{kUnitY, 0.0, 0}, {tilted(0.9e-6), 0.0, 0}}));
     EXPECT_EQ(one.blocked_directions, 1);
-    const AllowedMotion two = allowed_motion(planes({{kUnitY, 0.0, 0}, {tilted(1.1e-6), 0.0, 0}}));
+    const AllowedMotion two =
+        tangent_projector(planes({{kUnitY, 0.0, 0}, {tilted(1.1e-6), 0.0, 0}}));
     EXPECT_EQ(two.blocked_directions, 2);
 }
 

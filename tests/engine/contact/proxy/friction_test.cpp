@@ -53,7 +53,7 @@ TEST(Friction, SlipsAtTheAngleOfTheStaticAndSlidesAtThatOfTheDynamicCoefficient)
                 floor, {way_m * std::cos(heading), -depth_m, way_m * std::sin(heading)});
             ASSERT_TRUE(contact.touching);
             if (contact.sticking) {
-                ASSERT_EQ(contact.allowed_motion, Matrix3::Zero());
+                ASSERT_EQ(contact.tangent_projector, Matrix3::Zero());
                 slipped_at = angle(contact);
             } else {
                 sliding_at = angle(contact);

@@ -108,7 +108,7 @@ int touches_alike(const BoxShapes &boxes, std::uint64_t seed) {
         if (contact.touching) {
             EXPECT_LT((contact.normal - expected.normal).norm(), 1e-6) << i;
             EXPECT_LT((contact.surface_m - expected.surface_m).norm(), kShapePlace_m) << i;
-            EXPECT_LT((contact.allowed_motion - expected.allowed_motion).norm(), 1e-6) << i;
+            EXPECT_LT((contact.tangent_projector - expected.tangent_projector).norm(), 1e-6) << i;
         }
         touching += contact.touching ? 1 : 0;
     });
@@ -311,7 +311,7 @@ TEST(ProxyOnShapes, FindsTheCreaseBetweenAShapeAndAMesh) {
     EXPECT_EQ(contact.active_constraints, 2);
     EXPECT_NEAR(contact.x0_m.x(), 0.02, 1e-7);
     EXPECT_NEAR(contact.x0_m.y(), kClearance_m, 1e-10);
-    EXPECT_LT((contact.allowed_motion - Vector3::UnitZ() * Vector3::UnitZ().transpose()).norm(),
+    EXPECT_LT((contact.tangent_projector - Vector3::UnitZ() * Vector3::UnitZ().transpose()).norm(),
               1e-6);
 }
 

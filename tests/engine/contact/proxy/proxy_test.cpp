@@ -61,7 +61,7 @@ Contact contact_after(const HapticSurface &mesh, std::initializer_list<Vector3> 
 void expect_free_at(const Contact &contact, const Vector3 &tip) {
     EXPECT_FALSE(contact.touching);
     EXPECT_EQ(contact.x0_m, tip);
-    EXPECT_EQ(contact.allowed_motion, Matrix3::Identity());
+    EXPECT_EQ(contact.tangent_projector, Matrix3::Identity());
     EXPECT_EQ(contact.normal, Vector3::Zero());
     EXPECT_EQ(contact.eta, 1.0);
     EXPECT_EQ(contact.active_constraints, 0);
@@ -94,7 +94,8 @@ TEST(Proxy, RestsOverTheTipOnAFace) {
     EXPECT_LT((contact.x0_m - Vector3(0.003, 0.02, 0.004)).norm(), kPlace_m);
     EXPECT_GT(contact.x0_m.y(), 0.02);
     EXPECT_LT((contact.normal - kY).norm(), 1e-12);
-    EXPECT_LT((contact.allowed_motion - (Matrix3::Identity() - kY * kY.transpose())).norm(), 1e-12);
+    EXPECT_LT((contact.tangent_projector - (Matrix3::Identity() - kY * kY.transpose())).norm(),
+              1e-12);
     EXPECT_EQ(contact.active_constraints, 1);
     EXPECT_EQ(contact.eta, 0.25);
     EXPECT_TRUE(contact.triangle == 6 || contact.triangle == 7); // box_soup's top
@@ -133,7 +134,7 @@ TEST(Proxy, HasTwoConstraintsInAConcaveEdge) {
     const Contact contact = contact_after(room, {Vector3::Zero(), {0.023, -0.024, 0.005}}, 1);
     EXPECT_LT((contact.x0_m - Vector3(0.02, -0.02, 0.005)).norm(), kPlace_m);
     EXPECT_EQ(contact.active_constraints, 2);
-    EXPECT_LT((contact.allowed_motion - kZ * kZ.transpose()).norm(), 1e-12);
+    EXPECT_LT((contact.tangent_projector - kZ * kZ.transpose()).norm(), 1e-12);
     EXPECT_LT((contact.normal - Vector3(-0.6, 0.8, 0.0)).norm(), 1e-4); // clearance over gap
 }
 
@@ -142,7 +143,7 @@ TEST(Proxy, HasThreeConstraintsInACorner) {
     const Contact contact = contact_after(room, {Vector3::Zero(), {0.03, -0.04, 0.05}}, 1);
     EXPECT_LT((contact.x0_m - Vector3(0.02, -0.02, 0.02)).norm(), kPlace_m);
     EXPECT_EQ(contact.active_constraints, 3);
-    EXPECT_EQ(contact.allowed_motion, Matrix3::Zero());
+    EXPECT_EQ(contact.tangent_projector, Matrix3::Zero());
 }
 
 TEST(Proxy, HasTwoConstraintsWhereTwoSolidsCross) {
@@ -152,7 +153,7 @@ TEST(Proxy, HasTwoConstraintsWhereTwoSolidsCross) {
     const Contact contact = contact_after(mesh, {{0.01, 0.01, 0.0}, {-0.003, -0.004, 0.01}}, 3);
     EXPECT_LT((contact.x0_m - Vector3(0.0, 0.0, 0.01)).norm(), kPlace_m);
     EXPECT_EQ(contact.active_constraints, 2);
-    EXPECT_LT((contact.allowed_motion - kZ * kZ.transpose()).norm(), 1e-12);
+    EXPECT_LT((contact.tangent_projector - kZ * kZ.transpose()).norm(), 1e-12);
 }
 
 TEST(Proxy, ReachesIntoAnAcuteWedgeOnlyAsFarAsItsClearanceAllows) {

@@ -49,13 +49,13 @@ private:
 
 /// Same numbers, bit by bit.
 bool is_identical(const Contact &a, const Contact &b) {
-    return a.touching == b.touching && a.x0_m == b.x0_m && a.allowed_motion == b.allowed_motion &&
-           a.normal == b.normal && a.eta == b.eta && a.active_constraints == b.active_constraints &&
-           a.triangle == b.triangle;
+    return a.touching == b.touching && a.x0_m == b.x0_m &&
+           a.tangent_projector == b.tangent_projector && a.normal == b.normal && a.eta == b.eta &&
+           a.active_constraints == b.active_constraints && a.triangle == b.triangle;
 }
 
 void expect_sound(const Contact &contact, const Vector3 &tip) {
-    const Matrix3 &P = contact.allowed_motion;
+    const Matrix3 &P = contact.tangent_projector;
     ASSERT_LT((P - P.transpose()).norm(), 1e-14);
     ASSERT_LT((P * P - P).norm(), 1e-9); // edges between planes 1e-6 apart lose digits
     ASSERT_NEAR(P.trace(), 3.0 - contact.active_constraints, 1e-9);
@@ -199,8 +199,8 @@ TEST(ProxyOnAnyMesh, IsInvariantUnderRigidMotions) {
         // them.
         ASSERT_LT((motion * contact.x0_m - moved.x0_m).norm(), 1e-10) << i;
         const Matrix3 expected =
-            motion.linear() * contact.allowed_motion * motion.linear().transpose();
-        ASSERT_LT((expected - moved.allowed_motion).norm(), 1e-9) << i;
+            motion.linear() * contact.tangent_projector * motion.linear().transpose();
+        ASSERT_LT((expected - moved.tangent_projector).norm(), 1e-9) << i;
         touching += contact.touching ? 1 : 0;
     }
     EXPECT_GT(touching, 1000); // not vacuous

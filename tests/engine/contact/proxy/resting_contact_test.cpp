@@ -26,7 +26,7 @@ TEST(RestingContact, IsFreeWithoutPlanes) {
     const Contact contact = free_contact({0.1, 0.2, 0.3});
     EXPECT_FALSE(contact.touching);
     EXPECT_EQ(contact.x0_m, Vector3(0.1, 0.2, 0.3));
-    EXPECT_EQ(contact.allowed_motion, Matrix3::Identity());
+    EXPECT_EQ(contact.tangent_projector, Matrix3::Identity());
     EXPECT_EQ(contact.eta, 1.0);
     EXPECT_TRUE(contact.settled);
 }
@@ -41,7 +41,7 @@ TEST(RestingContact, BetweenTwoObstaclesHasOneFreeDirectionAndTheStifferMaterial
     const Contact contact = resting_contact(surface, {0.017, -0.004, 0.0}, rest);
     EXPECT_TRUE(contact.touching);
     EXPECT_EQ(contact.active_constraints, 2);
-    EXPECT_LT((contact.allowed_motion - Vector3::UnitZ() * Vector3::UnitZ().transpose()).norm(),
+    EXPECT_LT((contact.tangent_projector - Vector3::UnitZ() * Vector3::UnitZ().transpose()).norm(),
               kRestRounding_m);
     EXPECT_EQ(contact.eta, 0.25);
     EXPECT_LT((contact.normal - Vector3(0.6, 0.8, 0.0)).norm(), 1e-5); // 3-4-5, but for 10 nm
@@ -67,7 +67,7 @@ TEST(RestingContact, AfterASlideMatchesThatOfThePlane) {
         EXPECT_TRUE(contact.settled);
         EXPECT_FALSE(contact.sticking);
         EXPECT_EQ(contact.x0_m, expected.x0_m);
-        EXPECT_LT((contact.allowed_motion - expected.allowed_motion).norm(), kRestRounding_m);
+        EXPECT_LT((contact.tangent_projector - expected.tangent_projector).norm(), kRestRounding_m);
         // The way of 2 mm between places rounded to 1e-17 m.
         EXPECT_LT((contact.normal - expected.normal).norm(), 1e-13);
         EXPECT_EQ(contact.eta, expected.eta);

@@ -59,13 +59,13 @@ TEST(Constraint, OfAPlaneHoldsInsideOrOnBothSides) {
         EXPECT_EQ(one(tip_m).touching, depth_m > 0.0);
         EXPECT_TRUE(both(tip_m).touching);
         EXPECT_LT((both(tip_m).x0_m - (kStart_m + 0.01 * along)).norm(), 1e-15);
-        EXPECT_LT((both(tip_m).allowed_motion * normal).norm(), 1e-15);
-        EXPECT_LT((both(tip_m).allowed_motion * along - along).norm(), 1e-15);
+        EXPECT_LT((both(tip_m).tangent_projector * normal).norm(), 1e-15);
+        EXPECT_LT((both(tip_m).tangent_projector * along - along).norm(), 1e-15);
     }
     const contact::Contact outside = one(kStart_m + 1e-3 * normal);
     EXPECT_EQ(outside.x0_m, kStart_m + 1e-3 * normal);
     EXPECT_EQ(outside.eta, 1.0);
-    EXPECT_EQ(outside.allowed_motion, Matrix3::Identity());
+    EXPECT_EQ(outside.tangent_projector, Matrix3::Identity());
 }
 
 TEST(Constraint, OfASurfaceIsItsProxys) {

@@ -14,11 +14,11 @@
 namespace springdrive::contact {
 
 /// Numbers the ends of open edges from zero, in the order of the vertices.
-class Rim {
+class BoundaryVertices {
 public:
     /// @param edges those of `triangles`
-    Rim(const std::vector<MeshTriangle> &triangles, const EdgeTable &edges,
-        const std::vector<Vector3> &vertices_m);
+    BoundaryVertices(const std::vector<MeshTriangle> &triangles, const EdgeTable &edges,
+                     const std::vector<Vector3> &vertices_m);
 
     [[nodiscard]] std::size_t size() const { return vertices_.size(); }
     [[nodiscard]] std::uint32_t vertex(std::uint32_t number) const { return vertices_[number]; }

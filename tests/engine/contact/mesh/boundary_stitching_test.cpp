@@ -1,7 +1,7 @@
-// Covers engine/contact/mesh/crack_closing.cpp and engine/contact/mesh/rim.cpp.
-#include "engine/contact/mesh/crack_closing.h"
+// Covers engine/contact/mesh/boundary_stitching.cpp and engine/contact/mesh/boundary_vertices.cpp.
+#include "engine/contact/mesh/boundary_stitching.h"
 
-#include "engine/contact/mesh/rim.h"
+#include "engine/contact/mesh/boundary_vertices.h"
 #include "tests/engine/contact/mesh/meshes.h"
 
 #include <gtest/gtest.h>
@@ -60,13 +60,13 @@ void expect_moves_within_tolerance(const TriangleSoup &soup, const ClosedCracks 
     EXPECT_EQ(closed.moved_vertices, moved);
 }
 
-TEST(Rim, HasTheEndsOfOpenEdgesAndAllTrianglesThere) {
+TEST(BoundaryVertices, HasTheEndsOfOpenEdgesAndAllTrianglesThere) {
     std::mt19937_64 random(1);
     TriangleSoup soup = testing::icosphere(2, 0.03);
     std::ranges::shuffle(soup.triangles, random);
     soup.triangles.resize(200);
     const std::vector<MeshTriangle> triangles = mesh_of(soup.triangles);
-    const Rim rim(triangles, edges_of(triangles), soup.vertices_m);
+    const BoundaryVertices rim(triangles, edges_of(triangles), soup.vertices_m);
     std::set<std::uint32_t> expected;
     for (const auto &[edge, counts] : testing::edge_counts(soup.triangles)) {
         if (counts[0] + counts[1] == 1) {
@@ -88,14 +88,14 @@ TEST(Rim, HasTheEndsOfOpenEdgesAndAllTrianglesThere) {
     }
 }
 
-TEST(CrackClosing, LeavesAClosedMeshAndAPlainSheetAlone) {
+TEST(BoundaryStitching, LeavesAClosedMeshAndAPlainSheetAlone) {
     EXPECT_EQ(closed_cracks(testing::icosphere(3, 0.03)).moved_vertices, 0U);
     TriangleSoup half = testing::icosphere(3, 0.03);
     half.triangles.resize(half.triangles.size() / 2);
     EXPECT_EQ(closed_cracks(half).moved_vertices, 0U);
 }
 
-TEST(CrackClosing, ClosesASphereOfPerturbedTriangles) {
+TEST(BoundaryStitching, ClosesASphereOfPerturbedTriangles) {
     std::mt19937_64 random(1);
     for (int level = 0; level <= 4; ++level) {
         const TriangleSoup soup =
@@ -107,7 +107,7 @@ TEST(CrackClosing, ClosesASphereOfPerturbedTriangles) {
     }
 }
 
-TEST(CrackClosing, ClosesASphereWhoseEdgesAreHardlyLongerThanTheTolerance) {
+TEST(BoundaryStitching, ClosesASphereWhoseEdgesAreHardlyLongerThanTheTolerance) {
     std::mt19937_64 random(1);
     // Edges of 8 to 10 µm, corners up to 1 µm from where they belong.
     const TriangleSoup soup = shaken(unshared(testing::icosphere(4, 1.2e-4)), 1e-6, random);
@@ -116,7 +116,7 @@ TEST(CrackClosing, ClosesASphereWhoseEdgesAreHardlyLongerThanTheTolerance) {
     expect_moves_within_tolerance(soup, closed);
 }
 
-TEST(CrackClosing, ClosesAFanOfManyTriangles) {
+TEST(BoundaryStitching, ClosesAFanOfManyTriangles) {
     std::mt19937_64 random(1);
     TriangleSoup soup;
     constexpr int kTriangles = 300;
@@ -154,12 +154,12 @@ std::size_t welds_over_slit(double gap_m) {
     return across;
 }
 
-TEST(CrackClosing, ClosesASlitOfTheToleranceAndNoWiderOne) {
+TEST(BoundaryStitching, ClosesASlitOfTheToleranceAndNoWiderOne) {
     EXPECT_GT(welds_over_slit(0.99 * kCrackTolerance_m), 0U);
     EXPECT_EQ(welds_over_slit(1.01 * kCrackTolerance_m), 0U);
 }
 
-TEST(CrackClosing, CollapsesNoTriangleHoweverSmall) {
+TEST(BoundaryStitching, CollapsesNoTriangleHoweverSmall) {
     std::mt19937_64 random(1);
     for (const double size_m : {1e-6, 3e-6, 1e-5, 2e-5, 1e-4}) {
         for (int round = 0; round < 20; ++round) {
@@ -171,13 +171,13 @@ TEST(CrackClosing, CollapsesNoTriangleHoweverSmall) {
     }
 }
 
-TEST(CrackClosing, LeavesAFineScanWithAHoleAsItIs) {
+TEST(BoundaryStitching, LeavesAFineScanWithAHoleAsItIs) {
     TriangleSoup scan = testing::icosphere(4, 2.5e-4); // edges of 17 to 21 µm
     scan.triangles.resize(scan.triangles.size() * 3 / 4);
     EXPECT_EQ(closed_cracks(scan).moved_vertices, 0U);
 }
 
-TEST(CrackClosing, TerminatesWhereAThousandVerticesCoincide) {
+TEST(BoundaryStitching, TerminatesWhereAThousandVerticesCoincide) {
     std::mt19937_64 random(1);
     const TriangleSoup soup = testing::random_soup(random, 1000, 1e-6, 2e-6);
     expect_no_triangle_collapsed(welded(soup, closed_cracks(soup)));

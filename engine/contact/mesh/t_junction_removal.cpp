@@ -1,9 +1,9 @@
-#include "engine/contact/mesh/edge_splitting.h"
+#include "engine/contact/mesh/t_junction_removal.h"
 
 #include "base/assertions.h"
 #include "base/parallel.h"
+#include "engine/contact/mesh/boundary_vertices.h"
 #include "engine/contact/mesh/point_tree.h"
-#include "engine/contact/mesh/rim.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -67,7 +67,7 @@ private:
     const std::vector<MeshTriangle> &triangles_;
     const std::vector<Vector3> &vertices_m_;
     double tolerance_m_;
-    Rim rim_;
+    BoundaryVertices rim_;
     PointTree tree_;
 };
 

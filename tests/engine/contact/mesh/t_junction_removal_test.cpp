@@ -1,5 +1,5 @@
-// Covers engine/contact/mesh/edge_splitting.cpp.
-#include "engine/contact/mesh/edge_splitting.h"
+// Covers engine/contact/mesh/t_junction_removal.cpp.
+#include "engine/contact/mesh/t_junction_removal.h"
 
 #include "tests/engine/contact/mesh/meshes.h"
 
@@ -50,7 +50,7 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> open_edges(const std::vector<V
     return open;
 }
 
-TEST(EdgeSplitting, LeavesMeshesWithoutTJunctionsAlone) {
+TEST(TJunctionRemoval, LeavesMeshesWithoutTJunctionsAlone) {
     const TriangleSoup sphere = testing::icosphere(2, 0.03);
     EXPECT_EQ(after_splitting(sphere.triangles, sphere.vertices_m).split.split_triangles, 0U);
     std::vector<VertexTriple> half = sphere.triangles;
@@ -58,7 +58,7 @@ TEST(EdgeSplitting, LeavesMeshesWithoutTJunctionsAlone) {
     EXPECT_EQ(after_splitting(half, sphere.vertices_m).triples, half);
 }
 
-TEST(EdgeSplitting, RoutesAnEdgeThroughTheVerticesOnIt) {
+TEST(TJunctionRemoval, RoutesAnEdgeThroughTheVerticesOnIt) {
     // One triangle above the line from 0 to 1, three below it that share the line's 3 and 4.
     const std::vector<Vector3> vertices_m = {{0.0, 0.0, 0.0},     {0.03, 0.0, 0.0},
                                              {0.01, 0.02, 0.0},   {0.02, 1e-6, 1e-6},
@@ -75,7 +75,7 @@ TEST(EdgeSplitting, RoutesAnEdgeThroughTheVerticesOnIt) {
     EXPECT_EQ(open_edges(outcome.triples), outline);
 }
 
-TEST(EdgeSplitting, ReachesAsFarAsTheToleranceAndNoFarther) {
+TEST(TJunctionRemoval, ReachesAsFarAsTheToleranceAndNoFarther) {
     for (const double share : {0.99, 1.01}) {
         const std::vector<Vector3> vertices_m = {
             {0.0, 0.0, 0.0},   {0.03, 0.0, 0.0},
@@ -86,7 +86,7 @@ TEST(EdgeSplitting, ReachesAsFarAsTheToleranceAndNoFarther) {
     }
 }
 
-TEST(EdgeSplitting, DividesAllThreeSidesAndKeepsAreaAndWinding) {
+TEST(TJunctionRemoval, DividesAllThreeSidesAndKeepsAreaAndWinding) {
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> share(0.05, 0.95);
     for (int round = 0; round < 200; ++round) {
@@ -124,7 +124,7 @@ TEST(EdgeSplitting, DividesAllThreeSidesAndKeepsAreaAndWinding) {
     }
 }
 
-TEST(EdgeSplitting, DividesALongEdgeByThousandsOfVertices) {
+TEST(TJunctionRemoval, DividesALongEdgeByThousandsOfVertices) {
     std::vector<Vector3> vertices_m = {{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.05, 0.05, 0.0}};
     std::vector<VertexTriple> triples = {{0, 1, 2}};
     constexpr std::uint32_t kCells = 5000;
@@ -140,7 +140,7 @@ TEST(EdgeSplitting, DividesALongEdgeByThousandsOfVertices) {
     EXPECT_EQ(open_edges(outcome.triples).size(), 4U);
 }
 
-TEST(EdgeSplitting, IsTheSameForAnyNumberOfThreads) {
+TEST(TJunctionRemoval, IsTheSameForAnyNumberOfThreads) {
     std::mt19937_64 random(1);
     const TriangleSoup soup = testing::random_soup(random, 500, 1e-4, 1e-4);
     const SplitOutcome one = after_splitting(soup.triangles, soup.vertices_m, 1);
@@ -149,7 +149,7 @@ TEST(EdgeSplitting, IsTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(after_splitting(soup.triangles, soup.vertices_m, 3).triples, one.triples);
 }
 
-TEST(EdgeSplitting, NeverMakesATriangleOfTwoCorners) {
+TEST(TJunctionRemoval, NeverMakesATriangleOfTwoCorners) {
     std::mt19937_64 random(1);
     for (int round = 0; round < 50; ++round) {
         const TriangleSoup soup = testing::random_soup(random, 100, 2e-5, 2e-5);

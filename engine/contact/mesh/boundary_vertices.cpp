@@ -1,11 +1,11 @@
-#include "engine/contact/mesh/rim.h"
+#include "engine/contact/mesh/boundary_vertices.h"
 
 #include <numeric>
 
 namespace springdrive::contact {
 
-Rim::Rim(const std::vector<MeshTriangle> &triangles, const EdgeTable &edges,
-         const std::vector<Vector3> &vertices_m)
+BoundaryVertices::BoundaryVertices(const std::vector<MeshTriangle> &triangles,
+                                   const EdgeTable &edges, const std::vector<Vector3> &vertices_m)
     : numbers_(vertices_m.size(), kNone) {
     edges.for_each([&](const Edge &edge) {
         if (edge.is_open()) {

@@ -1,9 +1,9 @@
-#include "engine/contact/mesh/crack_closing.h"
+#include "engine/contact/mesh/boundary_stitching.h"
 
 #include "base/assertions.h"
 #include "base/cancellation.h"
 #include "base/parallel.h"
-#include "engine/contact/mesh/rim.h"
+#include "engine/contact/mesh/boundary_vertices.h"
 #include "engine/contact/mesh/vertex_grid.h"
 
 #include <algorithm>
@@ -130,7 +130,8 @@ private:
 /// Vertices that become one, each cluster at the place of its head.
 class Clusters {
 public:
-    Clusters(const Rim &rim, const std::vector<MeshTriangle> &triangles, double tolerance_m)
+    Clusters(const BoundaryVertices &rim, const std::vector<MeshTriangle> &triangles,
+             double tolerance_m)
         : rim_(rim), triangles_(triangles), tolerance_m_(tolerance_m), head_(rim.size()),
           next_(rim.size()), size_(rim.size(), 1), uses_(rim.size()) {
         std::iota(head_.begin(), head_.end(), 0U);
@@ -220,7 +221,7 @@ private:
     /// It takes about as long to remember a refusal.
     static constexpr std::uint64_t kStepsToRemember = 32;
 
-    const Rim &rim_;
+    const BoundaryVertices &rim_;
     const std::vector<MeshTriangle> &triangles_;
     double tolerance_m_;
     std::vector<std::uint32_t> head_;
@@ -260,7 +261,7 @@ ClosedCracks close_cracks(const std::vector<MeshTriangle> &triangles, const Edge
     closed.stands_for.resize(vertices_m.size());
     std::iota(closed.stands_for.begin(), closed.stands_for.end(), 0U);
 
-    const Rim rim(triangles, edges, vertices_m);
+    const BoundaryVertices rim(triangles, edges, vertices_m);
     Clusters clusters(rim, triangles, tolerance_m);
     join_all(clusters, PairFinder(rim.places_m(), tolerance_m, threads).pairs(allowance),
              allowance);
