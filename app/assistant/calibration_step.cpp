@@ -2,7 +2,7 @@
 #include "app/assistant/findings.h"
 #include "app/assistant/loan_step.h"
 #include "app/assistant/rehearsal.h"
-#include "app/host/own_folder.h"
+#include "app/host/output_dir.h"
 #include "base/degrees.h"
 #include "base/file_names.h"
 #include "base/new_file.h"
@@ -284,7 +284,7 @@ private:
 
     void save() {
         const std::filesystem::path file =
-            std::filesystem::absolute(in_own_folder(dated_name("calibrated") + ".toml"))
+            std::filesystem::absolute(in_output_dir(dated_name("calibrated") + ".toml"))
                 .lexically_normal();
         std::ifstream stream(session().device_choice().file, std::ios::binary);
         const std::string text{std::istreambuf_iterator<char>(stream), {}};

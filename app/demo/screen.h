@@ -8,7 +8,7 @@
 #include "app/demo/tip_inside.h"
 #include "app/exhibit/kiosk.h"
 #include "app/exhibit/scripted_demo.h"
-#include "app/host/own_folder.h"
+#include "app/host/output_dir.h"
 #include "app/panels/opened_record.h"
 #include "app/panels/panels.h"
 #include "app/panels/session_keeper.h"
@@ -118,7 +118,7 @@ private:
     float start_height_ = 0.0F; ///< of the first minute's plate, as measured; 0: not yet
     std::optional<exhibit::Kiosk> kiosk_;
     exhibit::Guide guide_;
-    SessionKeeper keeper_{own_folder()};
+    SessionKeeper keeper_{output_dir()};
     EventLog log_;
     double speed_before_pause_ = 1.0;
     bool shows_keys_ = false; ///< the overlay with all keys

@@ -1,4 +1,4 @@
-#include "app/host/own_folder.h"
+#include "app/host/output_dir.h"
 #include "app/panels/panels.h"
 #include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"
@@ -67,7 +67,7 @@ void draw_files(const session::Session &session, TuningPanelState &state,
     if (ui::button("save")) {
         state.file_message = state.files.save(state.file_name, session.tuning().now());
     }
-    ui::explain("writes the active tuning to NAME.toml in " + own_folder_text() +
+    ui::explain("writes the active tuning to NAME.toml in " + output_dir_text() +
                 ";\nload it here, or with --tuning-file");
     ImGui::SameLine();
     {

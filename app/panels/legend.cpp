@@ -15,7 +15,7 @@ ImU32 ink_of(const Colour &colour) {
 }
 
 /// One colour, two halves, or a scale.
-void draw_swatch(const ThingLook &look) {
+void draw_swatch(const OverlayStyle &look) {
     const float height = ImGui::GetTextLineHeight();
     const ImVec2 size{1.8F * height, 0.62F * height};
     const ImVec2 place = ImGui::GetCursorScreenPos();
@@ -63,7 +63,7 @@ std::string range_of(Thing thing, const TouchValues &values) {
     }
 }
 
-void draw_row(ShownThings &shown, const ThingLook &look, const TouchValues &values) {
+void draw_row(ShownThings &shown, const OverlayStyle &look, const TouchValues &values) {
     draw_swatch(look);
     ImGui::SameLine();
     bool is_on = shown.shows(look.thing);
@@ -107,7 +107,7 @@ float draw_legend(ShownThings &shown, bool &is_open, const TouchValues &values,
         ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing,
                             {ImGui::GetStyle().ItemSpacing.x, 1.0F * scale});
         ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {2.0F * scale, 1.0F * scale});
-        for (const ThingLook &look : kThings) {
+        for (const OverlayStyle &look : kThings) {
             draw_row(shown, look, values);
         }
         ImGui::PopStyleVar(2);

@@ -1,4 +1,4 @@
-#include "app/host/own_folder.h"
+#include "app/host/output_dir.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"
@@ -18,7 +18,7 @@ std::vector<std::filesystem::path> records_here() {
     constexpr std::size_t kMost = 50;
     std::vector<std::pair<std::filesystem::file_time_type, std::filesystem::path>> found;
     std::error_code ignored;
-    for (const auto &entry : std::filesystem::directory_iterator(own_folder(), ignored)) {
+    for (const auto &entry : std::filesystem::directory_iterator(output_dir(), ignored)) {
         const bool is_run = entry.is_directory(ignored) &&
                             std::filesystem::exists(entry.path() / "run.json", ignored);
         if (is_run || entry.path().extension() == ".rec") {
@@ -41,7 +41,7 @@ void draw_chooser(OpenedRecord &opened, RecordTabState &state) {
             state.files = records_here();
         }
         if (list && state.files.empty()) {
-            ui::text(kFaintInk, "no records in {}", own_folder_text());
+            ui::text(kFaintInk, "no records in {}", output_dir_text());
         }
         for (const std::filesystem::path &file : state.files) {
             if (list && ui::selectable(file.filename().c_str(), false)) {

@@ -1,4 +1,4 @@
-#include "app/host/own_folder.h"
+#include "app/host/output_dir.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "base/error_text.h"
@@ -147,7 +147,7 @@ void toggle_recording(session::Session &session, ServoPanelState &state) {
         return;
     }
     state.record_error = error_text_of(
-        [&] { session.start_recording(in_own_folder(dated_name("springdrive") + ".rec")); });
+        [&] { session.start_recording(in_output_dir(dated_name("springdrive") + ".rec")); });
 }
 
 void show_recording(session::Session &session, ServoPanelState &state) {
@@ -162,7 +162,7 @@ void show_recording(session::Session &session, ServoPanelState &state) {
         toggle_recording(session, state);
     }
     if (session.recording().file().empty()) {
-        ui::explain("writes every tick to a file in " + own_folder_text());
+        ui::explain("writes every tick to a file in " + output_dir_text());
     } else {
         ui::explain(ui::formatted("{}: {:.1f} s, {:.1f} MB, {} ticks lost",
                                   session.recording().file().string(), recorded_s,

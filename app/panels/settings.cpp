@@ -31,7 +31,7 @@ constexpr std::array<double, 10> kTextSizes{
 /// The words of what can be drawn.
 constexpr auto kThingWords = [] {
     std::array<std::string_view, kThings.size()> words;
-    std::ranges::transform(kThings, words.begin(), &ThingLook::word);
+    std::ranges::transform(kThings, words.begin(), &OverlayStyle::word);
     return words;
 }();
 
@@ -116,7 +116,7 @@ void write_settings(const fs::path &file, const Settings &settings) {
             }
             if (settings.shown != ShownThings()) {
                 std::vector<std::string_view> drawn;
-                for (const ThingLook &look : kThings) {
+                for (const OverlayStyle &look : kThings) {
                     if (settings.shown.shows(look.thing)) {
                         drawn.emplace_back(look.word);
                     }

@@ -1,6 +1,6 @@
 #include "app/panels/stability_tab.h"
 
-#include "app/host/own_folder.h"
+#include "app/host/output_dir.h"
 #include "app/panels/held_dR.h"
 #include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"
@@ -152,7 +152,7 @@ void show_found(session::Session &session, TuningEditor &editor, StabilityTabSta
         if (ui::button("save as file")) {
             state.save();
         }
-        ui::explain("writes the tuning and its margins to " + own_folder_text() +
+        ui::explain("writes the tuning and its margins to " + output_dir_text() +
                     ";\nload it with --tuning-file");
         ImGui::SameLine();
         ui::text(is_active ? kGood : kFaintInk, "{}", is_active ? "found, active" : "found");

@@ -1,5 +1,5 @@
 #include "app/host/output.h"
-#include "app/host/own_folder.h"
+#include "app/host/output_dir.h"
 #include "app/panels/stability_tab.h"
 #include "base/file_names.h"
 #include "device/core/phantom/kinematics.h"
@@ -119,7 +119,7 @@ void StabilityTabState::save() {
     if (!found_) {
         return;
     }
-    message_ = save_as(in_own_folder(dated_name("tuned") + ".toml"), [this](std::ostream &out) {
+    message_ = save_as(in_output_dir(dated_name("tuned") + ".toml"), [this](std::ostream &out) {
         control::write_tuning_file(out, {found_tuning_, "found in the window", found_->margins});
     });
 }

@@ -2,7 +2,7 @@
 
 #include "app/host/asset_folder.h"
 #include "app/host/output.h"
-#include "app/host/own_folder.h"
+#include "app/host/output_dir.h"
 #include "base/input_error.h"
 
 #include <algorithm>
@@ -41,16 +41,16 @@ void add_tunings_in(const std::filesystem::path &folder, bool is_own,
 std::filesystem::path file_of(const std::string &name) {
     const bool is_blank = name.find_first_not_of(' ') == std::string::npos;
     if (is_blank || name.find('/') != std::string::npos || name.front() == '.') {
-        throw InputError("type a name without / to save the tuning in " + own_folder_text());
+        throw InputError("type a name without / to save the tuning in " + output_dir_text());
     }
-    return in_own_folder(name.ends_with(".toml") ? name : name + ".toml");
+    return in_output_dir(name.ends_with(".toml") ? name : name + ".toml");
 }
 
 } // namespace
 
 void TuningFiles::refresh() {
     entries_.clear();
-    add_tunings_in(own_folder(), true, entries_);
+    add_tunings_in(output_dir(), true, entries_);
     add_tunings_in(asset_folder() / "tunings", false, entries_);
 }
 

@@ -1,6 +1,6 @@
 #include "app/panels/window_habits.h"
 
-#include "app/host/own_folder.h"
+#include "app/host/output_dir.h"
 #include "base/file_names.h"
 
 #include <fmt/format.h>
@@ -57,7 +57,7 @@ void WindowHabits::obey(WindowOrder order, Window &window) {
         window.toggle_full_screen();
         return;
     case WindowOrder::take_picture:
-        picture_ = unused_name(in_own_folder(dated_name("springdrive") + ".png"));
+        picture_ = unused_name(in_output_dir(dated_name("springdrive") + ".png"));
         return;
     case WindowOrder::reset:
         keeper_.reset();
@@ -104,7 +104,7 @@ std::optional<std::filesystem::path> WindowHabits::take_picture() {
 
 void WindowHabits::note_picture(const std::filesystem::path &file, const std::string &error) {
     say(error.empty() ? "picture: " + file.lexically_normal().string() +
-                            (own_folder() == "." ? " in " + own_folder_text() : "")
+                            (output_dir() == "." ? " in " + output_dir_text() : "")
                       : error,
         !error.empty());
 }

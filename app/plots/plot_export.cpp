@@ -2,7 +2,7 @@
 #include "app/plots/plot_panel.h"
 
 #include "app/host/output.h"
-#include "app/host/own_folder.h"
+#include "app/host/output_dir.h"
 #include "app/plots/channel_look.h"
 #include "app/plots/plot_menu.h"
 #include "app/widgets/look.h"
@@ -20,7 +20,7 @@ namespace {
 
 /// "plots-20240531-123456.csv", or with a number if that was written in the same second.
 std::filesystem::path name_of_new_file(const char *ending) {
-    return unused_name(in_own_folder(dated_name("plots") + ending));
+    return unused_name(in_output_dir(dated_name("plots") + ending));
 }
 
 /// Each channel of any plot, once.

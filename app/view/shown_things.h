@@ -37,7 +37,7 @@ inline constexpr Colour kSetPointColour{0.80F, 0.68F, 1.0F};
 inline constexpr Colour kTransposeColour{0.36F, 0.73F, 0.95F};
 inline constexpr Colour kInverseColour{1.0F, 0.52F, 0.32F};
 
-struct ThingLook {
+struct OverlayStyle {
     Thing thing{};
     const char *word = "";  ///< in the file of settings
     const char *label = ""; ///< in the legend
@@ -67,7 +67,7 @@ inline constexpr std::array<Colour, 4> kScaleColours{
 }
 
 /// In the order of the legend, which is that of `Thing`.
-inline constexpr std::array<ThingLook, 13> kThings{{
+inline constexpr std::array<OverlayStyle, 13> kThings{{
     {Thing::tip, "tip", "tip", "The device's tip; in a ring where the scene hides it.", kTipColour,
      kTipColour, false, true},
     {Thing::height, "height", "height", "From the tip straight down to what is below it.",
@@ -111,7 +111,7 @@ inline constexpr std::array<ThingLook, 13> kThings{{
 class ShownThings {
 public:
     ShownThings() {
-        for (const ThingLook &look : kThings) {
+        for (const OverlayStyle &look : kThings) {
             show(look.thing, look.is_on_at_first);
         }
     }

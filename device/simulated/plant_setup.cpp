@@ -65,7 +65,7 @@ LinkagePlant linkage_plant(const device::DeviceDescription &description,
 /// The true motor parameters.
 std::array<device::MotorParameters, 3> true_motors(const device::DeviceDescription &description,
                                                    const SimulationOptions &options,
-                                                   const DrawnDevice &drawn) {
+                                                   const SampledDevice &drawn) {
     std::array<device::MotorParameters, 3> motors = description.motor;
     for (std::size_t j = 0; j < motors.size(); ++j) {
         const DrawnMotor &own = drawn.motor[j];
@@ -85,7 +85,7 @@ std::array<device::MotorParameters, 3> true_motors(const device::DeviceDescripti
 }
 
 /// Ideal where it is switched off.
-std::array<MotorSensing, 3> sensing(const SimulationOptions &options, const DrawnDevice &drawn) {
+std::array<MotorSensing, 3> sensing(const SimulationOptions &options, const SampledDevice &drawn) {
     if (!options.effects.current_sensing) {
         return {};
     }
@@ -176,7 +176,7 @@ device::DeviceDescription simulated_description(const device::DeviceDescription 
 PlantParts plant_parts(const device::DeviceDescription &description,
                        const SimulationOptions &options) {
     check_options(description, options);
-    const DrawnDevice drawn = drawn_device(description, options.device_seed);
+    const SampledDevice drawn = sampled_device(description, options.device_seed);
     device::HandParameters hand = options.hand;
     hand.mass_kg = options.dynamics == PlantDynamics::coupling ? 0.0 : hand.mass_kg;
     return {options.dynamics,

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "device/core/device_description.h"
-#include "device/simulated/drawn_device.h"
 #include "device/simulated/linkage_step.h"
+#include "device/simulated/sampled_device.h"
 #include "device/simulated/simulation_options.h"
 
 #include <array>

@@ -23,10 +23,10 @@
 #include "base/latest_value.h"
 #include "base/split_mix.h"
 #include "device/core/haptic_device.h"
-#include "device/simulated/drawn_device.h"
 #include "device/simulated/free_tip.h"
 #include "device/simulated/linkage_step.h"
 #include "device/simulated/plant_setup.h"
+#include "device/simulated/sampled_device.h"
 #include "device/simulated/simulated_world.h"
 #include "device/simulated/simulation_options.h"
 

@@ -52,7 +52,7 @@ TEST_F(Record, IsReplayedToTheLastBit) {
     EXPECT_EQ(ending.out.find("differs"), std::string::npos) << ending.out;
 }
 
-TEST_F(Record, OfADrawnDeviceIsReplayedToo) {
+TEST_F(Record, OfASampledDeviceIsReplayedToo) {
     const std::string drawn = make("drawn.rec", {"--device-seed", "7"});
     const testing::Ending ending = testing::run_program({"replay", drawn});
     EXPECT_EQ(ending.out.find("differs"), std::string::npos) << ending.out;

@@ -48,7 +48,7 @@ TEST_F(WindowSettings, AreReadAsTheyWereWritten) {
     write_settings(file, {});
     EXPECT_EQ(read_settings(file), Settings());
     Settings bare;
-    for (const ThingLook &look : kThings) {
+    for (const OverlayStyle &look : kThings) {
         bare.shown.show(look.thing, false);
     }
     write_settings(file, bare);

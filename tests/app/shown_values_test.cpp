@@ -82,7 +82,7 @@ TEST(ShownValues, AreComputedForWhatIsSwitchedOnOnly) {
                  none.inverse_stiffness_N_per_m || none.workspace);
     EXPECT_TRUE(none.trace_N.empty());
     ShownThings shown;
-    for (const ThingLook &look : kThings) {
+    for (const OverlayStyle &look : kThings) {
         shown.show(look.thing, true);
     }
     const TouchValues all = values.at(shown, device, now, subject);

@@ -12,23 +12,23 @@ namespace springdrive::testing {
 namespace {
 
 /// This process's folder. It is kept for inspection if a test failed.
-class OwnFolder {
+class OutputDir {
 public:
-    OwnFolder()
+    OutputDir()
         : path(std::filesystem::path(::testing::TempDir()) /
                ("springdrive_" + std::to_string(process_))) {
         std::filesystem::remove_all(path);
         std::filesystem::create_directories(path);
     }
-    ~OwnFolder() {
+    ~OutputDir() {
         const bool is_forked = getpid() != process_;
         if (!is_forked && !::testing::UnitTest::GetInstance()->Failed()) {
             std::error_code ignored;
             std::filesystem::remove_all(path, ignored);
         }
     }
-    OwnFolder(const OwnFolder &) = delete;
-    OwnFolder &operator=(const OwnFolder &) = delete;
+    OutputDir(const OutputDir &) = delete;
+    OutputDir &operator=(const OutputDir &) = delete;
 
 private:
     pid_t process_ = getpid();
@@ -40,7 +40,7 @@ public:
 } // namespace
 
 std::filesystem::path fresh_folder(const std::string &name) {
-    static const OwnFolder own;
+    static const OutputDir own;
     const std::filesystem::path folder = own.path / name;
     std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder);

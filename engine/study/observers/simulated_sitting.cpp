@@ -1,7 +1,7 @@
 #include "engine/study/observers/simulated_sitting.h"
 
 #include "engine/study/conduct/presentation.h"
-#include "engine/study/observers/felt_level.h"
+#include "engine/study/observers/perceived_level.h"
 #include "engine/study/observers/simulated_answer.h"
 #include "engine/study/protocol/presented_stimulus.h"
 #include "engine/study/protocol/stimulus_trial.h"

@@ -4,7 +4,7 @@
 #include "base/error_text.h"
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
-#include "device/simulated/drawn_device.h"
+#include "device/simulated/sampled_device.h"
 #include "engine/control/winding_observer.h"
 #include "tests/app/assistant/walker.h"
 
@@ -25,7 +25,7 @@ using testing::Walker;
 constexpr std::uint64_t kSeed = 7;
 constexpr const char *kSerial = "emulated-7";
 
-SessionOptions drawn_device(const std::vector<std::string> &faults = {}) {
+SessionOptions sampled_device(const std::vector<std::string> &faults = {}) {
     SessionOptions options = Walker::options_with(faults);
     options.device_seed = kSeed;
     options.starts_at_zero = true;
@@ -37,7 +37,7 @@ struct AtCalibration {
     std::filesystem::path folder;
     Walker walker;
 
-    explicit AtCalibration(const SessionOptions &options = drawn_device())
+    explicit AtCalibration(const SessionOptions &options = sampled_device())
         : folder(folder_at_calibration()), walker(folder, options) {
         EXPECT_EQ(walker.assistant.present(), StepName::calibration) << walker.text();
         walker.run(0.2);
@@ -94,7 +94,7 @@ TEST(CalibrationStep, MeasuresTheMotorsWhichAreInUseAtOnceAndAfterwards) {
     ASSERT_TRUE(at.in_use());
     const device::Calibration known = *at.in_use();
     EXPECT_EQ(known.serial, kSerial);
-    const simulated::DrawnDevice truth = simulated::drawn_device(file, kSeed);
+    const simulated::SampledDevice truth = simulated::sampled_device(file, kSeed);
     bool is_another_device = false;
     for (std::size_t j = 0; j < 3; ++j) {
         const double true_Ohm = truth.motor[j].resistance_share * file.motor[j].resistance_Ohm /
@@ -167,7 +167,7 @@ TEST(CalibrationStep, ShowsHowFarItIs) {
 
 TEST(CalibrationStep, StoppedOrLeftInTheMiddleItBrakesAndKeepsNothing) {
     for (const bool leaves : {false, true}) {
-        SessionOptions options = drawn_device();
+        SessionOptions options = sampled_device();
         options.servo_hz = 2000.0;
         AtCalibration at(options);
         Walker &walker = at.walker;
@@ -265,7 +265,7 @@ TEST(CalibrationStep, AFaultOfTheBoardOutlastsIt) {
 }
 
 TEST(CalibrationStep, ABoardThatDoesNotKeepItIsDoubtfulUntilAFileDoes) {
-    AtCalibration at(drawn_device({"failed-store"}));
+    AtCalibration at(sampled_device({"failed-store"}));
     Walker &walker = at.walker;
     const std::filesystem::path before = std::filesystem::current_path();
     std::filesystem::current_path(at.folder); // the program's own folder
@@ -311,7 +311,7 @@ TEST(CalibrationStep, TooLittleMotionIsDoubtful) {
 }
 
 TEST(CalibrationStep, AnotherMotorThanTheFilesIsNotPassed) {
-    SessionOptions options = drawn_device();
+    SessionOptions options = sampled_device();
     options.emulation.truth = testing::phantom_1_0();
     options.emulation.truth->motor[1].resistance_Ohm *= 1.15; // of tolerances of 6 %
     AtCalibration at(options);
@@ -345,7 +345,7 @@ std::filesystem::path file_of(const std::string &serial) {
 }
 
 TEST(CalibrationStep, OneOfTheDeviceFileIsShownAndComesBeforeTheBoards) {
-    SessionOptions options = drawn_device();
+    SessionOptions options = sampled_device();
     options.device.file = file_of(kSerial);
     AtCalibration at(options);
     Walker &walker = at.walker;
@@ -363,7 +363,7 @@ TEST(CalibrationStep, OneOfTheDeviceFileIsShownAndComesBeforeTheBoards) {
 }
 
 TEST(CalibrationStep, OneOfAnotherSerialNumberIsRefused) {
-    SessionOptions options = drawn_device();
+    SessionOptions options = sampled_device();
     options.device.file = file_of("emulated-8");
     const std::string refused = error_text_of([&] { const session::Session other(options); });
     EXPECT_NE(refused.find("emulated-8"), std::string::npos) << refused;

@@ -73,10 +73,10 @@ MarksDrawn marks_drawn(const ViewState &state) {
 
 TEST(ShownThings, EachSwitchTakesSomethingAway) {
     ViewState all = full_state();
-    for (const ThingLook &look : kThings) {
+    for (const OverlayStyle &look : kThings) {
         all.shown.show(look.thing, true);
     }
-    for (const ThingLook &look : kThings) {
+    for (const OverlayStyle &look : kThings) {
         ViewState without = full_state();
         without.shown = all.shown;
         without.shown.show(look.thing, false);

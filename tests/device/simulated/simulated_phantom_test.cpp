@@ -72,13 +72,13 @@ SimulationOptions drawn(std::uint64_t seed) {
 }
 
 /// With the rotor held, e_W + R̂ (g i + o) = R i: what the amplifier's sensor reads is fed back.
-TEST(SimulatedPhantom, ADrawnDeviceHasItsOwnMotorsAndSensors) {
+TEST(SimulatedPhantom, ASampledDeviceHasItsOwnMotorsAndSensors) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         for (const bool is_shared : {true, false}) {
             device::DeviceDescription description = testing::phantom_1_0();
             description.current_sensing.is_shared = is_shared;
             SimulatedPhantom device(description, drawn(seed), testing::kOffCentre_m);
-            const DrawnDevice own = drawn_device(description, seed);
+            const SampledDevice own = sampled_device(description, seed);
             const double R_hat_Ohm = 1.2;
             const Vector3 e_W_V(0.4, -0.3, 0.2);
             Vector3 mean_A = Vector3::Zero();
@@ -116,7 +116,7 @@ TEST(SimulatedPhantom, ADrawnDeviceHasItsOwnMotorsAndSensors) {
 TEST(SimulatedPhantom, DrawnTorqueConstantsMakeTorqueAndBackEmf) {
     const std::uint64_t seed = 3;
     const device::DeviceDescription description = testing::phantom_1_0();
-    const DrawnDevice own = drawn_device(description, seed);
+    const SampledDevice own = sampled_device(description, seed);
     const device::DeviceCommand command = voltage(Vector3(0.4, -0.3, 0.2), 1.2);
     SimulatedPhantom pressing(description, drawn(seed), testing::kOffCentre_m);
     for (int k = 0; k < 100; ++k) {

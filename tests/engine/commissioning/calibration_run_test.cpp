@@ -8,7 +8,7 @@
 #include "device/factory/board_factory.h"
 #include "device/factory/in_process_port.h"
 #include "device/simulated/calibration_tour.h"
-#include "device/simulated/drawn_device.h"
+#include "device/simulated/sampled_device.h"
 #include "device/usb/driver/usb_device.h"
 #include "tests/support/cases.h"
 #include "tests/support/devices.h"
@@ -106,7 +106,7 @@ struct TrueMotor {
 
 TrueMotor true_motor(const device::DeviceDescription &file, std::uint64_t seed, std::size_t motor,
                      double zero_rad) {
-    const simulated::DrawnMotor drawn = simulated::drawn_device(file, seed).motor[motor];
+    const simulated::DrawnMotor drawn = simulated::sampled_device(file, seed).motor[motor];
     TrueMotor truth;
     truth.resistance_Ohm =
         drawn.resistance_share * file.motor[motor].resistance_Ohm / drawn.sensing.amplifier.gain;
@@ -220,7 +220,7 @@ struct TriedCalibration {
 // Of 150 deviations of R, fewer than 134 within 1.96 standard deviations have a probability of 0.1
 // %. The observer takes R and offsets to drift, and has to find out more than the bound knows; so
 // its deviation is twice the bound, and truth is within it more often than 95 %.
-TEST(CalibrationOfDrawnDevices, IsAsGoodAsItsSensorsAllow) {
+TEST(CalibrationOfSampledDevices, IsAsGoodAsItsSensorsAllow) {
     const int devices = testing::cases(2, 50);
     int within = 0;
     double worst_error = 0.0; // in deviations
@@ -303,7 +303,7 @@ double worst_dR_error_Ohm(const device::DeviceDescription &known, std::uint64_t 
     inputs.tuning.dR_Ohm = kWanted_Ohm;
     inputs.observes_resistance = true;
     servo.publish(inputs);
-    const simulated::DrawnDevice drawn = simulated::drawn_device(known, seed);
+    const simulated::SampledDevice drawn = simulated::sampled_device(known, seed);
     double worst_Ohm = 0.0;
     int running = 0;
     while (running < 1000) {
@@ -330,7 +330,7 @@ double worst_dR_error_Ohm(const device::DeviceDescription &known, std::uint64_t 
 
 // Air then and now is within 10 K: by the calibration R is known to 7 % at the worst, if it is not
 // measured, and by a thermometer to 4.7 %; here both are of 25 °C, so that only the rest is left.
-TEST(CalibrationOfDrawnDevices, AStartHasTheRightDR) {
+TEST(CalibrationOfSampledDevices, AStartHasTheRightDR) {
     const int devices = testing::cases(2, 50);
     double worst_Ohm = 0.0;
     double worst_without_Ohm = 0.0;

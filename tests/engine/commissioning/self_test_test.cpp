@@ -5,7 +5,7 @@
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/factory/board_factory.h"
-#include "device/simulated/drawn_device.h"
+#include "device/simulated/sampled_device.h"
 #include "device/simulated/stop_tour.h"
 #include "tests/support/cases.h"
 #include "tests/support/devices.h"
@@ -206,7 +206,7 @@ TEST(SelfTestOnBoard, MeasuresWhatIsThere) {
         Tried tried;
         tried.request.emulation.simulation.device_seed = seed;
         const SelfTestReport report = tried.run();
-        const simulated::DrawnDevice drawn = simulated::drawn_device(tried.request.truth, seed);
+        const simulated::SampledDevice drawn = simulated::sampled_device(tried.request.truth, seed);
         for (std::size_t i = 0; i < 3; ++i) {
             const double gain = drawn.motor[i].sensing.converter.gain;
             const double R_Ohm = drawn.motor[i].resistance_share *

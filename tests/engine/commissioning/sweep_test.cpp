@@ -7,7 +7,7 @@
 #include "device/core/forwarding_device.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/factory/board_factory.h"
-#include "device/simulated/drawn_device.h"
+#include "device/simulated/sampled_device.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/tuning_file.h"

@@ -4,7 +4,7 @@
 
 #include "device/core/calibration_file.h"
 #include "device/simulated/calibration_tour.h"
-#include "device/simulated/drawn_device.h"
+#include "device/simulated/sampled_device.h"
 #include "engine/lab/rig/servo_rig.h"
 #include "tests/support/devices.h"
 
@@ -159,7 +159,7 @@ double least_dR_Ohm(const device::DeviceDescription &device, std::uint64_t seed)
     rig::ServoRig rig(device, options, start_m);
     rig.inputs.tuning.dR_Ohm = 0.02; // R̂ as large as anyone permits
     rig.inputs.observes_resistance = true;
-    const simulated::DrawnDevice drawn = simulated::drawn_device(device, seed);
+    const simulated::SampledDevice drawn = simulated::sampled_device(device, seed);
     double least_Ohm = std::numeric_limits<double>::infinity();
     for (int tick = 0; tick < 6000; ++tick) {
         if (tick == 1500) {

@@ -143,7 +143,7 @@ Errors errors(const Touch &touch, std::uint64_t seeds) {
     const device::DeviceDescription device = testing::phantom_1_0();
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
         const ObservedTouch run(touch, seed);
-        const simulated::DrawnDevice drawn = simulated::drawn_device(device, seed);
+        const simulated::SampledDevice drawn = simulated::sampled_device(device, seed);
         for (std::size_t motor = 0; motor < 3; ++motor) {
             const auto j = static_cast<Eigen::Index>(motor);
             const ResistanceEstimate seen = run.observer(motor).at(run.measured_rad(j));

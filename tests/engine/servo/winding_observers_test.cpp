@@ -3,7 +3,7 @@
 #include "engine/servo/winding_observers.h"
 
 #include "device/core/phantom/kinematics.h"
-#include "device/simulated/drawn_device.h"
+#include "device/simulated/sampled_device.h"
 #include "engine/contact/mesh/triangle_soup.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/tuning_file.h"
@@ -113,7 +113,7 @@ public:
     TouchedDevice(const Touch &touch, const simulated::SimulationOptions &simulation,
                   const device::DeviceDescription &device)
         : rig(device, simulation, kStart_m, &plane()),
-          drawn(simulated::drawn_device(device, simulation.device_seed)) {
+          drawn(simulated::sampled_device(device, simulation.device_seed)) {
         rig.inputs.tuning.dR_Ohm = touch.dR_Ohm;
         rig.inputs.observes_resistance = true;
     }
@@ -148,7 +148,7 @@ public:
     }
 
     rig::ServoRig rig;
-    simulated::DrawnDevice drawn;
+    simulated::SampledDevice drawn;
 
 private:
     std::uint64_t ticks_ = 0;

@@ -82,7 +82,7 @@ TEST(SessionPlant, WithoutGravityTheHandHoldsNoWeight) {
     EXPECT_NEAR(session.latest().tip_m.y(), session.hand().target_m().y(), 2.0 * count_m);
 }
 
-TEST(SessionPlant, TolerancesOfADrawnDeviceTakeAnExchange) {
+TEST(SessionPlant, TolerancesOfASampledDeviceTakeAnExchange) {
     SessionOptions options = scripted();
     options.device_seed = 7;
     Session session(options);

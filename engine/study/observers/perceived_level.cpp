@@ -1,4 +1,4 @@
-#include "engine/study/observers/felt_level.h"
+#include "engine/study/observers/perceived_level.h"
 
 namespace springdrive::study {
 

@@ -31,13 +31,13 @@ struct DrawnMotor {
     MotorSensing sensing;
 };
 
-struct DrawnDevice {
+struct SampledDevice {
     std::array<DrawnMotor, 3> motor;
 };
 
 /// Each deviation is uniform within its tolerance, either way, and independent of the others; the
 /// phase is uniform over a ripple. Seed 0 is the device of the file, with ideal sensors.
-[[nodiscard]] DrawnDevice drawn_device(const device::DeviceDescription &description,
-                                       std::uint64_t seed);
+[[nodiscard]] SampledDevice sampled_device(const device::DeviceDescription &description,
+                                           std::uint64_t seed);
 
 } // namespace springdrive::simulated

@@ -1,4 +1,4 @@
-#include "app/host/own_folder.h"
+#include "app/host/output_dir.h"
 
 #include "app/host/user_folder.h"
 
@@ -22,12 +22,12 @@ bool was_chosen(const fs::path &home) {
 
 } // namespace
 
-const fs::path &own_folder() {
-    static const fs::path folder = choose_own_folder();
+const fs::path &output_dir() {
+    static const fs::path folder = choose_output_dir();
     return folder;
 }
 
-fs::path choose_own_folder() {
+fs::path choose_output_dir() {
     const fs::path home = folder_named_by("HOME");
     if (was_chosen(home) || home.empty()) {
         return ".";
@@ -37,13 +37,13 @@ fs::path choose_own_folder() {
            "springdrive";
 }
 
-std::string own_folder_text() {
-    const fs::path &folder = own_folder();
+std::string output_dir_text() {
+    const fs::path &folder = output_dir();
     return folder == "." ? "the folder where springdrive was started" : folder.string();
 }
 
-fs::path in_own_folder(const std::string &name) {
-    const fs::path &folder = own_folder();
+fs::path in_output_dir(const std::string &name) {
+    const fs::path &folder = output_dir();
     if (folder == ".") {
         return name;
     }

@@ -1,5 +1,5 @@
-// Covers device/simulated/drawn_device.cpp.
-#include "device/simulated/drawn_device.h"
+// Covers device/simulated/sampled_device.cpp.
+#include "device/simulated/sampled_device.h"
 
 #include "tests/support/devices.h"
 
@@ -15,7 +15,7 @@ namespace {
 /// All deviations of a device, each relative to its tolerance.
 std::vector<double> deviations(const device::DeviceDescription &device, std::uint64_t seed) {
     std::vector<double> found;
-    const DrawnDevice drawn = drawn_device(device, seed);
+    const SampledDevice drawn = sampled_device(device, seed);
     for (std::size_t j = 0; j < 3; ++j) {
         const DrawnMotor &own = drawn.motor[j];
         const device::MotorParameters &motor = device.motor[j];
@@ -30,8 +30,8 @@ std::vector<double> deviations(const device::DeviceDescription &device, std::uin
     return found;
 }
 
-TEST(DrawnDevice, IsThatOfTheFileForSeedZero) {
-    const DrawnDevice drawn = drawn_device(testing::phantom_1_0(), 0);
+TEST(SampledDevice, IsThatOfTheFileForSeedZero) {
+    const SampledDevice drawn = sampled_device(testing::phantom_1_0(), 0);
     for (const DrawnMotor &own : drawn.motor) {
         EXPECT_EQ(own.resistance_share, 1.0);
         EXPECT_EQ(own.torque_constant_share, 1.0);
@@ -44,7 +44,7 @@ TEST(DrawnDevice, IsThatOfTheFileForSeedZero) {
 
 /// Uniform within the tolerances, and independent: mean 0, variance 1/3, no correlation. Bounds of
 /// five standard errors: one in a million if it is so, for each of some 250 comparisons.
-TEST(DrawnDevice, IsUniformWithinTheTolerances) {
+TEST(SampledDevice, IsUniformWithinTheTolerances) {
     device::DeviceDescription device = testing::phantom_1_0();
     device.current_sensing.is_shared = false;
     constexpr int kSeeds = 4000;
@@ -72,11 +72,11 @@ TEST(DrawnDevice, IsUniformWithinTheTolerances) {
     }
 }
 
-TEST(DrawnDevice, MayHaveOneSensorForBoth) {
+TEST(SampledDevice, MayHaveOneSensorForBoth) {
     device::DeviceDescription device = testing::phantom_1_0();
     for (const bool is_shared : {true, false}) {
         device.current_sensing.is_shared = is_shared;
-        const MotorSensing sensing = drawn_device(device, 7).motor[1].sensing;
+        const MotorSensing sensing = sampled_device(device, 7).motor[1].sensing;
         EXPECT_EQ(sensing.converter.gain == sensing.amplifier.gain, is_shared);
         EXPECT_EQ(sensing.converter.offset_A == sensing.amplifier.offset_A, is_shared);
     }

@@ -1,4 +1,4 @@
-#include "device/simulated/drawn_device.h"
+#include "device/simulated/sampled_device.h"
 
 #include "base/split_mix.h"
 
@@ -24,8 +24,8 @@ namespace {
 
 } // namespace
 
-DrawnDevice drawn_device(const device::DeviceDescription &description, std::uint64_t seed) {
-    DrawnDevice drawn;
+SampledDevice sampled_device(const device::DeviceDescription &description, std::uint64_t seed) {
+    SampledDevice drawn;
     if (seed == 0) {
         return drawn;
     }

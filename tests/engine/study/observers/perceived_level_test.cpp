@@ -1,5 +1,5 @@
-// Covers engine/study/observers/felt_level.cpp.
-#include "engine/study/observers/felt_level.h"
+// Covers engine/study/observers/perceived_level.cpp.
+#include "engine/study/observers/perceived_level.h"
 
 #include "tests/engine/study/protocol/plain_protocol.h"
 
@@ -22,7 +22,7 @@ Protocol of_variable(const std::string &parameter) {
     return protocol;
 }
 
-TEST(FeltLevel, IsTheEtaThatGivesTheDeliveredStiffness) {
+TEST(PerceivedLevel, IsTheEtaThatGivesTheDeliveredStiffness) {
     const Protocol protocol = of_variable("eta");
     constexpr double kRigid = 2000.0;
     FeltPresentation felt = felt_with((1.0 - 0.4) * kRigid, (1.0 - 0.43) * kRigid);
@@ -32,7 +32,7 @@ TEST(FeltLevel, IsTheEtaThatGivesTheDeliveredStiffness) {
     EXPECT_EQ(delivered_value(protocol, felt), 0.4) << "as intended where nothing was measured";
 }
 
-TEST(FeltLevel, OfGainsIsTheOneThatGivesTheDeliveredStiffness) {
+TEST(PerceivedLevel, OfGainsIsTheOneThatGivesTheDeliveredStiffness) {
     FeltPresentation felt = felt_with(1000.0, 1050.0); // K is k_T K_P/dR
     felt.condition.tuning.K_P_V_per_rad = 6.0;
     felt.condition.tuning.dR_Ohm = 0.42;
@@ -42,7 +42,7 @@ TEST(FeltLevel, OfGainsIsTheOneThatGivesTheDeliveredStiffness) {
               felt.condition.tuning.lambda_rad_per_s);
 }
 
-TEST(FeltLevel, IsWhatWasMeasuredOfAngleAndPulse) {
+TEST(PerceivedLevel, IsWhatWasMeasuredOfAngleAndPulse) {
     FeltPresentation felt;
     felt.condition.turn_deg = 20.0;
     felt.condition.pulse_N = 1.0;
@@ -52,7 +52,7 @@ TEST(FeltLevel, IsWhatWasMeasuredOfAngleAndPulse) {
     EXPECT_EQ(delivered_value(of_variable("pulse_N"), felt), 0.93);
 }
 
-TEST(FeltLevel, IsTheDifferenceFromTheStandardAsDelivered) {
+TEST(PerceivedLevel, IsTheDifferenceFromTheStandardAsDelivered) {
     Protocol protocol = of_variable("turn_deg");
     FeltPresentation comparison;
     comparison.delivered.turn_deg = 21.0;

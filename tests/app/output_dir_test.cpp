@@ -1,5 +1,5 @@
-// Covers app/host/own_folder.cpp.
-#include "app/host/own_folder.h"
+// Covers app/host/output_dir.cpp.
+#include "app/host/output_dir.h"
 
 #include "tests/support/files.h"
 
@@ -43,14 +43,14 @@ private:
     std::optional<std::string> before_;
 };
 
-class OwnFolder : public ::testing::Test {
+class OutputDir : public ::testing::Test {
 protected:
-    ~OwnFolder() override { fs::current_path(started_in_); }
+    ~OutputDir() override { fs::current_path(started_in_); }
 
     /// Chosen by a program that is started there.
     [[nodiscard]] static fs::path chosen_in(const fs::path &folder) {
         fs::current_path(folder);
-        return choose_own_folder();
+        return choose_output_dir();
     }
     void write_settings(const std::string &text) const {
         fs::create_directories(home / ".config");
@@ -65,7 +65,7 @@ private:
     Variable config_variable_{"XDG_CONFIG_HOME", std::nullopt};
 };
 
-TEST_F(OwnFolder, IsWhereTheProgramWasStartedIfThatWasChosen) {
+TEST_F(OutputDir, IsWhereTheProgramWasStartedIfThatWasChosen) {
     EXPECT_EQ(chosen_in(testing::fresh_folder("own_folder_chosen")), ".");
     fs::create_directories(home / "haptics");
     EXPECT_EQ(chosen_in(home / "haptics"), ".");
@@ -75,7 +75,7 @@ TEST_F(OwnFolder, IsWhereTheProgramWasStartedIfThatWasChosen) {
     EXPECT_EQ(chosen_in(home), ".");
 }
 
-TEST_F(OwnFolder, IsAmongTheDocumentsIfTheProgramWasStartedFromAMenu) {
+TEST_F(OutputDir, IsAmongTheDocumentsIfTheProgramWasStartedFromAMenu) {
     EXPECT_EQ(chosen_in(home), home / "springdrive");
     EXPECT_EQ(chosen_in("/"), home / "springdrive");
     write_settings("# made by xdg-user-dirs\nXDG_MUSIC_DIR=\"$HOME/Music\"\n"
@@ -92,7 +92,7 @@ TEST_F(OwnFolder, IsAmongTheDocumentsIfTheProgramWasStartedFromAMenu) {
     EXPECT_EQ(chosen_in(home), config / "springdrive");
 }
 
-TEST_F(OwnFolder, IsAmongTheDocumentsIfTheCurrentFolderCannotBeWrittenTo) {
+TEST_F(OutputDir, IsAmongTheDocumentsIfTheCurrentFolderCannotBeWrittenTo) {
     if (geteuid() == 0) {
         GTEST_SKIP() << "root may write everywhere";
     }
@@ -103,7 +103,7 @@ TEST_F(OwnFolder, IsAmongTheDocumentsIfTheCurrentFolderCannotBeWrittenTo) {
     EXPECT_EQ(chosen_in(folder), ".");
 }
 
-TEST_F(OwnFolder, IsInTheHomeFolderIfTheSettingsAreOfNoUse) {
+TEST_F(OutputDir, IsInTheHomeFolderIfTheSettingsAreOfNoUse) {
     for (const char *line : {"XDG_DOCUMENTS_DIR=", "XDG_DOCUMENTS_DIR=\"", "XDG_DOCUMENTS_DIR=\"\"",
                              "XDG_DOCUMENTS_DIR=\"relative\"", "XDG_DOCUMENTS_DIR=\"$HOME\"",
                              "XDG_DOCUMENTS_DIR=\"$HOME/\"", "#XDG_DOCUMENTS_DIR=\"/tmp\""}) {
