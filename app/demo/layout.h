@@ -62,7 +62,7 @@ inline constexpr float kAssistant = 460.0F;
 }
 
 /// The same with a plate of that height below the scene.
-[[nodiscard]] inline Layout with_start_plate(Layout places, float height) {
+[[nodiscard]] inline Layout with_start_card(Layout places, float height) {
     Rectangle &view = places.scene_view;
     height = std::min(height, 0.5F * view.size.y);
     view.size.y -= height;

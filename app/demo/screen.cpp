@@ -412,8 +412,8 @@ Layout Screen::current_layout() const {
     constexpr float kExpectedHeight = 100.0F; // until it has been drawn
     return !shows_start()
                ? places
-               : with_start_plate(places, start_height_ > 0.0F ? start_height_
-                                                               : kExpectedHeight * window_.scale());
+               : with_start_card(places, start_height_ > 0.0F ? start_height_
+                                                              : kExpectedHeight * window_.scale());
 }
 
 void Screen::show_scene() {

@@ -73,7 +73,7 @@ private:
     [[nodiscard]] bool shows_start() const;
     void draw_panels(const Layout &places);
     void draw_over_scene(const Rectangle &view);
-    [[nodiscard]] bool has_room_for_plates(const Rectangle &view) const;
+    [[nodiscard]] bool has_room_for_cards(const Rectangle &view) const;
     [[nodiscard]] bool shows_lesson() const;
     /// Of the scene's view: where device and scene are shown whole.
     [[nodiscard]] Rectangle free_part(const Rectangle &view) const;

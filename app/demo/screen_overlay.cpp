@@ -43,7 +43,7 @@ void Screen::obey(SceneAction action) {
 }
 
 /// Beside the plots made large there is only a strip of the scene, for messages and the stop.
-bool Screen::has_room_for_plates(const Rectangle &view) const {
+bool Screen::has_room_for_cards(const Rectangle &view) const {
     constexpr float kLeast = 160.0F; // what lesson, views and help take below each other
     return view.size.y > kLeast * window_.scale();
 }
@@ -56,14 +56,14 @@ Rectangle Screen::free_part(const Rectangle &view) const {
     if (kiosk_) {
         return exhibit::free_in_kiosk(view);
     }
-    SidePlates plates;
-    if (has_room_for_plates(view)) {
-        plates.left = shows_lesson() ? width_of_scene_plate(session_, scene_panel_.plate, view,
-                                                            window_.scale())
-                                     : 0.0F;
-        plates.right = legend_width_;
+    SideCards cards;
+    if (has_room_for_cards(view)) {
+        cards.left = shows_lesson()
+                         ? width_of_scene_card(session_, scene_panel_.card, view, window_.scale())
+                         : 0.0F;
+        cards.right = legend_width_;
     }
-    Rectangle free = free_of_overlays(view, plates, opened_.is_shown(), window_.scale());
+    Rectangle free = free_of_overlays(view, cards, opened_.is_shown(), window_.scale());
     if (!has_panels()) {
         free.size.y -= height_of_read_outs(view);
     }
@@ -92,14 +92,14 @@ void Screen::draw_over_scene(const Rectangle &view) {
         return;
     }
     SceneOverlay shown{situation_of(session_, opened_), habits_.notice(),
-                       !shows_start() && has_room_for_plates(view)};
+                       !shows_start() && has_room_for_cards(view)};
     shown.now.is_inside = is_inside && !assistant_.is_open();
     const SceneAnswer answer = draw_scene_overlay(session_, opened_, shown, view, window_.scale());
     obey(answer.action);
-    if (shows_lesson() && has_room_for_plates(view)) {
+    if (shows_lesson() && has_room_for_cards(view)) {
         draw_captions(session_, view_control_.camera(), view, window_.scale());
-        draw_scene_plate(session_, editor_, scene_panel_.files, scene_panel_.plate, answer.free,
-                         window_.scale());
+        draw_scene_card(session_, editor_, scene_panel_.files, scene_panel_.card, answer.free,
+                        window_.scale());
     }
     if (view_control_.holds_hand()) {
         lift_.stop();
@@ -112,7 +112,7 @@ void Screen::draw_over_scene(const Rectangle &view) {
         draw_read_outs(opened_.subject(session_), now.tuning.map, view, window_.large_text(),
                        window_.scale());
     }
-    if (has_room_for_plates(view)) {
+    if (has_room_for_cards(view)) {
         if (const auto viewpoint = draw_view_buttons(view, window_.scale())) {
             view_control_.look_from(*viewpoint);
         }
@@ -131,7 +131,7 @@ void Screen::draw_start(const Rectangle &place) {
     if (place.size.y <= 0.0F) {
         return;
     }
-    const StartAnswer answer = draw_start_plate(place, start_height_);
+    const StartAnswer answer = draw_start_card(place, start_height_);
     if (answer == StartAnswer::got_it) {
         habits_.dismiss_start();
     } else if (answer == StartAnswer::keys) {

@@ -33,10 +33,10 @@ float unit_of(const Rectangle &view) {
 }
 
 /// A plate for the scope's widgets; with `wide` 0 as wide as they are.
-class Plate {
+class Card {
 public:
-    Plate(const char *name, ImVec2 corner, ImVec2 pivot, float wide, const ImVec4 &colour,
-          ImGuiWindowFlags flags = 0)
+    Card(const char *name, ImVec2 corner, ImVec2 pivot, float wide, const ImVec4 &colour,
+         ImGuiWindowFlags flags = 0)
         : scope_(name) {
         ImGui::SetNextWindowPos(corner, ImGuiCond_Always, pivot);
         if (wide > 0.0F) {
@@ -47,13 +47,13 @@ public:
         ImGui::Begin(name, nullptr,
                      kPlain | flags | (wide > 0.0F ? 0 : ImGuiWindowFlags_AlwaysAutoResize));
     }
-    ~Plate() {
+    ~Card() {
         ImGui::End();
         ImGui::PopStyleVar();
         ImGui::PopStyleColor();
     }
-    Plate(const Plate &) = delete;
-    Plate &operator=(const Plate &) = delete;
+    Card(const Card &) = delete;
+    Card &operator=(const Card &) = delete;
 
 private:
     ui::Scope scope_;
@@ -93,8 +93,8 @@ private:
         if (shown_.title.empty() || words()) { // while the scene is loaded, or has to wait
             return;
         }
-        const Plate plate("lesson", {left(), top()}, {0.0F, 0.0F}, kWide * u_, kBackdrop,
-                          ImGuiWindowFlags_NoInputs);
+        const Card card("lesson", {left(), top()}, {0.0F, 0.0F}, kWide * u_, kBackdrop,
+                        ImGuiWindowFlags_NoInputs);
         {
             const ui::Sized sized(text_.medium, kHeading * u_);
             ui::text(kForce, "{}", shown_.title);
@@ -109,7 +109,7 @@ private:
         ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImVec4(0.80F, 0.17F, 0.14F, 1.0F));
         ImGui::PushStyleColor(ImGuiCol_ButtonActive, ImVec4(0.92F, 0.24F, 0.20F, 1.0F));
         {
-            const Plate plate("stop", {right(), top()}, {1.0F, 0.0F}, 0.0F, kBare);
+            const Card card("stop", {right(), top()}, {1.0F, 0.0F}, 0.0F, kBare);
             answer_.stop = button("STOP  F12##stop", 190.0F, 84.0F);
         }
         ImGui::PopStyleColor(3);
@@ -138,8 +138,8 @@ private:
     void draw_banner() {
         const bool is_attract = shown_.course.stage() == Stage::attract;
         const ImVec2 corner = is_attract ? ImVec2{middle(), bottom()} : ImVec2{left(), bottom()};
-        const Plate plate("stage", corner, {is_attract ? 0.5F : 0.0F, 1.0F}, 0.0F, kBackdrop,
-                          ImGuiWindowFlags_NoInputs);
+        const Card card("stage", corner, {is_attract ? 0.5F : 0.0F, 1.0F}, 0.0F, kBackdrop,
+                        ImGuiWindowFlags_NoInputs);
         {
             const ui::Sized sized(is_attract ? text_.large : text_.medium,
                                   (is_attract ? kDigits : kHeading) * u_);
@@ -154,7 +154,7 @@ private:
     void draw_choices() {
         ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0F, 0.0F});
         {
-            const Plate plate("choices", {right(), bottom()}, {1.0F, 1.0F}, 0.0F, kBare);
+            const Card card("choices", {right(), bottom()}, {1.0F, 1.0F}, 0.0F, kBare);
             if (shown_.course.stage() == Stage::showing) {
                 answer_.my_turn = button("my turn", 170.0F);
                 ImGui::SameLine();
@@ -195,8 +195,8 @@ private:
         corner.y = std::clamp(corner.y, free.corner.y, free.corner.y + free.size.y - size.y);
         const bool transposes = shown_.map == control::MotionMap::transpose;
         const ImVec4 &colour = transposes ? kTransposeMap : kInverseMap;
-        const Plate plate("read-outs", corner, {0.0F, 0.0F}, size.x, kBackdrop,
-                          ImGuiWindowFlags_NoInputs);
+        const Card card("read-outs", corner, {0.0F, 0.0F}, size.x, kBackdrop,
+                        ImGuiWindowFlags_NoInputs);
         if (!ImGui::BeginTable("values", 2)) {
             return;
         }
@@ -282,7 +282,7 @@ private:
         if (!said) {
             return;
         }
-        const Plate plate("condition", {left(), top()}, {0.0F, 0.0F}, kWide * u_, said->colour);
+        const Card card("condition", {left(), top()}, {0.0F, 0.0F}, kWide * u_, said->colour);
         {
             const ui::Sized sized(text_.medium, kHeading * u_);
             ui::wrapped(kInk, "{}", said->first);

@@ -112,11 +112,11 @@ float draw_legend(ShownThings &shown, bool &is_open, const TouchValues &values,
         }
         ImGui::PopStyleVar(2);
     }
-    const float plate_width = is_open ? ImGui::GetWindowWidth() : 0.0F;
+    const float card_width = is_open ? ImGui::GetWindowWidth() : 0.0F;
     ImGui::End();
     ImGui::PopStyleVar(2);
     ImGui::PopStyleColor();
-    return plate_width;
+    return card_width;
 }
 
 } // namespace springdrive::app

@@ -4,8 +4,8 @@
 #include "app/panels/doctor_popup.h"
 #include "app/panels/event_log.h"
 #include "app/panels/opened_record.h"
+#include "app/panels/scene_card.h"
 #include "app/panels/scene_message.h"
-#include "app/panels/scene_plate.h"
 #include "app/panels/session_keeper.h"
 #include "app/panels/stability_tab.h"
 #include "app/panels/tuning_editor.h"
@@ -151,7 +151,7 @@ void draw_record_controls(OpenedRecord &opened, const Rectangle &view, float sca
 struct ScenePanelState {
     std::vector<std::filesystem::path> files; ///< offered in the list
     std::string typed;                        ///< path being typed
-    ScenePlateState plate;
+    SceneCardState card;
     HandTabState hand;
     PlantTabState plant;
     RecordTabState record;
@@ -190,7 +190,7 @@ enum class StartAnswer : std::uint8_t { none, got_it, keys, wrong_direction };
 
 /// The first minute: what is simulated, how to move the hand, what to try.
 /// @param height  that it needs at this width
-[[nodiscard]] StartAnswer draw_start_plate(const Rectangle &place, float &height);
+[[nodiscard]] StartAnswer draw_start_card(const Rectangle &place, float &height);
 
 /// Without panels: force, its direction and the depth, large, over a corner of the scene.
 /// @param map  in use
@@ -218,7 +218,7 @@ struct WindowMenuChoice {
 [[nodiscard]] float bottom_of_view_buttons(const Rectangle &view, float scale);
 
 /// Widths of the plates at the edges of the scene, 0 where there is none.
-struct SidePlates {
+struct SideCards {
     float left = 0.0F;
     float right = 0.0F; ///< beside the buttons of views
 };
@@ -226,7 +226,7 @@ struct SidePlates {
 /// The part of the scene over which none of these is drawn, a message of two lines included: for
 /// what must be seen whole. Where the scene is too small for it, the right plate, and then the
 /// rest, is not left out.
-[[nodiscard]] Rectangle free_of_overlays(const Rectangle &view, const SidePlates &plates,
+[[nodiscard]] Rectangle free_of_overlays(const Rectangle &view, const SideCards &cards,
                                          bool is_record, float scale);
 
 } // namespace springdrive::app

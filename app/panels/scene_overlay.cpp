@@ -231,11 +231,11 @@ std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale) {
     return chosen;
 }
 
-Rectangle free_of_overlays(const Rectangle &view, const SidePlates &plates, bool is_record,
+Rectangle free_of_overlays(const Rectangle &view, const SideCards &cards, bool is_record,
                            float scale) {
     constexpr float kLeast = 0.3F; // of the view's width and height
-    const float left = plates.left + 2.0F * margin(scale);
-    const float right = std::max(width_of_view_buttons(), plates.right) + 2.0F * margin(scale);
+    const float left = cards.left + 2.0F * margin(scale);
+    const float right = std::max(width_of_view_buttons(), cards.right) + 2.0F * margin(scale);
     const float top = margin(scale) + (1.0F + kMessageFont) * ImGui::GetTextLineHeight() +
                       ImGui::GetStyle().ItemSpacing.y + 2.0F * ImGui::GetStyle().WindowPadding.y;
     const float bottom =
@@ -245,8 +245,8 @@ Rectangle free_of_overlays(const Rectangle &view, const SidePlates &plates, bool
     const Rectangle free{{view.corner.x + left, view.corner.y + top},
                          {view.size.x - left - right, view.size.y - top - bottom}};
     const bool has_room = free.size.x > kLeast * view.size.x && free.size.y > kLeast * view.size.y;
-    if (!has_room && plates.right > 0.0F) {
-        return free_of_overlays(view, {plates.left, 0.0F}, is_record, scale);
+    if (!has_room && cards.right > 0.0F) {
+        return free_of_overlays(view, {cards.left, 0.0F}, is_record, scale);
     }
     return has_room ? free : view;
 }

@@ -31,8 +31,8 @@ void draw_scene_tab(session::Session &session, ScenePanelState &state) {
     } else if (!session.scenes().error().empty()) {
         ui::wrapped(kDanger, "{}", session.scenes().error());
     }
-    if (state.plate.is_put_away && ui::small_button("what to feel")) {
-        state.plate.is_put_away = false;
+    if (state.card.is_put_away && ui::small_button("what to feel")) {
+        state.card.is_put_away = false;
     }
     const Vector3 size_mm = 1000.0 * (shown.scene.upper_m - shown.scene.lower_m);
     ui::text(kInk, "{} triangles to touch, {:.0f} × {:.0f} × {:.0f} mm",

@@ -71,7 +71,7 @@ void VisitorWindow::report(const ParticipantPicture &picture, const SittingState
     ui::enter_at(layout.scene, "visitor/step", "text",
                  std::string(study_screen::description(state.step)));
     for (std::size_t i = 0; i < layout.choices.size(); ++i) {
-        ui::enter_at(layout.choices[i].plate, fmt::format("visitor/choice {}", i + 1), "button",
+        ui::enter_at(layout.choices[i].card, fmt::format("visitor/choice {}", i + 1), "button",
                      picture.choices[i].text);
     }
 }

@@ -26,7 +26,7 @@ constexpr const char *kNothingIsKept = "Nothing of this is kept: no answer, no n
 constexpr double kDot_s = 0.15;      ///< for which a reckoned answer is shown
 constexpr double kShowStart_s = 6.0; ///< of a show
 
-AnswerChoice plate_of(std::string text, const std::string &key) {
+AnswerChoice card_of(std::string text, const std::string &key) {
     return {std::move(text), study_screen::shown_key(key, false)};
 }
 
@@ -92,11 +92,11 @@ Course<Visitor> Visits::wait_for_visitor() {
     if (plan_.has_device) {
         picture.text = "A force pushes your hand back, sometimes a little to the side.\n"
                        "How little can you feel? It takes five minutes.";
-        picture.choices = {plate_of("Begin", "enter")};
+        picture.choices = {card_of("Begin", "enter")};
     } else {
         picture.text = "There is no device here, so there is nothing to feel: the hand on this "
                        "screen is simulated.\nWatch a made-up visitor, or guess yourself.";
-        picture.choices = {plate_of("Watch", "1"), plate_of("Guess", "2")};
+        picture.choices = {card_of("Watch", "1"), card_of("Guess", "2")};
     }
     const double from_s = session_.servo().now_s();
     while (true) {
@@ -184,7 +184,7 @@ Course<> Visits::show_curve(const study::StudyContents &visit, Visitor visitor) 
     picture.curve = curve_of(plan_.protocol, result_of_visit(plan_.protocol, visit));
     picture.heading = result_heading(*picture.curve, visitor);
     picture.text = result_text(plan_.made_up, visitor);
-    picture.choices = {plate_of("Next visitor", "enter")};
+    picture.choices = {card_of("Next visitor", "enter")};
     picture.choices_take_clicks = true;
     double from_s = session_.servo().now_s();
     const double stays_s = plan_.is_show ? kShowResult_s : kResult_s;

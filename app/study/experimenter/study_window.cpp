@@ -136,9 +136,9 @@ void StudyWindow::report_participant(const SittingState &state, const Participan
     enter("interval", "", static_cast<double>(state.interval + 1));
     enter("servo_ahead_s", "", servo_ahead_s(session_.servo()));
     enter("longest_frame_s", "", std::exchange(longest_frame_s_, 0.0));
-    const std::vector<PlacedChoice> &plates = participant_window_.layout().choices;
-    for (std::size_t i = 0; i < plates.size(); ++i) {
-        enter("choice", picture.choices.at(i).text, {}, plates[i].plate);
+    const std::vector<PlacedChoice> &cards = participant_window_.layout().choices;
+    for (std::size_t i = 0; i < cards.size(); ++i) {
+        enter("choice", picture.choices.at(i).text, {}, cards[i].card);
     }
 }
 

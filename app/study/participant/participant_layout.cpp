@@ -15,7 +15,7 @@ namespace {
 constexpr float kMargin = 1.0F / 16.0F; // of the height, as all below
 constexpr float kColumn = 1.25F;        // width of text: some 60 letters a line
 constexpr float kWideColumn = 1.6F;     // of headings and choices
-constexpr float kWidestPlate = 0.62F;
+constexpr float kWidestCard = 0.62F;
 constexpr float kBar = 1.0F / 45.0F; // height of what is left of a break
 constexpr float kProgress = 1.0F / 180.0F;
 constexpr float kSceneTop = 0.2F;
@@ -37,7 +37,7 @@ struct Attempt {
 };
 
 std::array<Rectangle *, 4> boxes_of(PlacedChoice &choice) {
-    return {&choice.plate, &choice.key, &choice.text.box, &choice.key_text.box};
+    return {&choice.card, &choice.key, &choice.text.box, &choice.key_text.box};
 }
 
 /// Things one below the other, from 0; moved to the middle of what is free at the end.
@@ -78,7 +78,7 @@ private:
 };
 
 /// Plates of one size, in rows that are filled one after the other.
-struct Plates {
+struct Cards {
     std::vector<PlacedChoice> choices; ///< from 0, 0
     ImVec2 size{};
     bool keeps_texts_whole = true;
@@ -87,9 +87,9 @@ struct Plates {
 class PlateMaker {
 public:
     PlateMaker(const std::vector<AnswerChoice> &choices, const ImFont &font, float text_px,
-               float most_width, float most_plate_width)
+               float most_width, float most_card_width)
         : choices_(choices), font_(font), text_px_(text_px), most_width_(most_width),
-          most_plate_width_(most_plate_width), padding_(std::round(0.55F * text_px)),
+          most_card_width_(most_card_width), padding_(std::round(0.55F * text_px)),
           gap_(std::round(0.6F * text_px)), cap_(std::round(1.55F * text_px)) {
         for (const AnswerChoice &choice : choices) {
             if (!choice.key.empty()) {
@@ -102,18 +102,18 @@ public:
     /// In as few rows as the texts allow, with keys beside their texts or above them. Nothing if a
     /// text would be broken within a word, or into more than two lines beside its key, or three
     /// below it; where that is allowed, the arrangement of the least height.
-    [[nodiscard]] std::optional<Plates> made(bool is_strict) const {
-        std::optional<Plates> lowest;
+    [[nodiscard]] std::optional<Cards> made(bool is_strict) const {
+        std::optional<Cards> lowest;
         const std::size_t count = choices_.size();
         for (std::size_t rows = 1; rows <= count; ++rows) {
             const std::size_t columns = (count + rows - 1) / rows;
             for (const bool has_keys_beside : {true, false}) {
-                std::optional<Plates> plates = arranged(columns, has_keys_beside);
-                if (plates && plates->keeps_texts_whole) {
-                    return plates;
+                std::optional<Cards> cards = arranged(columns, has_keys_beside);
+                if (cards && cards->keeps_texts_whole) {
+                    return cards;
                 }
-                if (plates && !is_strict && (!lowest || plates->size.y < lowest->size.y)) {
-                    lowest = std::move(plates);
+                if (cards && !is_strict && (!lowest || cards->size.y < lowest->size.y)) {
+                    lowest = std::move(cards);
                 }
             }
         }
@@ -126,16 +126,16 @@ private:
     }
 
     /// Nothing if there is no room for keys and some letters.
-    [[nodiscard]] std::optional<Plates> arranged(std::size_t columns, bool has_keys_beside) const {
+    [[nodiscard]] std::optional<Cards> arranged(std::size_t columns, bool has_keys_beside) const {
         const auto number = static_cast<float>(columns);
-        const float width = std::min(most_plate_width_,
-                                     std::floor((most_width_ - (number - 1.0F) * gap_) / number));
+        const float width =
+            std::min(most_card_width_, std::floor((most_width_ - (number - 1.0F) * gap_) / number));
         const float beside = has_keys_beside && cap_width_ > 0.0F ? cap_width_ + gap_ : 0.0F;
         const float text_width = width - 2.0F * padding_ - beside;
         if (text_width < 2.0F * text_px_ || width < cap_width_ + 2.0F * padding_) {
             return std::nullopt;
         }
-        Plates plates;
+        Cards cards;
         float height = 0.0F; // of what is in a plate
         for (const AnswerChoice &choice : choices_) {
             PlacedChoice placed;
@@ -149,21 +149,21 @@ private:
             height = std::max(height, has_keys_beside ? std::max(key, text)
                                       : text > 0.0F   ? text_top(key) + text
                                                       : key);
-            plates.keeps_texts_whole = plates.keeps_texts_whole && !placed.text.breaks_words &&
-                                       placed.text.lines.size() <= (has_keys_beside ? 2U : 3U);
-            plates.choices.push_back(std::move(placed));
+            cards.keeps_texts_whole = cards.keeps_texts_whole && !placed.text.breaks_words &&
+                                      placed.text.lines.size() <= (has_keys_beside ? 2U : 3U);
+            cards.choices.push_back(std::move(placed));
         }
         height += 2.0F * padding_;
         for (std::size_t i = 0; i < choices_.size(); ++i) {
-            PlacedChoice &placed = plates.choices[i];
-            placed.plate = {{static_cast<float>(i % columns) * (width + gap_),
-                             static_cast<float>(i / columns) * (height + gap_)},
-                            {width, height}};
+            PlacedChoice &placed = cards.choices[i];
+            placed.card = {{static_cast<float>(i % columns) * (width + gap_),
+                            static_cast<float>(i / columns) * (height + gap_)},
+                           {width, height}};
             fill(placed, has_keys_beside);
-            plates.size.y = placed.plate.corner.y + height;
+            cards.size.y = placed.card.corner.y + height;
         }
-        plates.size.x = number * (width + gap_) - gap_;
-        return plates;
+        cards.size.x = number * (width + gap_) - gap_;
+        return cards;
     }
 
     /// Of a text below a key of that height, which may be 0.
@@ -175,15 +175,15 @@ private:
     /// height.
     void fill(PlacedChoice &placed, bool has_keys_beside) const {
         const bool has_key = !is_empty(placed.key);
-        put_in_middle(placed.text.box, placed.plate);
-        put_in_middle(placed.key, placed.plate);
+        put_in_middle(placed.text.box, placed.card);
+        put_in_middle(placed.key, placed.card);
         if (has_key && !has_keys_beside) {
-            placed.key.corner.y = placed.plate.corner.y + padding_;
+            placed.key.corner.y = placed.card.corner.y + padding_;
             placed.text.box.corner.y = placed.key.corner.y + text_top(cap_);
         } else if (has_key && !placed.text.lines.empty()) {
             const float group = cap_width_ + gap_ + placed.text.box.size.x;
             placed.key.corner.x =
-                placed.plate.corner.x + std::floor(0.5F * (placed.plate.size.x - group));
+                placed.card.corner.x + std::floor(0.5F * (placed.card.size.x - group));
             placed.text.box.corner.x = placed.key.corner.x + cap_width_ + gap_;
         }
         put_in_middle(placed.key_text.box, placed.key);
@@ -198,7 +198,7 @@ private:
     const ImFont &font_;
     float text_px_;
     float most_width_;
-    float most_plate_width_;
+    float most_card_width_;
     float padding_;          ///< between a plate's edge and what is in it
     float gap_;              ///< between plates, and between a key and its text
     float cap_;              ///< height of a key's cap, and its least width
@@ -239,7 +239,7 @@ public:
             is_split ? upper.settle(std::round(0.5F * margin_), scene_top - half_gap) &&
                            lower.settle(scene_bottom + half_gap, bottom)
                      : upper.settle(margin_, bottom);
-        lay_plate();
+        lay_card();
         fill_field();
         return fits_ && has_room ? std::optional(std::move(layout_)) : std::nullopt;
     }
@@ -275,20 +275,20 @@ private:
 
     /// Heading and text, with room for the plate behind them.
     void add_words(Column &column) {
-        const float plate = picture_.is_calm_stop ? gap_ : 0.0F;
-        column.leave(plate);
+        const float card = picture_.is_calm_stop ? gap_ : 0.0F;
+        column.leave(card);
         if (!picture_.heading.empty()) {
-            layout_.heading = lines(picture_.heading, attempt_.heading_px, wide_ - 2.0F * plate);
+            layout_.heading = lines(picture_.heading, attempt_.heading_px, wide_ - 2.0F * card);
             fits_ = fits_ && !(attempt_.is_strict && layout_.heading.lines.size() > kHeadingLines);
             column.add(layout_.heading.box, 0.0F);
         }
         if (!picture_.text.empty()) { // in the middle where it is short, else flush left
-            layout_.text = lines(picture_.text, attempt_.text_px, column_ - 2.0F * plate,
+            layout_.text = lines(picture_.text, attempt_.text_px, column_ - 2.0F * card,
                                  std::round(0.5F * attempt_.text_px));
             layout_.text.is_centred = layout_.text.lines.size() <= 2 || picture_.is_calm_stop;
             column.add(layout_.text.box, std::round(0.75F * gap_));
         }
-        column.leave(plate);
+        column.leave(card);
     }
 
     /// What is left of a break, a free text, choices.
@@ -311,24 +311,24 @@ private:
         if (picture_.choices.empty()) {
             return;
         }
-        std::optional<Plates> plates =
+        std::optional<Cards> cards =
             PlateMaker(picture_.choices, letters_.font(attempt_.text_px), attempt_.text_px, wide_,
-                       std::round(kWidestPlate * height_))
+                       std::round(kWidestCard * height_))
                 .made(attempt_.is_strict);
-        fits_ = fits_ && plates;
-        if (plates) {
-            layout_.choices = std::move(plates->choices);
+        fits_ = fits_ && cards;
+        if (cards) {
+            layout_.choices = std::move(cards->choices);
             for (PlacedChoice &choice : layout_.choices) {
                 for (Rectangle *const box : boxes_of(choice)) {
-                    box->corner.x += middle(plates->size.x);
+                    box->corner.x += middle(cards->size.x);
                 }
             }
-            column.add(layout_.choices, plates->size.y, gap_);
+            column.add(layout_.choices, cards->size.y, gap_);
         }
     }
 
     /// Behind heading and text.
-    void lay_plate() {
+    void lay_card() {
         if (!picture_.is_calm_stop || (picture_.heading + picture_.text).empty()) {
             return;
         }
@@ -419,7 +419,7 @@ std::vector<std::string_view> texts_of(const ParticipantPicture &picture) {
 std::optional<std::size_t> ParticipantLayout::choice_at(double x, double y) const {
     const ImVec2 place{static_cast<float>(x), static_cast<float>(y)};
     const auto found = std::ranges::find_if(
-        choices, [&](const PlacedChoice &choice) { return choice.plate.contains(place); });
+        choices, [&](const PlacedChoice &choice) { return choice.card.contains(place); });
     return found == choices.end()
                ? std::nullopt
                : std::optional(static_cast<std::size_t>(found - choices.begin()));

@@ -19,7 +19,7 @@
 namespace springdrive::app::study_screen {
 
 struct PlacedChoice {
-    Rectangle plate;
+    Rectangle card;
     Rectangle key; ///< a key's cap within the plate; empty if there is none
     TextLines text;
     TextLines key_text;

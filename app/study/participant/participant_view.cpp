@@ -55,7 +55,7 @@ public:
         : list_(list), round_px_(static_cast<float>(height) / 90.0F),
           thin_px_(std::max(1.0F, std::round(static_cast<float>(height) / 480.0F))) {}
 
-    void add_plate(const Rectangle &box, ImU32 fill, ImU32 rim) {
+    void add_card(const Rectangle &box, ImU32 fill, ImU32 rim) {
         if (!is_empty(box)) {
             list_.AddRectFilled(box.corner, end_of(box), fill, round_px_);
             list_.AddRect(box.corner, end_of(box), rim, round_px_, 0, thin_px_);
@@ -163,20 +163,20 @@ void ParticipantView::draw_page() {
     ImGui::NewFrame();
     ImDrawList &list = *ImGui::GetBackgroundDrawList();
     Page page(list, target_->height);
-    page.add_plate(layout_.calm_plate, palette::kPlate, palette::kPlateRim);
+    page.add_card(layout_.calm_plate, palette::kCard, palette::kPlateRim);
     page.add_text(layout_.heading, palette::kInk);
     page.add_text(layout_.text, palette::kInk);
     page.add_bar(layout_.left_bar, picture_.left_share.value_or(0.0));
     page.add_text(layout_.left_text, palette::kDimInk);
-    page.add_plate(layout_.field, palette::kPlate, palette::kPlateRim);
+    page.add_card(layout_.field, palette::kCard, palette::kPlateRim);
     page.add_text(layout_.typed, palette::kInk);
     list.AddRectFilled(layout_.cursor.corner, end_of(layout_.cursor), palette::kAccent);
     for (std::size_t i = 0; i < layout_.choices.size(); ++i) {
         const PlacedChoice &choice = layout_.choices[i];
         const bool is_chosen = picture_.chosen == i;
-        page.add_plate(choice.plate, is_chosen ? palette::kChosenPlate : palette::kPlate,
-                       is_chosen ? palette::kAccent : palette::kPlateRim);
-        page.add_plate(choice.key, 0, palette::kAccent);
+        page.add_card(choice.card, is_chosen ? palette::kChosenCard : palette::kCard,
+                      is_chosen ? palette::kAccent : palette::kPlateRim);
+        page.add_card(choice.key, 0, palette::kAccent);
         page.add_text(choice.text, palette::kInk);
         page.add_text(choice.key_text, palette::kAccent);
     }

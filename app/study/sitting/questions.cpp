@@ -67,7 +67,7 @@ ParticipantPicture picture_of(const study::QuestionnaireItem &item, const study:
                                                                     : texts.questionnaire_after;
     picture.text = item.text;
     for (const QuestionChoice &choice : choices_of(item, texts)) {
-        picture.choices.push_back(choice.plate);
+        picture.choices.push_back(choice.card);
     }
     picture.choices_take_clicks = true;
     picture.has_text_field = item.kind == study::QuestionnaireKind::text;

@@ -19,7 +19,7 @@ namespace springdrive::app::study_screen {
 
 /// A way to answer a question: its plate, and what it stands for.
 struct QuestionChoice {
-    AnswerChoice plate;
+    AnswerChoice card;
     std::string key;                   ///< as inputs name it; empty: by a click only
     std::optional<std::string> answer; ///< nothing: none is given; of a free text: what is typed
 };

@@ -37,7 +37,7 @@ TEST(Answers, LeftIsDrawnOnTheLeftOfRight) {
     EXPECT_NE(drawn(protocol, keyboard, {"down", "up"}), drawn(protocol, keyboard, {"up", "down"}));
 }
 
-TEST(Answers, APlateSaysWhatTheAnswerMeansUnlessTheKeyDoes) {
+TEST(Answers, ACardSaysWhatTheAnswerMeansUnlessTheKeyDoes) {
     study::Protocol protocol = testing::protocol_of(testing::kPlainProtocol);
     const auto meanings = [&protocol] {
         std::vector<std::string> texts;
@@ -72,20 +72,20 @@ TEST(Answers, AGestureIsTheKeyAlongWhichTheTipWentFurthest) {
     EXPECT_EQ(alternative_of(keys, Vector3(0.1, 0.0, 0.0)), std::nullopt);
 }
 
-TEST(Answers, AClickOnAPlateGivesWhatItsKeyDoes) {
+TEST(Answers, AClickOnACardGivesWhatItsKeyDoes) {
     study::Protocol protocol = testing::protocol_of(testing::kPlainProtocol);
     for (const Keys &keys : {Keys{"right", "left"}, Keys{"left", "right"}, Keys{"y", "n"},
                              Keys{"right", "left", "up"}}) {
         protocol.responses = {study::ResponseDevice::keyboard, keys};
-        const std::vector<AnswerChoice> plates = choices_of(protocol);
-        ASSERT_EQ(plates.size(), keys.size());
+        const std::vector<AnswerChoice> cards = choices_of(protocol);
+        ASSERT_EQ(cards.size(), keys.size());
         std::vector<bool> is_reached(keys.size());
-        for (std::size_t plate = 0; plate < plates.size(); ++plate) {
+        for (std::size_t card = 0; card < cards.size(); ++card) {
             ParticipantInput click;
             click.source = InputSource::choice;
-            click.choice = plate;
+            click.choice = card;
             const std::size_t clicked = alternative_of(protocol.responses, click).value();
-            EXPECT_EQ(shown_key(keys.at(clicked), false), plates[plate].key);
+            EXPECT_EQ(shown_key(keys.at(clicked), false), cards[card].key);
             is_reached[clicked] = true;
             ParticipantInput press;
             press.name = keys.at(clicked);

@@ -79,14 +79,14 @@ void write(const ParticipantView &view, const std::string &file, int width, int 
 }
 
 TEST_F(ParticipantPixels, OfTheSceneShowBallAndRingAndAreTheSameEachTime) {
-    const scene::Scene plate =
+    const scene::Scene card =
         scene::load_gltf(std::string(SPRINGDRIVE_ASSET_DIR) + "/scenes/plate.gltf",
                          testing::phantom_1_0().workspace);
-    const Vector3 middle_m = 0.5 * (plate.lower_m + plate.upper_m);
-    const Vector3 spot_m(middle_m.x(), plate.upper_m.y(), middle_m.z());
+    const Vector3 middle_m = 0.5 * (card.lower_m + card.upper_m);
+    const Vector3 spot_m(middle_m.x(), card.upper_m.y(), middle_m.z());
     auto pictures = pictures_of_a_sitting();
     ParticipantView view;
-    view.set_scene(plate, {spot_m, Vector3::UnitY()}, -0.1);
+    view.set_scene(card, {spot_m, Vector3::UnitY()}, -0.1);
     const char *const folder = std::getenv("SPRINGDRIVE_PICTURES");
     for (auto &[name, picture] : pictures) {
         if (picture.tip_m) {
@@ -108,10 +108,10 @@ TEST_F(ParticipantPixels, OfTheSceneShowBallAndRingAndAreTheSameEachTime) {
     view.draw(picture, 640, 360);
     EXPECT_NE(view.pixels(), with_ball);
     ParticipantView other;
-    other.set_scene(plate, {spot_m, Vector3::UnitY()}, -0.1);
+    other.set_scene(card, {spot_m, Vector3::UnitY()}, -0.1);
     other.draw(pictures.at(6).second, 640, 360);
     EXPECT_EQ(other.pixels(), with_ball);
-    other.set_scene(plate, {spot_m + Vector3(0.01, 0.0, 0.0), Vector3::UnitY()}, -0.1);
+    other.set_scene(card, {spot_m + Vector3(0.01, 0.0, 0.0), Vector3::UnitY()}, -0.1);
     other.draw(pictures.at(6).second, 640, 360);
     EXPECT_NE(other.pixels(), with_ball);
 }

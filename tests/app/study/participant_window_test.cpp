@@ -115,9 +115,9 @@ TEST_F(ParticipantsWindow, ReportsClicksOnChoicesOrMouseButtonsAsThePictureSays)
     EXPECT_EQ(pressed(), std::vector<std::string>{"right"});
     picture_.choices_take_clicks = true;
     show(1);
-    const Rectangle plate = window_->layout().choices.at(1).plate;
-    keys_->click(static_cast<int>(plate.corner.x + 0.5F * plate.size.x),
-                 static_cast<int>(plate.corner.y + 0.5F * plate.size.y));
+    const Rectangle card = window_->layout().choices.at(1).card;
+    keys_->click(static_cast<int>(card.corner.x + 0.5F * card.size.x),
+                 static_cast<int>(card.corner.y + 0.5F * card.size.y));
     show(2);
     const std::vector<ParticipantInput> inputs = window_->take_inputs();
     ASSERT_EQ(inputs.size(), 1U);

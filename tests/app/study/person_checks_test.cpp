@@ -118,7 +118,7 @@ TEST(PersonChecks, FindTextsThatAreTooLongToRead) {
         << said_of(protocol);
 }
 
-TEST(Questions, AreAnsweredByTheKeysOnTheirPlates) {
+TEST(Questions, AreAnsweredByTheKeysOnTheirCards) {
     const study::QuestionnaireItem item{.name = "hand",
                                         .when = study::QuestionnaireTime::after,
                                         .text = "Which hand?",

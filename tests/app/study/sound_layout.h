@@ -52,7 +52,7 @@ inline std::vector<Rectangle> separate_boxes(const ParticipantLayout &layout) {
         }
     }
     for (const PlacedChoice &choice : layout.choices) {
-        boxes.push_back(choice.plate);
+        boxes.push_back(choice.card);
     }
     return boxes;
 }
@@ -70,11 +70,11 @@ inline void expect_sound(const ParticipantPicture &picture, const ScreenSize &si
     ASSERT_EQ(layout.choices.size(), picture.choices.size());
     for (std::size_t i = 0; i < layout.choices.size(); ++i) {
         const PlacedChoice &choice = layout.choices[i];
-        ASSERT_TRUE(is_within(choice.text.box, choice.plate));
-        ASSERT_TRUE(is_within(choice.key, choice.plate));
+        ASSERT_TRUE(is_within(choice.text.box, choice.card));
+        ASSERT_TRUE(is_within(choice.key, choice.card));
         ASSERT_FALSE(overlap(choice.text.box, choice.key));
-        ASSERT_EQ(layout.choice_at(choice.plate.corner.x + 0.5 * choice.plate.size.x,
-                                   choice.plate.corner.y + 0.5 * choice.plate.size.y),
+        ASSERT_EQ(layout.choice_at(choice.card.corner.x + 0.5 * choice.card.size.x,
+                                   choice.card.corner.y + 0.5 * choice.card.size.y),
                   i);
     }
     if (picture.has_text_field) {

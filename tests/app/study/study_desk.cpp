@@ -48,10 +48,10 @@ Report StudyDesk::look() {
     return Report(nlohmann::json::parse(*line));
 }
 
-void StudyDesk::click_plate(const Report &report, std::size_t plate) {
+void StudyDesk::click_card(const Report &report, std::size_t card) {
     std::size_t number = 0;
     for (const nlohmann::json &item : report.all().at("items")) {
-        if (item.at("id") == "participant/choice" && number++ == plate) {
+        if (item.at("id") == "participant/choice" && number++ == card) {
             const auto middle = [&item](const char *from, const char *size) {
                 return static_cast<int>(
                     std::lround(item.at(from).get<double>() + 0.5 * item.at(size).get<double>()));
@@ -60,7 +60,7 @@ void StudyDesk::click_plate(const Report &report, std::size_t plate) {
             return;
         }
     }
-    throw std::runtime_error("there is no plate " + std::to_string(plate) + ": " + report.texts());
+    throw std::runtime_error("there is no plate " + std::to_string(card) + ": " + report.texts());
 }
 
 void StudyDesk::click(const std::string &id) {

@@ -25,7 +25,7 @@ public:
     /// The participant's keyboard: the key is pressed and released at once.
     void press(const std::string &key) { keys_.tap(key); }
     /// The participant's mouse: on the plate with this number, from 0.
-    void click_plate(const Report &report, std::size_t plate);
+    void click_card(const Report &report, std::size_t card);
     /// The experimenter's mouse; the keyboard stays the participant's.
     void click(const std::string &id);
     /// The same, with a button after which the windows are gone.

@@ -222,7 +222,7 @@ private:
         ASSERT_NE(item, protocol_.questionnaire.end()) << text;
         switch (item->kind) {
         case study::QuestionnaireKind::choice:
-            editor.click_plate(report, 1);
+            editor.click_card(report, 1);
             break;
         case study::QuestionnaireKind::scale:
             editor.press("3");
@@ -232,7 +232,7 @@ private:
                 editor.press(key);
             }
             static_cast<void>(editor.look());
-            editor.click_plate(editor.look(), 0); // "next"
+            editor.click_card(editor.look(), 0); // "next"
         }
     }
 

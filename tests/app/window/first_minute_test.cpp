@@ -1,5 +1,5 @@
 // Covers the first minute: the plate below the scene, the messages over it with their buttons, and
-// the tooltips of whole rows: app/demo/screen_overlay.cpp, app/panels/start_plate.cpp,
+// the tooltips of whole rows: app/demo/screen_overlay.cpp, app/panels/start_card.cpp,
 // app/panels/scene_overlay.cpp, app/widgets/widgets.cpp.
 #include "engine/servo/safety_status.h"
 #include "tests/support/devices.h"

@@ -1,4 +1,4 @@
-// Covers app/panels/scene_plate.cpp: what a scene says that there is to feel.
+// Covers app/panels/scene_card.cpp: what a scene says that there is to feel.
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/shown_window.h"

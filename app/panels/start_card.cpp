@@ -21,7 +21,7 @@ constexpr std::array<StartLine, 3> kStartLines{{
 
 } // namespace
 
-StartAnswer draw_start_plate(const Rectangle &place, float &height) {
+StartAnswer draw_start_card(const Rectangle &place, float &height) {
     StartAnswer answer = StartAnswer::none;
     ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.10F, 0.20F, 0.36F, 1.0F));
     {

@@ -1,4 +1,4 @@
-#include "app/panels/scene_plate.h"
+#include "app/panels/scene_card.h"
 
 #include "app/view/view_state.h"
 #include "app/widgets/widgets.h"
@@ -16,11 +16,11 @@ namespace springdrive::app {
 
 namespace {
 
-const ImVec4 kPlate{0.07F, 0.08F, 0.10F, 0.88F};
+const ImVec4 kCard{0.07F, 0.08F, 0.10F, 0.88F};
 
-float plate_margin(float scale) { return 8.0F * scale; }
+float card_margin(float scale) { return 8.0F * scale; }
 
-float plate_width(const Rectangle &view, float scale) {
+float card_width(const Rectangle &view, float scale) {
     return std::min(320.0F * scale, 0.42F * view.size.x);
 }
 
@@ -50,7 +50,7 @@ void draw_neighbour_button(session::Session &session, std::span<const std::files
 
 /// Title, and the buttons in its row.
 void draw_head(session::Session &session, std::span<const std::filesystem::path> files,
-               ScenePlateState &state) {
+               SceneCardState &state) {
     const scene::Scene &scene = session.scenes().now().scene;
     const float button = ImGui::CalcTextSize("<").x + 2.0F * ImGui::GetStyle().FramePadding.x;
     const float gap = 0.5F * ImGui::GetStyle().ItemSpacing.x;
@@ -72,7 +72,7 @@ void draw_head(session::Session &session, std::span<const std::filesystem::path>
 }
 
 /// Takes the latest measurement into the map's place.
-void measure(const session::Session &session, ScenePlateState &state) {
+void measure(const session::Session &session, SceneCardState &state) {
     static const std::array<std::optional<std::size_t>, 2> kChannels{
         session::channel_named("inverse_measured_rad"),
         session::channel_named("transpose_measured_rad")};
@@ -88,7 +88,7 @@ void measure(const session::Session &session, ScenePlateState &state) {
 }
 
 /// One row a map, the active one large.
-void draw_angles(session::Session &session, TuningEditor &editor, const ScenePlateState &state) {
+void draw_angles(session::Session &session, TuningEditor &editor, const SceneCardState &state) {
     constexpr float kLarge = 1.5F;
     constexpr std::array<control::MotionMap, 2> kMaps{control::MotionMap::inverse,
                                                       control::MotionMap::transpose};
@@ -178,7 +178,7 @@ public:
         const ImVec2 end{box.corner.x + box.size.x, box.corner.y + box.size.y};
         const ImU32 ink = ImGui::ColorConvertFloat4ToU32(colour);
         list_.AddLine({std::clamp(at.x, box.corner.x, end.x), end.y}, at, ink, scale_);
-        list_.AddRectFilled(box.corner, end, ImGui::ColorConvertFloat4ToU32(kPlate), 3.0F * scale_);
+        list_.AddRectFilled(box.corner, end, ImGui::ColorConvertFloat4ToU32(kCard), 3.0F * scale_);
         list_.AddText({box.corner.x + margin, box.corner.y + 0.25F * margin}, ink,
                       caption.text.c_str());
         ui::enter_at({box.corner, box.size}, caption.text, "caption", caption.text);
@@ -195,17 +195,17 @@ private:
 
 } // namespace
 
-float width_of_scene_plate(const session::Session &session, const ScenePlateState &state,
-                           const Rectangle &view, float scale) {
+float width_of_scene_card(const session::Session &session, const SceneCardState &state,
+                          const Rectangle &view, float scale) {
     const bool is_new = state.scene != session.scenes().id();
     const bool is_shown =
         (is_new || !state.is_put_away) && !session.scenes().now().scene.lesson.is_empty();
-    return is_shown ? plate_margin(scale) + plate_width(view, scale) : 0.0F;
+    return is_shown ? card_margin(scale) + card_width(view, scale) : 0.0F;
 }
 
-void draw_scene_plate(session::Session &session, TuningEditor &editor,
-                      std::span<const std::filesystem::path> files, ScenePlateState &state,
-                      const Rectangle &place, float scale) {
+void draw_scene_card(session::Session &session, TuningEditor &editor,
+                     std::span<const std::filesystem::path> files, SceneCardState &state,
+                     const Rectangle &place, float scale) {
     if (state.scene != session.scenes().id()) {
         state = {session.scenes().id(), false, {}};
     }
@@ -215,11 +215,11 @@ void draw_scene_plate(session::Session &session, TuningEditor &editor,
         return;
     }
     const ui::Scope scope("lesson");
-    const float margin = plate_margin(scale);
-    const float width = plate_width(place, scale);
+    const float margin = card_margin(scale);
+    const float width = card_width(place, scale);
     ImGui::SetNextWindowPos({place.corner.x + margin, place.corner.y + margin});
     ImGui::SetNextWindowSize({width, 0.0F});
-    ImGui::PushStyleColor(ImGuiCol_WindowBg, kPlate);
+    ImGui::PushStyleColor(ImGuiCol_WindowBg, kCard);
     ImGui::Begin("lesson", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
