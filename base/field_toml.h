@@ -40,8 +40,8 @@ void read(StrictTomlTable &table, const Fields &fields, Struct &value) {
             } else if constexpr (std::is_same_v<Member, std::string Struct::*>) {
                 value.*member = table.text(field.name, field.range);
             } else if constexpr (std::is_same_v<Member, std::vector<double> Struct::*>) {
-                constexpr std::size_t kMostNumbers = 1000;
-                value.*member = table.numbers(field.name, field.range, kMostNumbers);
+                constexpr std::size_t kMaxNumbers = 1000;
+                value.*member = table.numbers(field.name, field.range, kMaxNumbers);
             } else {
                 value.*member = table.texts(field.name, static_cast<std::size_t>(maximum));
             }

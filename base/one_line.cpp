@@ -39,8 +39,8 @@ std::string one_line(std::string_view text, std::size_t max_length) {
 }
 
 std::string in_quotes(std::string_view text) {
-    constexpr std::size_t kLongestName = 80;
-    return "'" + one_line(text, kLongestName) + "'";
+    constexpr std::size_t kMaxName = 80;
+    return "'" + one_line(text, kMaxName) + "'";
 }
 
 std::string shortest_text(double number) {

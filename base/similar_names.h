@@ -29,8 +29,8 @@ namespace springdrive {
 template <typename Element, typename NameOf>
 void sort_by_similarity(std::vector<Element> &elements, std::string_view typed,
                         const NameOf &name_of) {
-    constexpr std::size_t kLongestCompared = 100;
-    const std::string_view compared = typed.substr(0, kLongestCompared);
+    constexpr std::size_t kMaxCompared = 100;
+    const std::string_view compared = typed.substr(0, kMaxCompared);
     std::ranges::stable_sort(elements, {}, [&](const Element &element) {
         return letters_between(compared, name_of(element));
     });

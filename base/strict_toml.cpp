@@ -148,9 +148,9 @@ void StrictTomlTable::refuse(std::string_view key, const std::string &problem) c
     const toml::source_position where =
         node != nullptr ? node->source().begin : contents_->table->source().begin;
     const std::string line = where ? ":" + std::to_string(where.line) : "";
-    constexpr std::size_t kLongest = 2000; // keys and texts of a file may have line breaks
+    constexpr std::size_t kMax = 2000; // keys and texts of a file may have line breaks
     throw InputError(contents_->file.string() + line + ": " +
-                     one_line(contents_->prefix + std::string(key) + " " + problem, kLongest));
+                     one_line(contents_->prefix + std::string(key) + " " + problem, kMax));
 }
 
 bool StrictTomlTable::has(std::string_view key) const {

@@ -49,7 +49,7 @@ bool has_own_calibration(const std::filesystem::path &device_file) {
 struct CalibrationView {
     CalibrationStage stage = CalibrationStage::rest;
     double share = 0.0; ///< of the stage
-    std::size_t least_known = 0;
+    std::size_t min_known = 0;
     double motion_left_s = 0.0;
     std::array<commissioning::MotorProgress, 3> motor;
     bool has_theta = false;
@@ -106,7 +106,7 @@ public:
         }
         const bool goes_on = run_->step();
         if (!goes_on || ticks_++ % kTicksBetweenViews == 0) {
-            talk_->view.publish({run_->stage(), run_->share(), run_->least_known(),
+            talk_->view.publish({run_->stage(), run_->share(), run_->min_known(),
                                  run_->motion_left_s(), run_->progress(),
                                  run_->stage() != CalibrationStage::rest,
                                  run_->sample().theta_rad});
@@ -302,7 +302,7 @@ private:
     }
 
     void report_progress(StepReport &report) const {
-        report.to_do = as_to_do(CalibrationRun::instruction(view().stage, view().least_known),
+        report.to_do = as_to_do(CalibrationRun::instruction(view().stage, view().min_known),
                                 "Wait: the board keeps it.");
         if (view().stage != CalibrationStage::motion) {
             report.bars.push_back(

@@ -139,9 +139,9 @@ void describe_dR(const CalibrationReport &found, StepReport &report) {
     double at_start_Ohm = 0.0;
     double now_Ohm = 0.0;
     for (const commissioning::MotorCalibrationReport &motor : found.motor) {
-        before_Ohm = std::max(before_Ohm, motor.before.least_dR_Ohm);
-        at_start_Ohm = std::max(at_start_Ohm, motor.at_start.least_dR_Ohm);
-        now_Ohm = std::max(now_Ohm, motor.now.least_dR_Ohm);
+        before_Ohm = std::max(before_Ohm, motor.before.min_dR_Ohm);
+        at_start_Ohm = std::max(at_start_Ohm, motor.at_start.min_dR_Ohm);
+        now_Ohm = std::max(now_Ohm, motor.now.min_dR_Ohm);
     }
     report.see("least dR: {:.2f} Ω at a start, instead of {:.2f} Ω by the device file; {:.2f} Ω "
                "after a touch",

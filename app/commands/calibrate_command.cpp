@@ -93,7 +93,7 @@ void show_dR(const CalibrationReport &report, double dR_Ohm) {
         table.rows.push_back({table.rows.size() + 1});
         for (const Cancellable &known : {motor.before, motor.at_start, motor.now}) {
             table.rows.back().push_back(Cell::like_number(
-                fmt::format("{:.3f}, {:.3f}", known.R_hat_Ohm, known.least_dR_Ohm)));
+                fmt::format("{:.3f}, {:.3f}", known.R_hat_Ohm, known.min_dR_Ohm)));
         }
     }
     write_text(std::cout, table);

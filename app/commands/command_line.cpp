@@ -82,8 +82,8 @@ std::string unknown_argument_text(const CLI::App &app) {
     std::vector<std::string> names = possible_names(app, typed);
     sort_by_similarity(names, typed,
                        [](const std::string &name) { return std::string_view(name); });
-    constexpr std::size_t kMostLetters = 3; // more is another word
-    const bool is_near = !names.empty() && letters_between(typed, names.front()) <= kMostLetters;
+    constexpr std::size_t kMaxLetters = 3; // more is another word
+    const bool is_near = !names.empty() && letters_between(typed, names.front()) <= kMaxLetters;
     text += is_near ? "; did you mean " + names.front() + "? See" : "; see";
     return text + " springdrive " + (command.empty() ? "" : command + " ") + "--help";
 }

@@ -138,12 +138,12 @@ Option add_delay_option(Command &command, double &delay_periods) {
     return command
         .add_option("--delay", delay_periods,
                     fmt::format("periods from reading θ to applying e_W, a real number 0 to {} [0]",
-                                simulated::SimulationOptions::kLongestDelay))
+                                simulated::SimulationOptions::kMaxDelay))
         .type_name("D");
 }
 
 void check_delay(double delay_periods) {
-    check_range("--delay", delay_periods, 0, simulated::SimulationOptions::kLongestDelay);
+    check_range("--delay", delay_periods, 0, simulated::SimulationOptions::kMaxDelay);
 }
 
 void TuningOptions::add_to(Command &command, TuningScope scope) {

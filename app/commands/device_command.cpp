@@ -51,8 +51,7 @@ struct TypedEmulator {
 
 emulator::EmulatedBoardOptions board_options(const TypedEmulator &typed,
                                              const device::DeviceDescription &description) {
-    check_range("--delay", typed.delay_periods, 0.0,
-                emulator::EmulatedBoard::kLongestDelay_periods);
+    check_range("--delay", typed.delay_periods, 0.0, emulator::EmulatedBoard::kMaxDelay_periods);
     check_range("--loop-hz", typed.loop_hz, 1000.0, 200'000.0);
     emulator::EmulatedBoardOptions options;
     options.identity = emulator::emulated_identity(typed.serial);

@@ -16,7 +16,7 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr double kLongest_s = 24.0 * 3600.0;
+constexpr double kMax_s = 24.0 * 3600.0;
 
 struct TypedRecord {
     TypedSession session;
@@ -42,7 +42,7 @@ void play(session::Session &session, bool lockstep, double seconds) {
 }
 
 void run(const TypedRecord &typed) {
-    check_range("--seconds", typed.seconds, 1e-3, kLongest_s);
+    check_range("--seconds", typed.seconds, 1e-3, kMax_s);
     session::SessionOptions options = typed.session.session();
     if (options.record == "-") {
         throw InputError("record: writes to a file only; springdrive export can write to -");

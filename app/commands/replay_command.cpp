@@ -160,12 +160,12 @@ private:
 
     /// From the first tick that is recorded to the last one of the session.
     void print_gaps(std::ostream &out) {
-        constexpr double kLeast_s = 0.1; // an exchange of the device takes some ticks
+        constexpr double kMin_s = 0.1; // an exchange of the device takes some ticks
         std::ranges::sort(covered_, {}, &Covered::from_s);
         covered_.push_back({run_.until_s, run_.until_s});
         double to_s = covered_.front().to_s;
         for (const Covered &part : covered_) {
-            if (part.from_s > to_s + kLeast_s) {
+            if (part.from_s > to_s + kMin_s) {
                 print(out, "not recorded: {:.3f} to {:.3f} s\n", to_s, part.from_s);
             }
             to_s = std::max(to_s, part.to_s);

@@ -145,11 +145,11 @@ SweepOptions checked_options(const TypedSweep &typed, const device::DeviceDescri
     if (!(options.min_hz < options.max_hz)) {
         throw InputError("--freq-from must be below --freq-to");
     }
-    check_range("--points", options.points, 2, commissioning::kMostSweepPoints);
-    check_range("--tip-force", options.tip_force_N, commissioning::kLeastSweepForce_N,
+    check_range("--points", options.points, 2, commissioning::kMaxSweepPoints);
+    check_range("--tip-force", options.tip_force_N, commissioning::kMinSweepForce_N,
                 device.limits.tip_force_N);
-    check_range("--motion", options.motion_m, commissioning::kLeastSweepMotion_m,
-                commissioning::kMostSweepMotion_m);
+    check_range("--motion", options.motion_m, commissioning::kMinSweepMotion_m,
+                commissioning::kMaxSweepMotion_m);
     if (typed.tolerance) {
         check_range("--tolerance", *typed.tolerance, 0.01, 100.0);
     }

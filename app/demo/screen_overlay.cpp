@@ -44,8 +44,8 @@ void Screen::obey(SceneAction action) {
 
 /// Beside the plots made large there is only a strip of the scene, for messages and the stop.
 bool Screen::has_room_for_cards(const Rectangle &view) const {
-    constexpr float kLeast = 160.0F; // what lesson, views and help take below each other
-    return view.size.y > kLeast * window_.scale();
+    constexpr float kMin = 160.0F; // what lesson, views and help take below each other
+    return view.size.y > kMin * window_.scale();
 }
 
 bool Screen::shows_lesson() const {

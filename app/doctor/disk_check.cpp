@@ -21,7 +21,7 @@ namespace {
 
 /// A disk that is just fast enough has nothing left for other programs.
 constexpr double kAmple = 4.0;
-constexpr double kLeastRecord_s = 600.0;
+constexpr double kMinRecord_s = 600.0;
 constexpr const char *kAnotherDisk = "cd ~  # start springdrive in a folder on another disk";
 
 std::string text_of_bytes(double bytes) {
@@ -67,7 +67,7 @@ std::string fix_refusal(const Evidence &evidence, const std::string &folder) {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kWriting_s = 0.4;
-constexpr std::size_t kMost_bytes = std::size_t{64} << 20U;
+constexpr std::size_t kMax_bytes = std::size_t{64} << 20U;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -134,7 +134,7 @@ DiskProbe try_disk(const std::filesystem::path &folder, std::size_t second_bytes
         }
         probe.longest_sync_s = std::max(probe.longest_sync_s, seconds_since(wrote));
         written += second.size();
-    } while (probe.refused == 0 && seconds_since(start) < kWriting_s && written < kMost_bytes);
+    } while (probe.refused == 0 && seconds_since(start) < kWriting_s && written < kMax_bytes);
     probe.written_bytes_per_s = static_cast<double>(written) / seconds_since(start);
     close(file);
     return probe;
@@ -166,7 +166,7 @@ Finding disk_check(const Evidence &evidence) {
                                                                : Verdict::warning,
                 found, "cd ~  # start springdrive in a folder on a faster disk"};
     }
-    if (lasts_s < kLeastRecord_s) {
+    if (lasts_s < kMinRecord_s) {
         return {Verdict::warning, found, make_room(folder)};
     }
     return {Verdict::ok, found};

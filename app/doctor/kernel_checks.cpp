@@ -14,10 +14,10 @@ constexpr const char *kProcessors = "/sys/devices/system/cpu/";
 constexpr const char *kIdleFile = "/dev/cpu_dma_latency";
 
 /// Waking up may take this share of a period.
-constexpr double kLongestWaking = 0.1;
+constexpr double kMaxWaking = 0.1;
 
 /// Of each second; a servo needs a few per cent.
-constexpr double kLeastShare = 0.5;
+constexpr double kMinShare = 0.5;
 
 std::vector<std::string> processors(const Machine &machine) {
     std::vector<std::string> all;
@@ -74,7 +74,7 @@ Finding real_time_share_check(const Evidence &evidence) {
     const double share = static_cast<double>(*runtime_us) / static_cast<double>(*period_us);
     Finding finding{Verdict::ok, fmt::format("{:.3g} % of each {:.3g} s", 100.0 * share,
                                              1e-6 * static_cast<double>(*period_us))};
-    if (share < kLeastShare) {
+    if (share < kMinShare) {
         finding.verdict = evidence.purpose.worse_with_usb();
         finding.fix = fmt::format("{}sysctl -w kernel.sched_rt_runtime_us={}",
                                   evidence.process.sudo(), *period_us - *period_us / 20);
@@ -105,7 +105,7 @@ Finding preemption_check(const Evidence &evidence) {
 
 Finding idle_check(const Evidence &evidence) {
     const bool is_short = evidence.probes.rights.idle_is_short;
-    const double longest_s = kLongestWaking / evidence.purpose.servo_hz;
+    const double longest_s = kMaxWaking / evidence.purpose.servo_hz;
     const std::optional<IdleState> deepest = deepest_idle(evidence.machine);
     if (!deepest) {
         return {is_short ? Verdict::ok : Verdict::not_applicable,

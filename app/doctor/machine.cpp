@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kShortFile_bytes = 4096; ///< as a file of sysfs
 constexpr std::size_t kLongFile_bytes = std::size_t{256} * 1024;
-constexpr std::size_t kMostNames = 100'000;
+constexpr std::size_t kMaxNames = 100'000;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -141,7 +141,7 @@ std::vector<std::string> Machine::names_in(std::string_view folder) const {
     std::vector<std::string> names;
     std::error_code ends;
     auto entry = std::filesystem::directory_iterator(at(folder), ends);
-    while (!ends && entry != std::filesystem::directory_iterator() && names.size() < kMostNames) {
+    while (!ends && entry != std::filesystem::directory_iterator() && names.size() < kMaxNames) {
         names.push_back(entry->path().filename().string());
         entry.increment(ends);
     }

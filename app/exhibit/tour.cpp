@@ -24,8 +24,8 @@ public:
 
     void go(const Vector3 &to_m, double speed_m_per_s) {
         const double way_m = (to_m - points_.back().position_m).norm();
-        constexpr double kLeast_m = 1e-6;
-        if (way_m > kLeast_m) {
+        constexpr double kMin_m = 1e-6;
+        if (way_m > kMin_m) {
             points_.push_back({now_s() + way_m / speed_m_per_s, to_m});
         }
     }
@@ -148,8 +148,8 @@ private:
         const Vector3 size_m = scene_.upper_m - scene_.lower_m;
         const bool goes_deep = size_m.z() > size_m.x();
         const Vector3 along = goes_deep ? Vector3::UnitZ() : Vector3::UnitX();
-        constexpr double kLongest_m = 0.03;
-        const double half_m = std::min(kLongest_m, 0.3 * (goes_deep ? size_m.z() : size_m.x()));
+        constexpr double kMax_m = 0.03;
+        const double half_m = std::min(kMax_m, 0.3 * (goes_deep ? size_m.z() : size_m.x()));
         constexpr double kStep_m = 0.002;
         const long steps = std::lround(half_m / kStep_m);
         const auto go_to = [&](long step) {

@@ -180,8 +180,8 @@ StiffnessMeasured measured_stiffness(const record::ChannelStore &store, double f
         sum_yy += y * y;
     }
     const double of_x = sum_xx - sum_x * sum_x / n;
-    constexpr double kLeastSpread_m = 5e-5; // two encoder counts at the tip
-    if (n < 10.0 || !(std::sqrt(of_x / n) > kLeastSpread_m)) {
+    constexpr double kMinSpread_m = 5e-5; // two encoder counts at the tip
+    if (n < 10.0 || !(std::sqrt(of_x / n) > kMinSpread_m)) {
         return {};
     }
     const double of_xy = sum_xy - sum_x * sum_y / n;

@@ -27,7 +27,7 @@ void draw_delay(session::Session &session, PlantTabState &state) {
     state.delay_periods = state.dragging_delay ? state.delay_periods : delay;
     ImGui::SetNextItemWidth(9.0F * ImGui::GetFontSize());
     ui::slider_with_number("##delay", state.delay_periods, 0.0,
-                           simulated::SimulationOptions::kLongestDelay, "delay %.2f periods");
+                           simulated::SimulationOptions::kMaxDelay, "delay %.2f periods");
     state.dragging_delay = ImGui::IsItemActive();
     if (ImGui::IsItemDeactivatedAfterEdit() && state.delay_periods != delay) {
         state.error = error_text_of([&] { session.set_delay(state.delay_periods); });

@@ -15,7 +15,7 @@ namespace {
 
 /// Records and run folders in the own folder, the newest first.
 std::vector<std::filesystem::path> records_here() {
-    constexpr std::size_t kMost = 50;
+    constexpr std::size_t kMax = 50;
     std::vector<std::pair<std::filesystem::file_time_type, std::filesystem::path>> found;
     std::error_code ignored;
     for (const auto &entry : std::filesystem::directory_iterator(output_dir(), ignored)) {
@@ -27,7 +27,7 @@ std::vector<std::filesystem::path> records_here() {
     }
     std::ranges::sort(found, std::greater());
     std::vector<std::filesystem::path> files;
-    for (std::size_t i = 0; i < std::min(kMost, found.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(kMax, found.size()); ++i) {
         files.push_back(found[i].second);
     }
     return files;

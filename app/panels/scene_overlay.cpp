@@ -233,7 +233,7 @@ std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale) {
 
 Rectangle free_of_overlays(const Rectangle &view, const SideCards &cards, bool is_record,
                            float scale) {
-    constexpr float kLeast = 0.3F; // of the view's width and height
+    constexpr float kMin = 0.3F; // of the view's width and height
     const float left = cards.left + 2.0F * margin(scale);
     const float right = std::max(width_of_view_buttons(), cards.right) + 2.0F * margin(scale);
     const float top = margin(scale) + (1.0F + kMessageFont) * ImGui::GetTextLineHeight() +
@@ -244,7 +244,7 @@ Rectangle free_of_overlays(const Rectangle &view, const SideCards &cards, bool i
                    : help_size(kHandHelp, view, scale).y);
     const Rectangle free{{view.corner.x + left, view.corner.y + top},
                          {view.size.x - left - right, view.size.y - top - bottom}};
-    const bool has_room = free.size.x > kLeast * view.size.x && free.size.y > kLeast * view.size.y;
+    const bool has_room = free.size.x > kMin * view.size.x && free.size.y > kMin * view.size.y;
     if (!has_room && cards.right > 0.0F) {
         return free_of_overlays(view, {cards.left, 0.0F}, is_record, scale);
     }

@@ -251,9 +251,9 @@ void show_log(const EventLog &log) {
     if (log.events().empty()) {
         ui::text(kFaintInk, "nothing happened yet");
     }
-    constexpr std::size_t kMostShown = 200;
+    constexpr std::size_t kMaxShown = 200;
     std::size_t shown = 0;
-    for (auto event = log.events().rbegin(); event != log.events().rend() && shown < kMostShown;
+    for (auto event = log.events().rbegin(); event != log.events().rend() && shown < kMaxShown;
          ++event, ++shown) {
         const ImVec4 &ink = event->kind == EventLog::Kind::trip     ? kDanger
                             : event->kind == EventLog::Kind::change ? kInk

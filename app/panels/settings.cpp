@@ -25,8 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<double, 10> kTextSizes{
-    kLeastTextSize, 0.67, 0.8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, kGreatestTextSize};
+constexpr std::array<double, 10> kTextSizes{kMinTextSize, 0.67, 0.8, 1.0, 1.25,
+                                            1.5,          1.75, 2.0, 2.5, kMaxTextSize};
 
 /// The words of what can be drawn.
 constexpr auto kThingWords = [] {
@@ -37,7 +37,7 @@ constexpr auto kThingWords = [] {
 
 constexpr auto kSettingsFields = std::to_array<Field<Settings>>({
     {"text_size", &Settings::text_size, "of text and panels, times the display's scale",
-     kLeastTextSize, kGreatestTextSize},
+     kMinTextSize, kMaxTextSize},
     {"hides_panels", &Settings::hides_panels, "scene and read-outs only"},
     {"dismissed_start", &Settings::dismissed_start, "the plate of the first minute"},
     {"opens_legend", &Settings::opens_legend, "what is drawn in the scene, by name"},
@@ -62,7 +62,7 @@ Settings read_all(StrictTomlTable table) {
         }
     }
     if (table.has_optional("recent")) {
-        for (const std::string &recent : table.texts("recent", Settings::kMostRecent)) {
+        for (const std::string &recent : table.texts("recent", Settings::kMaxRecent)) {
             settings.recent.emplace_back(recent);
             if (!settings.recent.back().is_absolute()) {
                 table.refuse("recent",
@@ -141,7 +141,7 @@ void note_recent(Settings &settings, const fs::path &file) {
     }
     std::erase(settings.recent, whole);
     settings.recent.insert(settings.recent.begin(), whole);
-    settings.recent.resize(std::min(settings.recent.size(), Settings::kMostRecent));
+    settings.recent.resize(std::min(settings.recent.size(), Settings::kMaxRecent));
 }
 
 SettingsKeeper::SettingsKeeper(fs::path file) : file_(std::move(file)) {

@@ -20,7 +20,7 @@
 namespace springdrive::app {
 
 struct Settings {
-    static constexpr std::size_t kMostRecent = 8;
+    static constexpr std::size_t kMaxRecent = 8;
 
     double text_size = 1.0; ///< of text and panels, times the display's scale
     int width = 0;          ///< of the window in pixels; 0: by the display
@@ -35,8 +35,8 @@ struct Settings {
 };
 
 /// The range of `Settings::text_size`, and its steps by key.
-inline constexpr double kLeastTextSize = 0.5;
-inline constexpr double kGreatestTextSize = 3.0;
+inline constexpr double kMinTextSize = 0.5;
+inline constexpr double kMaxTextSize = 3.0;
 
 /// The next size of text in that direction, in steps that are seen; the same at the end.
 [[nodiscard]] double next_text_size(double now, bool larger);

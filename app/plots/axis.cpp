@@ -12,20 +12,20 @@ namespace {
 constexpr double kRoundOff = 1e-9; // of a step
 
 /// Far below any span that can be shown; keeps an axis from collapsing to a point.
-double least_length(double from, double to) {
+double min_length(double from, double to) {
     return 1e-9 * std::max({std::abs(from), std::abs(to), 1e-6});
 }
 
 /// Whether an axis can be drawn and labelled: zooming and moving end before that.
 bool is_usable(const Axis &axis) {
-    constexpr double kGreatest = 1e100;
-    if (!(std::abs(axis.from) < kGreatest && std::abs(axis.to) < kGreatest)) {
+    constexpr double kMax = 1e100;
+    if (!(std::abs(axis.from) < kMax && std::abs(axis.to) < kMax)) {
         return false; // a NaN, too
     }
     if (axis.is_logarithmic) {
-        return axis.from > 1.0 / kGreatest && axis.to / axis.from > 1.0 + 1e-9;
+        return axis.from > 1.0 / kMax && axis.to / axis.from > 1.0 + 1e-9;
     }
-    return axis.to - axis.from > least_length(axis.from, axis.to);
+    return axis.to - axis.from > min_length(axis.from, axis.to);
 }
 
 std::vector<Tick> linear_ticks(const Axis &axis, int most) {
@@ -108,7 +108,7 @@ Axis round_axis(double minimum, double maximum) {
     if (!(minimum <= maximum) || !std::isfinite(minimum) || !std::isfinite(maximum)) {
         return {0.0, 1.0};
     }
-    if (maximum - minimum <= least_length(minimum, maximum)) {
+    if (maximum - minimum <= min_length(minimum, maximum)) {
         const double margin = minimum == 0.0 ? 1.0 : 0.1 * std::abs(minimum);
         return {minimum - margin, maximum + margin};
     }

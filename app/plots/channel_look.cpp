@@ -145,31 +145,31 @@ std::optional<PlotLevel> level_of(std::size_t channel) {
     return std::nullopt;
 }
 
-double least_range_of_interest(std::size_t channel) {
-    constexpr double kLeastError_deg = 10.0;
+double min_range_of_interest(std::size_t channel) {
+    constexpr double kMinError_deg = 10.0;
     if (is_direction_error(channel)) {
-        return kLeastError_deg / kDegreesPerRadian;
+        return kMinError_deg / kDegreesPerRadian;
     }
     struct Least {
         std::string_view unit;
         double range;
     };
-    static constexpr std::array<Least, 8> kLeast{{{"N", 1.0},
-                                                  {"V", 0.1},
-                                                  {"A", 0.02},
-                                                  {"m", 1e-3},
-                                                  {"m/s", 1e-2},
-                                                  {"rad", 1e-3},
-                                                  {"rad/s", 0.1},
-                                                  {"J", 1e-4}}};
+    static constexpr std::array<Least, 8> kMin{{{"N", 1.0},
+                                                {"V", 0.1},
+                                                {"A", 0.02},
+                                                {"m", 1e-3},
+                                                {"m/s", 1e-2},
+                                                {"rad", 1e-3},
+                                                {"rad/s", 0.1},
+                                                {"J", 1e-4}}};
     const auto *const found =
-        std::ranges::find(kLeast, session::channels()[channel].unit, &Least::unit);
-    return found == kLeast.end() ? 0.0 : found->range;
+        std::ranges::find(kMin, session::channels()[channel].unit, &Least::unit);
+    return found == kMin.end() ? 0.0 : found->range;
 }
 
 double greatest_of_interest(std::size_t channel) {
-    constexpr double kGreatestError_deg = 60.0;
-    return is_direction_error(channel) ? kGreatestError_deg / kDegreesPerRadian
+    constexpr double kMaxError_deg = 60.0;
+    return is_direction_error(channel) ? kMaxError_deg / kDegreesPerRadian
                                        : std::numeric_limits<double>::infinity();
 }
 

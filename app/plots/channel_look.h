@@ -38,7 +38,7 @@ struct PlotLevel {
 
 /// A plot that chooses its own range of values makes it at least this long, so that noise does not
 /// fill it [SI].
-[[nodiscard]] double least_range_of_interest(std::size_t channel);
+[[nodiscard]] double min_range_of_interest(std::size_t channel);
 
 /// A plot that chooses its own range of values goes no further, as short peaks would flatten the
 /// rest: for angles between forces, 60°.

@@ -68,11 +68,10 @@ Axis chosen_axis(Range range, double least) {
 }
 
 /// In shown units: the longest of the channels' least ranges.
-double least_range(const PlotSettings &settings) {
+double min_range(const PlotSettings &settings) {
     double least = 0.0;
     for (const std::size_t channel : settings.channels) {
-        least =
-            std::max(least, least_range_of_interest(channel) * unit_of(channel, settings).per_si);
+        least = std::max(least, min_range_of_interest(channel) * unit_of(channel, settings).per_si);
     }
     return least;
 }
@@ -340,7 +339,7 @@ PlotArea draw_over_time(Canvas &canvas, const Rectangle &where, const PlotSettin
         values.take(of_trace.maximum);
     }
     const PlotArea area =
-        draw_axes(canvas, where, x, settings.y.value_or(chosen_axis(values, least_range(settings))),
+        draw_axes(canvas, where, x, settings.y.value_or(chosen_axis(values, min_range(settings))),
                   "s", unit_title(settings));
     if (source.trace != nullptr) {
         draw_trace(canvas, area, settings, source);
@@ -398,18 +397,18 @@ PlotArea draw_spectrum(Canvas &canvas, const Rectangle &where, const PlotSetting
 
 /// Of a longer window, a spectrum or histogram takes the newest ticks: some milliseconds of
 /// computing.
-constexpr std::uint64_t kMostTicks = 1U << 17U;
+constexpr std::uint64_t kMaxTicks = 1U << 17U;
 
 /// At most so many points of all curves together, of a plot of one channel against another: every
 /// n-th tick.
-constexpr std::uint64_t kMostPoints = 20'000;
+constexpr std::uint64_t kMaxPoints = 20'000;
 
 /// Of all channels but the first. @pre there are two or more
 std::vector<Curve> paired_curves(const PlotSettings &settings, const PlotSource &source,
                                  double angle_per_si) {
     const Rows rows = rows_of(source);
     const std::uint64_t most =
-        std::max<std::uint64_t>(1, kMostPoints / (settings.channels.size() - 1));
+        std::max<std::uint64_t>(1, kMaxPoints / (settings.channels.size() - 1));
     const std::uint64_t step = std::max<std::uint64_t>(1, (rows.to - rows.from + most - 1) / most);
     std::vector<Curve> curves;
     for (std::size_t i = 1; i < settings.channels.size(); ++i) {
@@ -445,7 +444,7 @@ PlotArea draw_xy(Canvas &canvas, const Rectangle &where, const PlotSettings &set
     const Range of_y = values_within(curves, settings.x);
     const PlotArea area =
         draw_axes(canvas, where, settings.x.value_or(round_axis(of_x.minimum, of_x.maximum)),
-                  settings.y.value_or(chosen_axis(of_y, least_range(of_values))),
+                  settings.y.value_or(chosen_axis(of_y, min_range(of_values))),
                   look_of(first).label + ", " + std::string(unit_of(first, settings).name),
                   unit_title(of_values));
     draw_curves(canvas, area, of_values, curves);
@@ -477,8 +476,8 @@ void draw_polar_grid(Canvas &canvas, const PlotArea &area, double radius, const 
 
 /// Marks only: what is not touched in order makes no line.
 void draw_marks(Canvas &canvas, const PlotArea &area, const Curve &curve, const Stroke &stroke) {
-    constexpr std::size_t kMostMarks = 3000;
-    for (std::size_t i = 0; i < curve.x.size(); i += 1 + curve.x.size() / kMostMarks) {
+    constexpr std::size_t kMaxMarks = 3000;
+    for (std::size_t i = 0; i < curve.x.size(); i += 1 + curve.x.size() / kMaxMarks) {
         if (std::isfinite(curve.x[i]) && std::isfinite(curve.y[i])) {
             draw_mark(canvas, area.place(curve.x[i], curve.y[i]), stroke);
         }
@@ -715,7 +714,7 @@ const signals::Spectrum &PlotCache::spectrum(std::size_t channel, const PlotSour
     Entry &known = entry(channel, source);
     if (!known.spectrum) {
         const std::uint64_t from =
-            std::max({known.from, source.store.begin(), known.to - std::min(known.to, kMostTicks)});
+            std::max({known.from, source.store.begin(), known.to - std::min(known.to, kMaxTicks)});
         source.store.copy(channel, from, std::max(from, known.to), values_);
         // By the ticks' own times: a view that is held may be from before a change of the rate.
         const double length_s =
@@ -734,7 +733,7 @@ const signals::ValueHistogram &PlotCache::histogram(std::size_t channel, const P
     Entry &known = entry(channel, source);
     if (!known.histogram) {
         const std::uint64_t from =
-            std::max({known.from, source.store.begin(), known.to - std::min(known.to, kMostTicks)});
+            std::max({known.from, source.store.begin(), known.to - std::min(known.to, kMaxTicks)});
         source.store.copy(channel, from, std::max(from, known.to), values_);
         known.histogram = signals::automatic_histogram(values_, signals::Coverage::most, kBins);
     }

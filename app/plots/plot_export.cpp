@@ -43,9 +43,9 @@ float draw_names(Canvas &canvas, const Rectangle &where, const PlotSettings &set
     for (const std::size_t channel : settings.channels) {
         widths.push_back(text_width(legend_text(settings, channel)) + 2.6F * height);
     }
-    const LegendLayout layout = legend_layout(widths, {{where.size.x, kLegendShare * where.size.y},
-                                                       1.3F * height,
-                                                       text_width(kWidestHiddenText)});
+    const LegendLayout layout = legend_layout(
+        widths,
+        {{where.size.x, kLegendShare * where.size.y}, 1.3F * height, text_width(kMaxHiddenText)});
     for (std::size_t i = 0; i < layout.places.size(); ++i) {
         const ImVec2 at{where.corner.x + layout.places[i].x, where.corner.y + layout.places[i].y};
         const std::size_t channel = settings.channels[i];

@@ -167,8 +167,8 @@ bool draw_legend_entry(const Plot &plot, std::size_t channel, const LegendEntry 
 
 /// All names, in so few lines that they fit into the window.
 std::string names_text(const std::vector<LegendEntry> &entries) {
-    constexpr std::size_t kMostLines = 30;
-    const std::size_t per_line = (entries.size() + kMostLines - 1) / kMostLines;
+    constexpr std::size_t kMaxLines = 30;
+    const std::size_t per_line = (entries.size() + kMaxLines - 1) / kMaxLines;
     std::string text;
     for (std::size_t i = 0; i < entries.size(); ++i) {
         text += (i == 0 ? "" : i % per_line == 0 ? "\n" : ", ") + entries[i].text;
@@ -290,7 +290,7 @@ float draw_legend(Plot &plot, const PlotPanelState &state, const PlotSource &sou
     std::vector<float> widths;
     std::ranges::transform(entries, std::back_inserter(widths), &LegendEntry::width);
     const LegendLayout layout = legend_layout(
-        widths, {room, ImGui::GetTextLineHeightWithSpacing(), text_width(kWidestHiddenText)});
+        widths, {room, ImGui::GetTextLineHeightWithSpacing(), text_width(kMaxHiddenText)});
     const ImVec2 begin = ImGui::GetCursorScreenPos();
     std::optional<std::size_t> removed;
     for (std::size_t i = 0; i < layout.places.size(); ++i) {

@@ -33,7 +33,7 @@ struct LegendRoom {
 
 /// "+3 more", or "5 channels" where none of them is shown.
 [[nodiscard]] std::string hidden_text(const LegendLayout &layout);
-inline constexpr const char *kWidestHiddenText = "999 channels";
+inline constexpr const char *kMaxHiddenText = "999 channels";
 
 /// The channel's name, with what it is for where it is for something else than the others.
 [[nodiscard]] std::string legend_text(const PlotSettings &settings, std::size_t channel);

@@ -49,9 +49,7 @@ void PlotView::set_span(double span_s) {
     chosen_span_s_ = span_s_;
 }
 
-void PlotView::zoom_to_span(double span_s) {
-    span_s_ = std::clamp(span_s, kLeastSpan_s, kGreatestSpan_s);
-}
+void PlotView::zoom_to_span(double span_s) { span_s_ = std::clamp(span_s, kMinSpan_s, kMaxSpan_s); }
 
 void PlotView::place_cursors(const record::ChannelStore &live) {
     const signals::TimeWindow now = window(live);

@@ -15,8 +15,8 @@ namespace springdrive::app {
 /// it keeps a snapshot, from which nothing is lost while the servo goes on.
 class PlotView {
 public:
-    static constexpr double kLeastSpan_s = 1e-4;
-    static constexpr double kGreatestSpan_s = 3600.0;
+    static constexpr double kMinSpan_s = 1e-4;
+    static constexpr double kMaxSpan_s = 3600.0;
 
     [[nodiscard]] bool is_live() const { return held_ == nullptr; }
     /// Held, zoomed or moved by hand: no event may replace it.

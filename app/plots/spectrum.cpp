@@ -14,7 +14,7 @@ namespace springdrive::signals {
 
 namespace {
 
-constexpr std::size_t kShortestSegment = 64;
+constexpr std::size_t kMinSegment = 64;
 
 // Of the periodic Hann window: mean 1/2, mean square 3/8. Their ratio (3/8)/(1/2)² is the noise
 // bandwidth.
@@ -36,7 +36,7 @@ std::span<const double> longest_finite_run(std::span<const double> values) {
 
 /// 8 segments that overlap by half are 4 1/2 segments long.
 std::size_t segment_length(std::size_t samples) {
-    return std::max(std::bit_floor(2 * samples / 9), kShortestSegment);
+    return std::max(std::bit_floor(2 * samples / 9), kMinSegment);
 }
 
 std::size_t segment_count(std::size_t samples, std::size_t length) {
@@ -79,7 +79,7 @@ Eigen::ArrayXd sides(Eigen::Index bins) {
 Spectrum amplitude_spectrum(std::span<const double> values, double sample_rate_hz) {
     SPRINGDRIVE_ASSERT(sample_rate_hz > 0.0);
     const std::span<const double> run = longest_finite_run(values);
-    if (run.size() < kShortestSegment) {
+    if (run.size() < kMinSegment) {
         return {};
     }
     // A copy: in place, the order of Eigen's sums depends on the alignment.

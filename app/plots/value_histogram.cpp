@@ -12,8 +12,8 @@ namespace springdrive::signals {
 namespace {
 
 // Of numbers between these, or 0, the choice of bins neither overflows nor underflows.
-constexpr double kLargest = 1e300;
-constexpr double kSmallest = 1e-290;
+constexpr double kMaxNumber = 1e300;
+constexpr double kMinNumber = 1e-290;
 
 constexpr std::size_t kMaxBins = 10'000;
 
@@ -60,7 +60,7 @@ double quantile_of(std::vector<double> &numbers, double fraction) {
 
 Range covered_range(std::span<const double> values, Coverage coverage) {
     std::vector<double> usable =
-        those_that(values, [](double value) { return std::abs(value) <= kLargest; });
+        those_that(values, [](double value) { return std::abs(value) <= kMaxNumber; });
     if (usable.empty()) {
         return {};
     }
@@ -71,10 +71,10 @@ Range covered_range(std::span<const double> values, Coverage coverage) {
 
 Range widened_if_narrow(const Range &range) {
     const double size = std::max(std::abs(range.from), std::abs(range.to));
-    if (range.to - range.from > std::max(1e-9 * size, kSmallest)) {
+    if (range.to - range.from > std::max(1e-9 * size, kMinNumber)) {
         return range;
     }
-    const double margin = size > kSmallest ? 0.1 * size : 1.0;
+    const double margin = size > kMinNumber ? 0.1 * size : 1.0;
     return {range.from - margin, range.to + margin};
 }
 
@@ -89,8 +89,8 @@ RoundBins bins_around(const Range &range, const RoundWidth &width) {
 }
 
 /// The search ends: of bins wider than both ends are far from 0, at most two are needed.
-RoundBins narrowest_round_bins(const Range &range, std::size_t most_bins) {
-    const auto most = static_cast<double>(most_bins);
+RoundBins narrowest_round_bins(const Range &range, std::size_t max_bins) {
+    const auto most = static_cast<double>(max_bins);
     const double narrowest = (range.to - range.from) / most;
     for (int decade = static_cast<int>(std::floor(std::log10(narrowest)));; ++decade) {
         for (const double digit : {1.0, 2.0, 5.0}) {
@@ -128,10 +128,10 @@ ValueHistogram histogram(std::span<const double> values, double from, double to,
 }
 
 ValueHistogram automatic_histogram(std::span<const double> values, Coverage coverage,
-                                   std::size_t most_bins) {
-    SPRINGDRIVE_ASSERT(most_bins >= 2 && most_bins <= kMaxBins);
+                                   std::size_t max_bins) {
+    SPRINGDRIVE_ASSERT(max_bins >= 2 && max_bins <= kMaxBins);
     const RoundBins bins =
-        narrowest_round_bins(widened_if_narrow(covered_range(values, coverage)), most_bins);
+        narrowest_round_bins(widened_if_narrow(covered_range(values, coverage)), max_bins);
     return histogram(values, bins.width.times(bins.first), bins.width.times(bins.last),
                      static_cast<std::size_t>(bins.count()));
 }

@@ -38,12 +38,12 @@ enum class Coverage : std::uint8_t {
 };
 
 /// With a range of its own choice: bins are 1, 2 or 5 times a power of ten wide, their edges
-/// multiples of that, and they are as narrow as `most_bins` allows. Where all values are equal, or
+/// multiples of that, and they are as narrow as `max_bins` allows. Where all values are equal, or
 /// differ by less than 1e-9 of their size, the range is widened by 10 % to both sides, around 0 by
 /// 1. Without values it is that around 0. Magnitudes above 1e300 are treated like infinities.
 /// @pre 2 to 10'000 bins
 [[nodiscard]] ValueHistogram automatic_histogram(std::span<const double> values, Coverage coverage,
-                                                 std::size_t most_bins);
+                                                 std::size_t max_bins);
 
 /// The smallest value that at least a share `fraction` of all values does not exceed, so one of
 /// them. NaN is ignored, and returned if there is nothing else. @pre 0 <= fraction <= 1

@@ -8,8 +8,8 @@ void HandLift::update(session::Session &session, bool is_inside, double frame_s)
     if (!is_on()) {
         return;
     }
-    constexpr double kLongestFrame_s = 0.1; // after a pause, no jump
-    const double step_m = kSpeed_m_per_s * std::min(frame_s, kLongestFrame_s);
+    constexpr double kMaxFrame_s = 0.1; // after a pause, no jump
+    const double step_m = kSpeed_m_per_s * std::min(frame_s, kMaxFrame_s);
     const contact::Contact &contact = session.latest().contact;
     const Vector3 before_m = session.hand().target_m();
     session.hand().move_to(before_m +

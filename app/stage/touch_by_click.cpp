@@ -21,7 +21,7 @@ constexpr double kClear_m = 0.002;  // kept from what is passed
 constexpr double kBeside_m = 0.010; // of the box, on the way round it
 constexpr double kLow_m = 0.003;    // over the surface, where a slide is tried
 
-constexpr double kLongestStep_s = 0.1; // after a pause, no jump
+constexpr double kMaxStep_s = 0.1; // after a pause, no jump
 
 bool is_way_free(const TouchGround &ground, const Vector3 &from_m, const Vector3 &to_m,
                  double clear_m = kClear_m) {
@@ -126,7 +126,7 @@ void TouchByClick::deepen(double by_m) {
     if (!is_pressed_) {
         return;
     }
-    depth_m_ = std::clamp(depth_m_ + by_m, kLeast_m, kDeepest_m);
+    depth_m_ = std::clamp(depth_m_ + by_m, kMin_m, kDeepest_m);
     if (!way_.empty()) {
         way_.pop_back(); // into the surface by the former depth
     }
@@ -150,7 +150,7 @@ void TouchByClick::stop() {
 }
 
 Vector3 TouchByClick::next_m(double frame_s) {
-    double left_s = std::clamp(frame_s, 0.0, kLongestStep_s);
+    double left_s = std::clamp(frame_s, 0.0, kMaxStep_s);
     while (!way_.empty() && left_s > 0.0) {
         const Leg &leg = way_.front();
         const Vector3 gap_m = leg.to_m - at_m_;

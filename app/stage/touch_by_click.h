@@ -38,7 +38,7 @@ public:
     /// How far the hand's target is pressed below the surface at first: with a relaxed hand of
     /// 300 N/m some 1.5 N, far from its 5 N and the limits of the device.
     static constexpr double kGentle_m = 0.006;
-    static constexpr double kLeast_m = 0.001;
+    static constexpr double kMin_m = 0.001;
     static constexpr double kDeepest_m = 0.020;
 
     /// Goes there and presses. @param hand_m  the hand's target now

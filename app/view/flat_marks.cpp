@@ -22,9 +22,9 @@ constexpr double kPlace_px = 2.1;
 constexpr float kBodyOpacity = 0.20F;
 
 void append_forces(FlatShapes &shapes, const ViewState &state) {
-    constexpr double kLeast_N = 0.02;
+    constexpr double kMin_N = 0.02;
     const auto append = [&](const std::optional<Vector3> &force_N, const Colour &colour) {
-        if (force_N && force_N->allFinite() && force_N->norm() > kLeast_N) {
+        if (force_N && force_N->allFinite() && force_N->norm() > kMin_N) {
             shapes.arrow(state.proxy_m, state.arrow.m_per_N * *force_N,
                          state.arrow.thickness * kArrow_px, colour);
         }
@@ -102,10 +102,9 @@ bool has_stiffness(const ViewState &state) {
 
 double stiffness_scale(const Matrix3 &inverse_N_per_m) {
     constexpr double kMetres_per_N_per_m = 1e-5;
-    constexpr double kLongest_m = 0.060;
+    constexpr double kMax_m = 0.060;
     const double longest_m = kMetres_per_N_per_m * symmetric_eigenvalues(inverse_N_per_m)[2];
-    return longest_m > kLongest_m ? kMetres_per_N_per_m * kLongest_m / longest_m
-                                  : kMetres_per_N_per_m;
+    return longest_m > kMax_m ? kMetres_per_N_per_m * kMax_m / longest_m : kMetres_per_N_per_m;
 }
 
 std::vector<FlatVertex> flat_marks(const ViewState &state, const MarkerScale &scale) {

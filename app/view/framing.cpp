@@ -25,16 +25,16 @@ public:
     void hold(const Vector3 &point_m) {
         const double across_m = point_m.dot(axis_);
         const double depth_m = point_m.dot(forward_);
-        least_m_ = std::max(least_m_, across_m - high_ * depth_m);
-        most_m_ = std::min(most_m_, across_m - low_ * depth_m);
+        min_m_ = std::max(min_m_, across_m - high_ * depth_m);
+        max_m_ = std::min(max_m_, across_m - low_ * depth_m);
     }
 
     /// The eye's largest coordinate along `forward`.
-    [[nodiscard]] double nearest_m() const { return (most_m_ - least_m_) / (high_ - low_); }
+    [[nodiscard]] double nearest_m() const { return (max_m_ - min_m_) / (high_ - low_); }
 
     /// The eye's coordinate along the axis, for one along `forward`.
     [[nodiscard]] double middle_m(double eye_forward_m) const {
-        return (least_m_ + most_m_ + (low_ + high_) * eye_forward_m) / 2.0;
+        return (min_m_ + max_m_ + (low_ + high_) * eye_forward_m) / 2.0;
     }
 
 private:
@@ -42,8 +42,8 @@ private:
     Vector3 forward_;
     double low_;
     double high_;
-    double least_m_ = -kInfinite;
-    double most_m_ = kInfinite;
+    double min_m_ = -kInfinite;
+    double max_m_ = kInfinite;
 };
 
 } // namespace

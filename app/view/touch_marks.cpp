@@ -6,9 +6,9 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr double kLeastHeight_m = 1.0e-3; // shorter lines would hide in the tip
-constexpr double kHeightLine_px = 0.7;    // its radius
-constexpr double kFoot_m = 3.5e-3;        // radius of the ring
+constexpr double kMinHeight_m = 1.0e-3; // shorter lines would hide in the tip
+constexpr double kHeightLine_px = 0.7;  // its radius
+constexpr double kFoot_m = 3.5e-3;      // radius of the ring
 constexpr double kFoot_px = 5.0;
 constexpr double kOffTheGround_m = 4.0e-4; // of the foot, which would flicker in the surface
 
@@ -20,7 +20,7 @@ constexpr double kGhost_px = 6.5;
 std::vector<Solid> height_line(const ViewState &state, const MarkerScale &scale) {
     const Vector3 &top_m = state.touching ? state.proxy_m : state.tip_m;
     if (!state.shown.shows(Thing::height) || !state.below ||
-        !((top_m - state.below->point_m).norm() > kLeastHeight_m)) {
+        !((top_m - state.below->point_m).norm() > kMinHeight_m)) {
         return {};
     }
     const auto &[foot_m, normal] = *state.below;

@@ -17,7 +17,7 @@ bool has_request(int wait_ms) {
     return ::poll(&input, 1, wait_ms) > 0;
 }
 
-constexpr std::size_t kLongestLine = 1000;
+constexpr std::size_t kMaxLine = 1000;
 
 } // namespace
 
@@ -57,7 +57,7 @@ void ReportRequests::take_in(int wait_ms) {
             std::cerr << "springdrive: --report: unknown request; only \"report\" is understood\n";
         }
     }
-    if (read_.size() > kLongestLine) {
+    if (read_.size() > kMaxLine) {
         read_.clear();
     }
 }

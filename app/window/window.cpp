@@ -148,12 +148,12 @@ void Window::use_keyboard() {
 void Window::resize_within_screen(int width, int height) {
     int left = 0;
     int top = 0;
-    int most_width = width;
-    int most_height = height;
+    int max_width = width;
+    int max_height = height;
     if (GLFWmonitor *monitor = glfwGetPrimaryMonitor(); monitor != nullptr) {
-        glfwGetMonitorWorkarea(monitor, &left, &top, &most_width, &most_height);
+        glfwGetMonitorWorkarea(monitor, &left, &top, &max_width, &max_height);
     }
-    glfwSetWindowSize(window_, std::min(width, most_width), std::min(height, most_height));
+    glfwSetWindowSize(window_, std::min(width, max_width), std::min(height, max_height));
 }
 
 void Window::return_to_default_size() {

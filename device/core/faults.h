@@ -47,7 +47,7 @@ enum class FaultKind : std::uint8_t {
     // Of power:
     failed_stage,
     hot_stage,
-    brown_out, ///< below kLeastLogicSupply_V the board is off, and restarts afterwards
+    brown_out, ///< below kMinLogicSupply_V the board is off, and restarts afterwards
     // Of the whole board:
     stop,         ///< the stop switch is pressed
     disable,      ///< the enable line is open

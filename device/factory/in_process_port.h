@@ -54,7 +54,7 @@ public:
     std::size_t control_in(usb::Kind request, std::uint16_t value,
                            std::span<std::uint8_t> answer) override {
         require_connection();
-        std::array<std::uint8_t, board::kLargestPayload> payload{};
+        std::array<std::uint8_t, board::kMaxPayload> payload{};
         const std::size_t size = std::min(
             board_.control_in(static_cast<std::uint8_t>(request), value, payload), answer.size());
         std::copy_n(payload.begin(), size, answer.begin());

@@ -118,11 +118,10 @@ void check_options(const device::DeviceDescription &description, const Simulatio
                          "sub-step at least a millionth of the period, the hand's mass, "
                          "damping, stiffness and force finite and not negative");
     }
-    if (!(options.delay_periods >= 0.0 &&
-          options.delay_periods <= SimulationOptions::kLongestDelay)) {
+    if (!(options.delay_periods >= 0.0 && options.delay_periods <= SimulationOptions::kMaxDelay)) {
         throw InputError("simulated device: the delay is " + std::to_string(options.delay_periods) +
                          " periods; it must be 0 to " +
-                         std::to_string(SimulationOptions::kLongestDelay));
+                         std::to_string(SimulationOptions::kMaxDelay));
     }
     if (!(options.resistance_share.minCoeff() > 0.0 && options.resistance_share.allFinite()) ||
         !std::isfinite(options.ambient_C)) {

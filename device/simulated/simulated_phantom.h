@@ -204,7 +204,7 @@ private:
     Truth truth_;
     PlantCommand written_; ///< last
     /// Active command of each period, newest first.
-    std::array<PlantCommand, SimulationOptions::kLongestDelay + 2> pending_{};
+    std::array<PlantCommand, SimulationOptions::kMaxDelay + 2> pending_{};
     std::uint64_t periods_ = 0;
     double clock_base_s_ = 0.0; ///< the device's clock when its period was last set
     std::uint64_t clock_base_periods_ = 0;

@@ -64,10 +64,10 @@ inline constexpr std::array<PlantEffect, 11> kPlantEffects{{
 }};
 
 struct SimulationOptions {
-    static constexpr int kLongestDelay = 8;
+    static constexpr int kMaxDelay = 8;
 
     double servo_period_s = 1e-3;   ///< T; each `read` advances the plant by T
-    double delay_periods = 0.0;     ///< d, whole or fractional, at most kLongestDelay
+    double delay_periods = 0.0;     ///< d, whole or fractional, at most kMaxDelay
     bool quantised_encoders = true; ///< false: 10,000 times as many counts
     /// Upper limit of sub-steps. In hard contact at 1 kHz the default agrees with fifty times
     /// shorter steps to 2 µm at the tip and to 0.1 % of their largest current.

@@ -41,10 +41,10 @@ using Triple = std::array<float, kChannels>;
 inline constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
 
 // Watchdog periods and report periods that a board may be asked for; capabilities narrow them.
-inline constexpr std::uint16_t kShortestWatchdog_us = 500;
-inline constexpr std::uint16_t kLongestWatchdog_us = 50'000;
-inline constexpr std::uint32_t kShortestReportPeriod_us = 125;
-inline constexpr std::uint32_t kLongestReportPeriod_us = 50'000;
+inline constexpr std::uint16_t kMinWatchdog_us = 500;
+inline constexpr std::uint16_t kMaxWatchdog_us = 50'000;
+inline constexpr std::uint32_t kMinReportPeriod_us = 125;
+inline constexpr std::uint32_t kMaxReportPeriod_us = 50'000;
 
 /// A report's phase stays as it is: Command::report_after_us.
 inline constexpr std::uint16_t kKeepPhase = 0xffff;
@@ -214,10 +214,10 @@ struct Capabilities {
     float largest_added_H = 0.0F;     ///< the same
     float lead_bandwidth_rad_per_s = 0.0F; ///< of di/dt
     float actuation_lag_s = 0.0F; ///< from sampling currents to the middle of the voltage's action
-    std::uint32_t shortest_watchdog_us = kShortestWatchdog_us;
-    std::uint32_t longest_watchdog_us = kLongestWatchdog_us;
-    std::uint32_t shortest_report_period_us = kShortestReportPeriod_us; ///< at the present speed
-    std::uint32_t longest_report_period_us = kLongestReportPeriod_us;
+    std::uint32_t shortest_watchdog_us = kMinWatchdog_us;
+    std::uint32_t longest_watchdog_us = kMaxWatchdog_us;
+    std::uint32_t shortest_report_period_us = kMinReportPeriod_us; ///< at the present speed
+    std::uint32_t longest_report_period_us = kMaxReportPeriod_us;
     std::uint16_t calibration_blocks = 0;
 };
 inline constexpr std::size_t kCapabilitiesSize = 100;
@@ -272,7 +272,7 @@ struct MotorCalibrationBlock {
 };
 
 /// A board needs as many loops for each pulse.
-inline constexpr std::uint32_t kShortestPulse_loops = 320;
+inline constexpr std::uint32_t kMinPulse_loops = 320;
 
 struct SelfTestOrder {
     float voltage_V = 0.0F;
@@ -386,12 +386,12 @@ inline constexpr std::size_t kEnvelopeEnd = 4;   ///< checksum
 inline constexpr std::int32_t kNoTemperature = -32768; ///< of 0.01 °C
 
 constexpr std::int32_t centidegrees(float temperature_C) {
-    constexpr float kLargest_C = 327.0F;
+    constexpr float kMax_C = 327.0F;
     if (!is_finite(temperature_C)) {
         return kNoTemperature;
     }
-    const float above_C = temperature_C < -kLargest_C ? -kLargest_C : temperature_C;
-    const float limited_C = above_C > kLargest_C ? kLargest_C : above_C;
+    const float above_C = temperature_C < -kMax_C ? -kMax_C : temperature_C;
+    const float limited_C = above_C > kMax_C ? kMax_C : above_C;
     return static_cast<std::int32_t>(limited_C * 100.0F + (limited_C < 0.0F ? -0.5F : 0.5F));
 }
 
@@ -553,9 +553,8 @@ template <> struct Layout<Command> {
         exchange_matrix(wire, command.cancelled_inductance_H);
     }
     static constexpr bool is_valid(const Command &command) {
-        return command.watchdog_us >= kShortestWatchdog_us &&
-               command.watchdog_us <= kLongestWatchdog_us &&
-               (command.report_after_us <= kLongestReportPeriod_us ||
+        return command.watchdog_us >= kMinWatchdog_us && command.watchdog_us <= kMaxWatchdog_us &&
+               (command.report_after_us <= kMaxReportPeriod_us ||
                 command.report_after_us == kKeepPhase) &&
                (command.mode == Mode::brake ||
                 !(command.begins_numbering || command.resets_faults));
@@ -676,11 +675,11 @@ template <> struct Layout<Capabilities> {
                board.counts_per_turn[1] > 0 && board.counts_per_turn[2] > 0 &&
                board.largest_e_W_V > 0.0F && board.current_limit_A > 0.0F &&
                board.shortest_watchdog_us <= board.longest_watchdog_us &&
-               board.shortest_watchdog_us <= kLongestWatchdog_us &&
-               board.longest_watchdog_us >= kShortestWatchdog_us &&
+               board.shortest_watchdog_us <= kMaxWatchdog_us &&
+               board.longest_watchdog_us >= kMinWatchdog_us &&
                board.shortest_report_period_us <= board.longest_report_period_us &&
-               board.shortest_report_period_us >= kShortestReportPeriod_us &&
-               board.longest_report_period_us <= kLongestReportPeriod_us;
+               board.shortest_report_period_us >= kMinReportPeriod_us &&
+               board.longest_report_period_us <= kMaxReportPeriod_us;
     }
 };
 
@@ -718,8 +717,7 @@ template <> struct Layout<ReportRate> {
         wire.number(rate.period_us);
     }
     static constexpr bool is_valid(const ReportRate &rate) {
-        return rate.period_us >= kShortestReportPeriod_us &&
-               rate.period_us <= kLongestReportPeriod_us;
+        return rate.period_us >= kMinReportPeriod_us && rate.period_us <= kMaxReportPeriod_us;
     }
 };
 

@@ -24,7 +24,7 @@ constexpr double kPeriod_s = 1.0 / CalibrationRun::kRate_hz;
 /// At the start, for the board to clear latched faults.
 constexpr int kResetting_ticks = 200;
 /// Without rest of the tip, in which the gains could ramp up.
-constexpr int kLongestStart_ticks = 60'000;
+constexpr int kMaxStart_ticks = 60'000;
 
 /// At the end, for a board to report that it brakes.
 constexpr int kBraking_ticks = 20;
@@ -165,7 +165,7 @@ void CalibrationRun::tick() {
             if (mover_) {
                 mover_(motion_left_s());
             }
-        } else if (ticks_ >= kLongestStart_ticks) {
+        } else if (ticks_ >= kMaxStart_ticks) {
             stop_for(CalibrationProblem::never_at_rest,
                      "the tip was never at rest, so the motors could not start; hold it still");
         }
@@ -320,7 +320,7 @@ double CalibrationRun::share() const {
     return 1.0;
 }
 
-std::size_t CalibrationRun::least_known() const {
+std::size_t CalibrationRun::min_known() const {
     if (stage_ != CalibrationStage::motion) {
         return 0;
     }
@@ -350,14 +350,14 @@ double CalibrationRun::motion_left_s() const {
     return std::max(0.0, options_.longest_motion_s - motion_ticks_ * kPeriod_s);
 }
 
-std::string CalibrationRun::instruction(CalibrationStage stage, std::size_t least_known) {
+std::string CalibrationRun::instruction(CalibrationStage stage, std::size_t min_known) {
     switch (stage) {
     case CalibrationStage::rest:
     case CalibrationStage::start:
         return "hold the stylus still in free space: the motors start";
     case CalibrationStage::motion:
         return fmt::format("{}, slowly, over a hand's breadth; it resists gently",
-                           kMotions[least_known]);
+                           kMotions[min_known]);
     case CalibrationStage::release:
         return "hold the stylus: the motors are released";
     case CalibrationStage::done:

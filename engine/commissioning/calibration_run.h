@@ -45,8 +45,8 @@ enum class CalibrationStage : std::uint8_t { rest, start, motion, release, done 
 
 /// What a motor's resistance may be cancelled by, with what is known of it.
 struct Cancellable {
-    double R_hat_Ohm = 0.0;    ///< for the dR that was asked for, averaged over the angles
-    double least_dR_Ohm = 0.0; ///< that observer and winding guard permit, with 3 deviations
+    double R_hat_Ohm = 0.0;  ///< for the dR that was asked for, averaged over the angles
+    double min_dR_Ohm = 0.0; ///< that observer and winding guard permit, with 3 deviations
 };
 
 struct MotorCalibrationReport {
@@ -102,10 +102,10 @@ public:
 
     [[nodiscard]] CalibrationStage stage() const { return stage_; }
     /// What the person shall do now, and what is still missing.
-    [[nodiscard]] std::string instruction() const { return instruction(stage_, least_known()); }
-    [[nodiscard]] static std::string instruction(CalibrationStage stage, std::size_t least_known);
+    [[nodiscard]] std::string instruction() const { return instruction(stage_, min_known()); }
+    [[nodiscard]] static std::string instruction(CalibrationStage stage, std::size_t min_known);
     /// The motor of which least is known.
-    [[nodiscard]] std::size_t least_known() const;
+    [[nodiscard]] std::size_t min_known() const;
     /// RT-safe.
     [[nodiscard]] std::array<MotorProgress, 3> progress() const;
     /// Of the present stage.

@@ -14,15 +14,15 @@ namespace {
 
 /// A window is over when a motor has turned so far that counts' rounding and the current's noise
 /// are small, or after a while: a hand may move slowly.
-constexpr double kShortestWindow_s = 0.05;
-constexpr double kLongestWindow_s = 1.0;
+constexpr double kMinWindow_s = 0.05;
+constexpr double kMaxWindow_s = 1.0;
 constexpr double kTurnedInWindow_rad = 0.3;
 /// Between two measurements: after more, a window begins anew.
-constexpr double kLongestGap_s = 0.02;
+constexpr double kMaxGap_s = 0.02;
 /// A motor that turned less has not been moved: 10° of a joint.
-constexpr double kLeastTurned_rad = 2.0;
+constexpr double kMinTurned_rad = 2.0;
 /// In a window; less is noise, of which sums grow without end: 1 mA in the longest is 0.09 rad.
-constexpr double kLeastInWindow_rad = 0.15;
+constexpr double kMinInWindow_rad = 0.15;
 constexpr double kAgreeing = 0.8; ///< squared correlation
 constexpr double kDiffering = 0.5;
 
@@ -56,7 +56,7 @@ void MotionCheck::take(const device::Measurement &measured) {
     lowest_rad_ = lowest_rad_.cwiseMin(passed_rad);
     highest_rad_ = highest_rad_.cwiseMax(passed_rad);
     const double passed_s = measured.time_s - last_.time_s;
-    if (!(passed_s >= 0.0 && passed_s <= kLongestGap_s) || !measured.current_A.allFinite()) {
+    if (!(passed_s >= 0.0 && passed_s <= kMaxGap_s) || !measured.current_A.allFinite()) {
         window_ = {0.0, Vector3::Zero(), measured.counts};
     } else {
         window_.duration_s += passed_s;
@@ -74,8 +74,8 @@ double MotionCheck::counted_rad(const device::Measurement &measured, std::size_t
 }
 
 bool MotionCheck::is_window_over(const device::Measurement &measured) const {
-    if (window_.duration_s < kShortestWindow_s || window_.duration_s >= kLongestWindow_s) {
-        return window_.duration_s >= kLongestWindow_s;
+    if (window_.duration_s < kMinWindow_s || window_.duration_s >= kMaxWindow_s) {
+        return window_.duration_s >= kMaxWindow_s;
     }
     return std::abs(counted_rad(measured, 0)) >= kTurnedInWindow_rad ||
            std::abs(counted_rad(measured, 1)) >= kTurnedInWindow_rad ||
@@ -93,8 +93,8 @@ void MotionCheck::close_window(const device::Measurement &measured) {
         counts_squared_[i] += counted * counted;
         charges_squared_[i] += charge_As * charge_As;
         charges_with_counts_.col(i) += window_.charge_As * counted;
-        counted_rad_[i] += std::abs(counted) > kLeastInWindow_rad ? std::abs(counted) : 0.0;
-        charged_As_[i] += turned_rad > kLeastInWindow_rad ? std::abs(charge_As) : 0.0;
+        counted_rad_[i] += std::abs(counted) > kMinInWindow_rad ? std::abs(counted) : 0.0;
+        charged_As_[i] += turned_rad > kMinInWindow_rad ? std::abs(charge_As) : 0.0;
     }
     window_ = {0.0, Vector3::Zero(), measured.counts};
 }
@@ -158,8 +158,8 @@ public:
     void judge_motor(std::size_t i, double agreement, bool is_crossed) {
         const MotionFigures &motor = report_.motor[i];
         const std::size_t number = i + 1;
-        const bool counts = motor.turned_by_counts_rad >= kLeastTurned_rad;
-        const bool turns = motor.turned_by_current_rad >= kLeastTurned_rad;
+        const bool counts = motor.turned_by_counts_rad >= kMinTurned_rad;
+        const bool turns = motor.turned_by_current_rad >= kMinTurned_rad;
         if (!counts && !turns) {
             add(Problem::seized_joint, i,
                 fmt::format(

@@ -19,7 +19,7 @@ constexpr int kTicksBetweenLooks = 20;
 /// At the start, for the board to clear latched faults, and to measure its sensors' offsets.
 constexpr double kResetting_s = 0.2;
 /// Each read waits for a report by itself.
-constexpr int kLongestSilence_reads = 20;
+constexpr int kMaxSilence_reads = 20;
 /// Of an encoder, while nobody moves the device.
 constexpr int kStillCounts = 2;
 
@@ -90,7 +90,7 @@ bool SelfTest::step() {
 
 void SelfTest::require_news(const device::Measurement &measured) {
     silent_reads_ = device::is_new(measured.arrival) ? 0 : silent_reads_ + 1;
-    if (silent_reads_ > kLongestSilence_reads) {
+    if (silent_reads_ > kMaxSilence_reads) {
         throw InputError("the board sends no reports any more; plug it in again, and begin anew");
     }
 }
@@ -112,8 +112,8 @@ void SelfTest::rest(const device::Measurement &measured) {
     if (now_s_ - stage_began_s_ < kResetting_s + options_.rest_s) {
         return;
     }
-    constexpr int kLeastTicks = 100; // a tenth of the noise
-    if (rest_ticks_ >= kLeastTicks && rest_sum_A_.allFinite()) {
+    constexpr int kMinTicks = 100; // a tenth of the noise
+    if (rest_ticks_ >= kMinTicks && rest_sum_A_.allFinite()) {
         motion_.set_offsets(rest_sum_A_ / rest_ticks_);
     }
     start_pulses();

@@ -22,23 +22,23 @@ using servo::ServoSample;
 /// While the device still brakes: d of the packets that a servo exchanges is measured first, as the
 /// observer of R needs it. As many as the driver's mean goes back.
 constexpr int kDelayTicks = 256;
-constexpr double kLongestRest_s = 60.0; ///< until the tip has rested in free space
-constexpr double kHold_s = 0.5;         ///< until what changed with the hold has decayed
+constexpr double kMaxRest_s = 60.0; ///< until the tip has rested in free space
+constexpr double kHold_s = 0.5;     ///< until what changed with the hold has decayed
 
 // R is observed while all motors are shaken slowly, within the observer's windows.
 constexpr double kObserving_hz = 5.0;
 constexpr double kObserving_rad = 0.08;
-constexpr double kLeastObserving_s = 4.0;
-constexpr double kLongestObserving_s = 8.0;
+constexpr double kMinObserving_s = 4.0;
+constexpr double kMaxObserving_s = 8.0;
 constexpr double kObserved = 0.01; ///< deviation of R, as a share of dR
 
 /// Ticks of a block at least: it begins and ends with periods of the sine, which changes the
 /// frequency by no more than 1/500.
 constexpr long kBlockTicks = 250;
-constexpr std::size_t kLeastBlocks = 6;
-constexpr std::size_t kMostBlocks = 16;
+constexpr std::size_t kMinBlocks = 6;
+constexpr std::size_t kMaxBlocks = 16;
 constexpr double kWantedDeviation = 3e-3; ///< deviation of K_θ as a share of it
-constexpr unsigned kMostDiscarded = 200;
+constexpr unsigned kMaxDiscarded = 200;
 
 /// A dither beside the sine, so that the rounding of its counts averages out: slow, or faster than
 /// a slow sine. Its frequency is irrational in blocks, so that no two round alike.
@@ -54,8 +54,8 @@ double dither_periods(long sine_periods) {
 
 // Amplitudes.
 constexpr double kFirst_V = 0.02;
-constexpr double kLeast_V = 1e-3;
-constexpr double kMost = 0.2;          ///< of the supply
+constexpr double kMin_V = 1e-3;
+constexpr double kMax = 0.2;           ///< of the supply
 constexpr double kForceShare = 0.3;    ///< of the limit, for the excitation's amplitude
 constexpr double kAllForceShare = 0.7; ///< of the limit, with what holds the tip
 constexpr double kForceTooMuch = 0.85; ///< of the limit
@@ -67,12 +67,12 @@ constexpr double kChange_s = 0.05; ///< of the amplitude
 constexpr double kCalm_s = 0.2;    ///< after too much
 constexpr double kTrial_s = 0.06;  ///< at least, and a period
 constexpr double kSettle_s = 0.2;  ///< the same
-constexpr int kMostTrials = 12;
+constexpr int kMaxTrials = 12;
 constexpr double kNextShare = 0.4; ///< of an amplitude, for the next frequency to begin with
 constexpr double kFitting = 0.95;  ///< of what there is room for
 constexpr double kGoodLeast = 0.8; ///< room that needs no other amplitude
 constexpr double kGoodMost = 1.6;
-constexpr double kMostGrowth = 4.0;
+constexpr double kMaxGrowth = 4.0;
 
 /// A tick is on time within this share of T.
 constexpr double kOnTime = 0.05;
@@ -102,12 +102,12 @@ void StiffnessSweep::Extent::take(const ServoSample &sample, Eigen::Index motor)
     const double current_A = sample.current_A[motor];
     if (is_empty) {
         is_empty = false;
-        least_m = most_m = sample.tip_m;
+        min_m = max_m = sample.tip_m;
         least_N = most_N = sample.tip_force_N;
         least_A = most_A = current_A;
     }
-    least_m = least_m.cwiseMin(sample.tip_m);
-    most_m = most_m.cwiseMax(sample.tip_m);
+    min_m = min_m.cwiseMin(sample.tip_m);
+    max_m = max_m.cwiseMax(sample.tip_m);
     least_N = least_N.cwiseMin(sample.tip_force_N);
     most_N = most_N.cwiseMax(sample.tip_force_N);
     least_A = std::min(least_A, current_A);
@@ -134,10 +134,10 @@ SweepOptions StiffnessSweep::checked(const device::HapticDevice &device, SweepOp
         throw InputError(fmt::format("sweep: from {:g} to {:g} Hz; it must rise", options.min_hz,
                                      options.max_hz));
     }
-    check("the number of points", options.points, 2, kMostSweepPoints);
+    check("the number of points", options.points, 2, kMaxSweepPoints);
     const servo::SafetyLimits limits = servo::limits_of(device.description());
-    check("the largest tip force [N]", options.tip_force_N, kLeastSweepForce_N, limits.tip_force_N);
-    check("the tip's motion [m]", options.motion_m, kLeastSweepMotion_m, kMostSweepMotion_m);
+    check("the largest tip force [N]", options.tip_force_N, kMinSweepForce_N, limits.tip_force_N);
+    check("the tip's motion [m]", options.motion_m, kMinSweepMotion_m, kMaxSweepMotion_m);
     std::ranges::sort(options.motors);
     if (options.motors.empty() || options.motors.back() > 2 ||
         std::ranges::adjacent_find(options.motors) != options.motors.end()) {
@@ -287,10 +287,10 @@ void StiffnessSweep::rest(const ServoSample &sample) {
     if (sample.safety.state == SafetyState::running) {
         inputs_.fixed_x0_m = sample.tip_m;
         enter(SweepStage::holding);
-    } else if (now_s_ > kLongestRest_s) {
+    } else if (now_s_ > kMaxRest_s) {
         end(fmt::format("the tip has not been at rest within {:.0f} s; hold it still, and begin "
                         "anew",
-                        kLongestRest_s));
+                        kMaxRest_s));
     }
 }
 
@@ -316,7 +316,7 @@ void StiffnessSweep::observe(const ServoSample &sample) {
         }
         return;
     }
-    if (since_s < kLeastObserving_s) {
+    if (since_s < kMinObserving_s) {
         return;
     }
     const auto is_known = [&](std::size_t motor) {
@@ -324,7 +324,7 @@ void StiffnessSweep::observe(const ServoSample &sample) {
         return known.is_trusted && control::held_up_dR_Ohm(known) <= options_.tuning.dR_Ohm &&
                known.here.deviation_Ohm <= kObserved * options_.tuning.dR_Ohm;
     };
-    if (!std::ranges::all_of(options_.motors, is_known) && since_s < kLongestObserving_s) {
+    if (!std::ranges::all_of(options_.motors, is_known) && since_s < kMaxObserving_s) {
         return;
     }
     for (const std::size_t motor : options_.motors) {
@@ -369,7 +369,7 @@ double StiffnessSweep::dither_V(const Task &task) const {
 void StiffnessSweep::begin_task(double first_V) {
     const Task &task = tasks_[task_];
     measurement_ = {};
-    measurement_.blocks.reserve(kMostBlocks);
+    measurement_.blocks.reserve(kMaxBlocks);
     measurement_.motor = task.motor;
     measurement_.frequency_hz =
         static_cast<double>(task.periods) / (static_cast<double>(task.ticks) * servo_.period_s());
@@ -391,7 +391,7 @@ void StiffnessSweep::end_task() {
         return;
     }
     begin_task(tasks_[task_].motor == motor
-                   ? std::max(kLeast_V, kNextShare * measurement_.excitation_V)
+                   ? std::max(kMin_V, kNextShare * measurement_.excitation_V)
                    : kFirst_V);
 }
 
@@ -455,14 +455,14 @@ bool StiffnessSweep::is_too_much_energy(const ServoSample &sample) const noexcep
 void StiffnessSweep::retreat() {
     constexpr double kRetreat = 0.5;
     discarded_ += phase_ == Phase::measuring ? 1 : 0;
-    if (sine_.wanted_V <= kLeast_V) {
+    if (sine_.wanted_V <= kMin_V) {
         end("the tip's force, or the energy that the hand gets, is near its limit even without an "
             "excitation; hold the tip loosely, or allow more force");
         return;
     }
     ++trials_;
     measurement_.blocks.clear();
-    try_amplitude(std::max(kLeast_V, kRetreat * sine_.wanted_V));
+    try_amplitude(std::max(kMin_V, kRetreat * sine_.wanted_V));
     // Until the tip is calm again, or the observer has forgotten most of the energy.
     is_rising_ = false;
     changing_s_ = is_too_much_energy(sample_) ? servo::EnergyObserver::kMemory_s : kCalm_s;
@@ -471,7 +471,7 @@ void StiffnessSweep::retreat() {
 /// By which the amplitude may grow.
 double StiffnessSweep::room() const noexcept {
     const double force_N = half_of(extent_.least_N, extent_.most_N);
-    const double motion_m = half_of(extent_.least_m, extent_.most_m);
+    const double motion_m = half_of(extent_.min_m, extent_.max_m);
     const double current_A = 0.5 * (extent_.most_A - extent_.least_A);
     const double speed_m_per_s = measurement_.omega_rad_per_s() * motion_m;
     const double energy = extent_.energy_J / (kEnergyShare * limits_.generated_energy_J);
@@ -491,16 +491,16 @@ void StiffnessSweep::adapt() {
     const double its_room = room();
     const bool is_good = its_room >= kGoodLeast && its_room <= kGoodMost;
     ++trials_;
-    if (is_good || (trials_ >= kMostTrials && its_room >= kGoodLeast)) {
+    if (is_good || (trials_ >= kMaxTrials && its_room >= kGoodLeast)) {
         enter(Phase::settling);
         return;
     }
-    if (its_room < kGoodLeast && sine_.wanted_V <= kLeast_V) {
+    if (its_room < kGoodLeast && sine_.wanted_V <= kMin_V) {
         retreat();
         return;
     }
-    try_amplitude(std::max(kLeast_V, sine_.wanted_V * std::clamp(kFitting * its_room,
-                                                                 1.0 / kMostGrowth, kMostGrowth)));
+    try_amplitude(std::max(
+        kMin_V, sine_.wanted_V * std::clamp(kFitting * its_room, 1.0 / kMaxGrowth, kMaxGrowth)));
 }
 
 void StiffnessSweep::begin_block() {
@@ -517,7 +517,7 @@ bool StiffnessSweep::is_clean(const ServoSample &sample) const noexcept {
 
 void StiffnessSweep::take_tick(const ServoSample &sample) {
     if (!is_clean(sample)) {
-        if (++discarded_ > kMostDiscarded) {
+        if (++discarded_ > kMaxDiscarded) {
             end("too many measurements were late or lost; `springdrive doctor --device usb` names "
                 "what is in the way");
             return;
@@ -562,9 +562,9 @@ void StiffnessSweep::take_block() {
     measurement_.excitation_V = sine_.now_V;
     const std::size_t blocks = measurement_.blocks.size();
     const bool is_known =
-        blocks >= kLeastBlocks &&
+        blocks >= kMinBlocks &&
         estimated_deviation(drive_of(measurement_.motor), measurement_) < kWantedDeviation;
-    if (!is_known && blocks < kMostBlocks) {
+    if (!is_known && blocks < kMaxBlocks) {
         begin_block();
         return;
     }
@@ -598,7 +598,7 @@ double StiffnessSweep::block_s() const noexcept {
     return static_cast<double>(tasks_[task_].ticks) * servo_.period_s();
 }
 
-double StiffnessSweep::largest_V() const noexcept { return kMost * limits_.voltage_V; }
+double StiffnessSweep::largest_V() const noexcept { return kMax * limits_.voltage_V; }
 
 Eigen::Index StiffnessSweep::motor_index() const noexcept {
     return static_cast<Eigen::Index>(tasks_[task_].motor);

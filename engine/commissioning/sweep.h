@@ -42,10 +42,10 @@ struct SweepOptions {
 /// The ranges of these options.
 inline constexpr double kLowestSweep_hz = 0.1;
 inline constexpr double kHighestSweep = 0.25; ///< of the servo rate
-inline constexpr int kMostSweepPoints = 200;
-inline constexpr double kLeastSweepForce_N = 0.5;
-inline constexpr double kLeastSweepMotion_m = 1e-4;
-inline constexpr double kMostSweepMotion_m = 5e-3;
+inline constexpr int kMaxSweepPoints = 200;
+inline constexpr double kMinSweepForce_N = 0.5;
+inline constexpr double kMinSweepMotion_m = 1e-4;
+inline constexpr double kMaxSweepMotion_m = 5e-3;
 
 enum class SweepStage : std::uint8_t { resting, holding, observing, measuring, releasing, done };
 
@@ -97,8 +97,8 @@ private:
 
     /// Of a while, for the amplitude.
     struct Extent {
-        Vector3 least_m{Vector3::Zero()};
-        Vector3 most_m{Vector3::Zero()};
+        Vector3 min_m{Vector3::Zero()};
+        Vector3 max_m{Vector3::Zero()};
         Vector3 least_N{Vector3::Zero()};
         Vector3 most_N{Vector3::Zero()};
         double least_A = 0.0;

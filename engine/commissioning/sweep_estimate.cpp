@@ -47,10 +47,10 @@ using Complex = std::complex<double>;
 constexpr double kInductanceKnown = 0.5;
 /// The same of k_T, if the file has no tolerance.
 constexpr double kTorqueConstantKnown = 0.01;
-constexpr double kLeast_Ohm = 1e-3;
+constexpr double kMin_Ohm = 1e-3;
 
 /// No point of a sweep is better known than that, for the fit of the winding.
-constexpr double kLeastDeviation = 2e-3;
+constexpr double kMinDeviation = 2e-3;
 
 /// Steps of the fit: each leaves less than a third of the error before.
 constexpr int kFits = 12;
@@ -90,7 +90,7 @@ Complex aliasing(const FittedWinding &winding, double omega_rad_per_s, double pe
 /// The winding with the R̂ of one measurement.
 FittedWinding during(const SweepMeasurement &measurement, FittedWinding winding) {
     winding.dR_Ohm =
-        std::max(kLeast_Ohm, winding.dR_Ohm + winding.cancelled_Ohm - measurement.cancelled_Ohm);
+        std::max(kMin_Ohm, winding.dR_Ohm + winding.cancelled_Ohm - measurement.cancelled_Ohm);
     winding.cancelled_Ohm = measurement.cancelled_Ohm;
     return winding;
 }
@@ -281,7 +281,7 @@ WindingStep winding_step(const loops::SpringDrive &drive,
             slope[i] = (relative_current(drive, measurement, beside) - now) / kSmall;
         }
         const double deviation =
-            std::max(admittance(drive, measurement, winding).deviation, kLeastDeviation);
+            std::max(admittance(drive, measurement, winding).deviation, kMinDeviation);
         const double weight = 1.0 / (deviation * deviation);
         if (!std::isfinite(std::abs(now)) || !std::isfinite(weight) || weight <= 0.0) {
             continue;
@@ -299,8 +299,8 @@ WindingStep winding_step(const loops::SpringDrive &drive,
     if (!(normal.determinant() > 0.0)) {
         return WindingStep::Zero();
     }
-    constexpr double kLongest = 0.5;
-    return WindingStep(normal.inverse() * product).cwiseMax(-kLongest).cwiseMin(kLongest);
+    constexpr double kMax = 0.5;
+    return WindingStep(normal.inverse() * product).cwiseMax(-kMax).cwiseMin(kMax);
 }
 
 /// What fits all frequencies best.
@@ -310,7 +310,7 @@ FittedWinding fitted_winding(const loops::SpringDrive &drive,
     for (int fit = 0; fit < kFits; ++fit) {
         winding.inertia_kg_m2 = fitted_inertia_kg_m2(drive, measurements, winding);
         winding = changed(winding, winding_step(drive, measurements, winding));
-        winding.dR_Ohm = std::max(winding.dR_Ohm, kLeast_Ohm);
+        winding.dR_Ohm = std::max(winding.dR_Ohm, kMin_Ohm);
     }
     return winding;
 }

@@ -13,14 +13,14 @@ namespace springdrive::control {
 namespace {
 
 constexpr double kMaxRate_hz = 1e6;
-constexpr double kLongest_periods = 100.0;
+constexpr double kMax_periods = 100.0;
 constexpr double kAny = std::numeric_limits<double>::max();
 
 constexpr auto kMarginFields = std::to_array<Field<TuningMargins>>({
     {"servo_hz", &TuningMargins::servo_hz, "", 1.0, kMaxRate_hz, "Hz", kRequired},
-    {"delay_periods", &TuningMargins::delay_periods, "", 0.0, kLongest_periods, "", kRequired},
+    {"delay_periods", &TuningMargins::delay_periods, "", 0.0, kMax_periods, "", kRequired},
     {"gain", &TuningMargins::gain, "", 1.0, kAny, "", kRequired},
-    {"more_delay_periods", &TuningMargins::more_delay_periods, "", 0.0, kLongest_periods, "",
+    {"more_delay_periods", &TuningMargins::more_delay_periods, "", 0.0, kMax_periods, "",
      kRequired},
     {"least_dR_Ohm", &TuningMargins::min_dR_Ohm, "", 0.0, kAny, "Ω", kRequired},
     {"K_DC_Nm_per_rad", &TuningMargins::K_DC_Nm_per_rad, "", 0.0, kAny, "N·m/rad", kRequired},

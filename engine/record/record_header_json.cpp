@@ -20,7 +20,7 @@ namespace {
 using nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr std::size_t kLongestName = 63; // MATLAB's limit
+constexpr std::size_t kMaxName = 63; // MATLAB's limit
 constexpr std::size_t kMaxColumns = 10'000;
 
 OrderedJson tuning_to_json(const control::Tuning &tuning) {
@@ -82,7 +82,7 @@ control::Tuning tuning_from_json(const json &object) {
 
 bool is_legal_name(const std::string &name) {
     const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-    return !name.empty() && name.size() <= kLongestName && is_letter(name[0]) &&
+    return !name.empty() && name.size() <= kMaxName && is_letter(name[0]) &&
            std::all_of(name.begin(), name.end(),
                        [&](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; });
 }

@@ -147,7 +147,7 @@ void RecordWriter::flush() {
 }
 
 void RecordWriter::note(std::string_view json) {
-    if (json.size() > kLongestNote) {
+    if (json.size() > kMaxNote) {
         throw InputError(path_.string() + ": a note of " + std::to_string(json.size()) +
                          " bytes is too long; notes have up to 1048576");
     }

@@ -24,7 +24,7 @@ namespace springdrive::record {
 /// For use by one thread. Allocates all memory at construction, except for notes.
 class RecordWriter {
 public:
-    static constexpr std::size_t kLongestNote = std::size_t{1} << 20U; ///< bytes
+    static constexpr std::size_t kMaxNote = std::size_t{1} << 20U; ///< bytes
 
     /// Creates the file, with its header.
     /// @param header    made by `record_header`

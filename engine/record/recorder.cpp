@@ -71,7 +71,7 @@ void Recorder::pump() {
 }
 
 void Recorder::note(std::string_view json) {
-    if (json.size() > RecordWriter::kLongestNote) {
+    if (json.size() > RecordWriter::kMaxNote) {
         throw InputError("a note of " + std::to_string(json.size()) +
                          " bytes is too long; notes have up to 1048576");
     }

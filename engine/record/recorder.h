@@ -67,7 +67,7 @@ public:
 
     /// Queues JSON text to be written after all samples that are in the ring at the next drain.
     /// Does nothing while not recording. @throw InputError for a text longer than
-    /// RecordWriter::kLongestNote.
+    /// RecordWriter::kMaxNote.
     void note(std::string_view json);
 
     [[nodiscard]] bool is_recording() const;

@@ -43,8 +43,8 @@ void add_sides(const VisualMesh &mesh, std::vector<EdgeSide> &sides) {
 }
 
 bool turns(const Point &normal, const Point &other) {
-    static const double kLeast = std::cos(kCrease_deg * std::numbers::pi / 180.0);
-    return std::inner_product(normal.begin(), normal.end(), other.begin(), 0.0) < kLeast;
+    static const double kMin = std::cos(kCrease_deg * std::numbers::pi / 180.0);
+    return std::inner_product(normal.begin(), normal.end(), other.begin(), 0.0) < kMin;
 }
 
 /// @param sides of one edge

@@ -71,10 +71,10 @@ void check_fallback(const json &document, std::string_view extension) {
 std::array<int, 2> version_of(const std::string &text) {
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     const std::size_t point = text.find('.');
-    constexpr std::size_t kMostDigits = 4;
+    constexpr std::size_t kMaxDigits = 4;
     const bool is_version =
-        point != std::string::npos && point > 0 && point <= kMostDigits &&
-        text.size() - point - 1 > 0 && text.size() - point - 1 <= kMostDigits &&
+        point != std::string::npos && point > 0 && point <= kMaxDigits &&
+        text.size() - point - 1 > 0 && text.size() - point - 1 <= kMaxDigits &&
         std::all_of(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(point), is_digit) &&
         std::all_of(text.begin() + static_cast<std::ptrdiff_t>(point) + 1, text.end(), is_digit);
     if (!is_version) {

@@ -12,9 +12,8 @@ namespace springdrive::scene::gltf {
 namespace {
 
 std::string shown(const nlohmann::json &value) {
-    constexpr std::size_t kLongest = 40;
-    return value.is_string() ? in_quotes(value.get<std::string>())
-                             : one_line(value.dump(), kLongest);
+    constexpr std::size_t kMax = 40;
+    return value.is_string() ? in_quotes(value.get<std::string>()) : one_line(value.dump(), kMax);
 }
 
 } // namespace

@@ -216,10 +216,10 @@ std::string text_of(Kind kind) {
 
 /// "4.0" becomes 4.
 void make_whole(json &value) {
-    constexpr double kLargest = 9007199254740992.0; // up to which doubles hold all whole numbers
+    constexpr double kMax = 9007199254740992.0; // up to which doubles hold all whole numbers
     if (value.is_number_float()) {
         const auto number = value.get<double>();
-        if (number == std::floor(number) && std::abs(number) <= kLargest) {
+        if (number == std::floor(number) && std::abs(number) <= kMax) {
             value = number < 0.0 ? json(static_cast<std::int64_t>(number))
                                  : json(static_cast<std::uint64_t>(number));
         }

@@ -171,8 +171,8 @@ TouchExtras read_touch(const std::string &text, const TouchExtras &parent, const
     const Extras extras(text, label, warnings);
     TouchExtras touch = parent;
     touch.shape.reset();
-    constexpr std::size_t kLongestCaption = 40;
-    touch.caption = extras.text("caption", kLongestCaption).value_or("");
+    constexpr std::size_t kMaxCaption = 40;
+    touch.caption = extras.text("caption", kMaxCaption).value_or("");
     if (const auto eta =
             extras.number("eta", 0.0, 1.0, "a number from 0 (rigid) to 1 (free space)")) {
         touch.material.eta = *eta;

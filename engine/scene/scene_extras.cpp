@@ -50,10 +50,10 @@ void read_spot(const Extras &extras, std::optional<TouchSpot> &spot) {
 }
 
 void read_lesson(const Extras &extras, Lesson &lesson) {
-    constexpr std::size_t kLongestTitle = 40;
-    constexpr std::size_t kLongestSentence = 200;
-    lesson.title = extras.text("title", kLongestTitle).value_or(lesson.title);
-    lesson.feel = extras.text("feel", kLongestSentence).value_or(lesson.feel);
+    constexpr std::size_t kMaxTitle = 40;
+    constexpr std::size_t kMaxSentence = 200;
+    lesson.title = extras.text("title", kMaxTitle).value_or(lesson.title);
+    lesson.feel = extras.text("feel", kMaxSentence).value_or(lesson.feel);
     read_spot(extras, lesson.spot);
     extras.refuse_all_but(kLessonKeys);
 }

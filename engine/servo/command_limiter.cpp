@@ -18,8 +18,8 @@ const device::MotorParameters &motor_of(const device::DeviceDescription &device,
 }
 
 /// R of a winding at this angle, at least: without observation, that of the worst angle.
-double least_resistance_Ohm(const device::MotorParameters &file,
-                            const control::ObservedMotor &motor) {
+double min_resistance_Ohm(const device::MotorParameters &file,
+                          const control::ObservedMotor &motor) {
     constexpr double kDeviations = 2.0;
     const double without_ripple = 1.0 - file.commutation_ripple;
     const auto &[R_Ohm, deviation_Ohm] = motor.here;
@@ -104,7 +104,7 @@ LimitedCommand limited(const device::DeviceDescription &device, const device::De
         const double R_hat_Ohm = std::clamp(inputs.ramp * wanted.cancelled_resistance_Ohm[j], 0.0,
                                             inputs.R_hat_limit_Ohm[j]);
         result.command.cancelled_resistance_Ohm[j] = R_hat_Ohm;
-        dR_Ohm[j] = std::max(least_resistance_Ohm(file, motor) - R_hat_Ohm,
+        dR_Ohm[j] = std::max(min_resistance_Ohm(file, motor) - R_hat_Ohm,
                              device::kMinResidualShare * file.resistance_Ohm);
         const double offset_V = R_hat_Ohm * motor.offset_A;
         no_current_V[j] = motor.torque_constant_Nm_per_A * now.theta_rate_rad_per_s[j] - offset_V;

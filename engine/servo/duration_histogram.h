@@ -15,7 +15,7 @@ class DurationHistogram {
 public:
     /// RT-safe.
     void add(double duration_s) noexcept {
-        const double octaves = std::log2(std::max(duration_s, kShortest_s) / kShortest_s);
+        const double octaves = std::log2(std::max(duration_s, kMin_s) / kMin_s);
         const auto bin = static_cast<std::size_t>(octaves * kBinsPerOctave);
         ++bins_[std::min(bin, bins_.size() - 1)];
         ++count_;
@@ -49,10 +49,10 @@ public:
 
 private:
     [[nodiscard]] static double lower_bound_s(std::size_t bin) noexcept {
-        return kShortest_s * std::exp2(static_cast<double>(bin) / kBinsPerOctave);
+        return kMin_s * std::exp2(static_cast<double>(bin) / kBinsPerOctave);
     }
 
-    static constexpr double kShortest_s = 10e-9;
+    static constexpr double kMin_s = 10e-9;
     static constexpr double kBinsPerOctave = 64.0;
 
     std::array<std::uint64_t, std::size_t{64} * 30> bins_{}; ///< up to 10 s

@@ -51,9 +51,8 @@ WindingObservers::WindingObservers(const device::DeviceDescription &device, doub
       motor_(device.motor), used_(control::motors_of_file(device.motor)) {}
 
 std::size_t WindingObservers::whole_delay(double delay_periods) noexcept {
-    return delay_periods <= static_cast<double>(kLongestDelay)
-               ? static_cast<std::size_t>(delay_periods)
-               : kHistory;
+    return delay_periods <= static_cast<double>(kMaxDelay) ? static_cast<std::size_t>(delay_periods)
+                                                           : kHistory;
 }
 
 void WindingObservers::set_timing(double delay_periods, double period_s) noexcept {

@@ -21,7 +21,7 @@ namespace springdrive::servo {
 /// RT-safe after construction.
 class WindingObservers {
 public:
-    /// @param delay_periods  d; with more than kLongestDelay nothing is ever learned
+    /// @param delay_periods  d; with more than kMaxDelay nothing is ever learned
     WindingObservers(const device::DeviceDescription &device, double delay_periods,
                      double period_s);
 
@@ -88,8 +88,8 @@ public:
     }
 
 private:
-    static constexpr std::size_t kLongestDelay = 8;
-    static constexpr std::size_t kHistory = kLongestDelay + 2;
+    static constexpr std::size_t kMaxDelay = 8;
+    static constexpr std::size_t kHistory = kMaxDelay + 2;
 
     [[nodiscard]] static std::size_t whole_delay(double delay_periods) noexcept;
     [[nodiscard]] const device::DeviceCommand &command_before(std::size_t ticks) const noexcept;

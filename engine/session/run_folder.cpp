@@ -35,7 +35,7 @@ constexpr std::size_t kMaxText_bytes = std::size_t{256} << 20U;
 constexpr std::size_t kMaxFacts_bytes = std::size_t{1} << 20U;
 
 /// A disk with less room is full: the small files would not fit.
-constexpr std::size_t kLeastRoom_bytes = std::size_t{64} << 10U;
+constexpr std::size_t kMinRoom_bytes = std::size_t{64} << 10U;
 
 void write_text(const fs::path &file, std::string_view text) {
     if (text.size() > kMaxText_bytes) {
@@ -82,7 +82,7 @@ void check_room_in(const fs::path &folder) {
     try {
         const NewFile tried(folder / "run.json");
         std::ofstream stream(tried.temporary(), std::ios::binary);
-        stream << std::string(kLeastRoom_bytes, ' ');
+        stream << std::string(kMinRoom_bytes, ' ');
         stream.close();
         if (!stream) {
             throw InputError(folder.string() +
@@ -143,10 +143,10 @@ private:
 } // namespace
 
 RunFolder RunFolder::create(const fs::path &parent) {
-    constexpr std::size_t kMostOfOneSecond = 1000;
+    constexpr std::size_t kMaxOfOneSecond = 1000;
     const fs::path name = parent / dated_name("springdrive");
     int error = EEXIST;
-    for (std::size_t number = 1; error == EEXIST && number <= kMostOfOneSecond; ++number) {
+    for (std::size_t number = 1; error == EEXIST && number <= kMaxOfOneSecond; ++number) {
         const fs::path folder = numbered_name(name, number);
         error = mkdir(folder.c_str(), 0777) == 0 ? 0 : errno;
         if (error == 0) {

@@ -28,8 +28,8 @@ constexpr std::string_view kRunFormat = "springdrive run 1";
 constexpr const char *kUtcFormat = "%Y-%m-%dT%H:%M:%SZ";
 
 [[noreturn]] void refuse_text(const std::filesystem::path &file, const std::string &problem) {
-    constexpr std::size_t kLongest = 1000;
-    throw InputError(file.string() + ": " + one_line(problem, kLongest));
+    constexpr std::size_t kMax = 1000;
+    throw InputError(file.string() + ": " + one_line(problem, kMax));
 }
 
 std::string utc_text(std::chrono::sys_seconds time) {

@@ -55,10 +55,10 @@ void check_reach(const device::DeviceDescription &device, const simulated::HandP
 /// The path, after an even motion to its start.
 simulated::HandPath from_here(const Vector3 &here_m, const simulated::HandPath &path) {
     constexpr double kApproach_m_per_s = 0.05;
-    constexpr double kLeastApproach_s = 0.2;
+    constexpr double kMinApproach_s = 0.2;
     const simulated::HandPath::Point &first = path.points().front();
     const double approach_s =
-        kLeastApproach_s + (first.position_m - here_m).norm() / kApproach_m_per_s;
+        kMinApproach_s + (first.position_m - here_m).norm() / kApproach_m_per_s;
     std::vector<simulated::HandPath::Point> points{{0.0, here_m}};
     for (simulated::HandPath::Point point : path.points()) {
         point.time_s += approach_s - first.time_s;

@@ -15,10 +15,10 @@ namespace springdrive::session {
 namespace {
 
 /// After more periods without a measurement the currents start again as recorded.
-constexpr int kMostPeriods = 16;
+constexpr int kMaxPeriods = 16;
 
 /// A longer delay is taken as this one: a record may give any.
-constexpr double kLongestDelayPeriods = 16.0;
+constexpr double kMaxDelayPeriods = 16.0;
 
 /// Rows before a range that what_if computes, too: their effects on filters and currents decay with
 /// time constants of up to 12 ms.
@@ -64,7 +64,7 @@ PredictedCurrents::PredictedCurrents(const device::DeviceDescription &device, do
 }
 
 void PredictedCurrents::set_delay(double delay_periods) {
-    delay_ = device::split_delay(std::clamp(delay_periods, 0.0, kLongestDelayPeriods));
+    delay_ = device::split_delay(std::clamp(delay_periods, 0.0, kMaxDelayPeriods));
 }
 
 bool PredictedCurrents::follows(const servo::ServoSample &recorded) const {
@@ -75,9 +75,9 @@ bool PredictedCurrents::follows(const servo::ServoSample &recorded) const {
 int PredictedCurrents::periods_until(const servo::ServoSample &recorded) {
     const std::uint64_t ticks = recorded.tick - measured_->tick;
     const std::uint64_t periods = std::max<std::uint64_t>(ticks, recorded.missed_periods + 1ULL);
-    if (periods > kMostPeriods) {
+    if (periods > kMaxPeriods) {
         commands_.clear();
-        return kMostPeriods + 1;
+        return kMaxPeriods + 1;
     }
     for (std::uint64_t added = ticks; added < periods && !commands_.empty(); ++added) {
         const device::DeviceCommand held = commands_.back();
@@ -100,7 +100,7 @@ Vector3 PredictedCurrents::at(const servo::ServoSample &recorded) {
     const int periods = measured_ ? periods_until(recorded) : 1;
     const std::size_t needed =
         static_cast<std::size_t>(periods) + static_cast<std::size_t>(delay_.held());
-    if (measured_ && periods <= kMostPeriods && commands_.size() >= needed &&
+    if (measured_ && periods <= kMaxPeriods && commands_.size() >= needed &&
         current_A_.allFinite() && servo::lets_pass(recorded.safety.state)) {
         run(recorded, periods);
     } else {
@@ -109,8 +109,8 @@ Vector3 PredictedCurrents::at(const servo::ServoSample &recorded) {
     if (is_new) {
         measured_ = recorded;
     }
-    constexpr std::size_t kMostCommands = kMostPeriods + 1 + 1;
-    const std::size_t most = kMostCommands + static_cast<std::size_t>(delay_.held());
+    constexpr std::size_t kMaxCommands = kMaxPeriods + 1 + 1;
+    const std::size_t most = kMaxCommands + static_cast<std::size_t>(delay_.held());
     while (commands_.size() > most) {
         commands_.pop_front();
     }

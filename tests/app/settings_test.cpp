@@ -176,11 +176,11 @@ TEST_F(WindowSettings, RememberTheNewestFilesOnce) {
     for (int i = 0; i < 12; ++i) {
         note_recent(settings, "/scenes/" + std::to_string(i) + ".glb");
     }
-    ASSERT_EQ(settings.recent.size(), Settings::kMostRecent);
+    ASSERT_EQ(settings.recent.size(), Settings::kMaxRecent);
     EXPECT_EQ(settings.recent.front(), "/scenes/11.glb");
     EXPECT_EQ(settings.recent.back(), "/scenes/4.glb");
     note_recent(settings, "/scenes/x/../4.glb");
-    EXPECT_EQ(settings.recent.size(), Settings::kMostRecent);
+    EXPECT_EQ(settings.recent.size(), Settings::kMaxRecent);
     EXPECT_EQ(settings.recent.front(), "/scenes/4.glb");
     const Settings before = settings;
     note_recent(settings, "/scenes/\xff.glb");
@@ -198,7 +198,7 @@ TEST(TextSize, GoesInStepsToItsEndsAndBack) {
     for (; next_text_size(size, true) > size; ++steps) {
         size = next_text_size(size, true);
     }
-    EXPECT_EQ(size, kGreatestTextSize);
+    EXPECT_EQ(size, kMaxTextSize);
     for (; steps > 0; --steps) {
         size = next_text_size(size, false);
     }
@@ -206,7 +206,7 @@ TEST(TextSize, GoesInStepsToItsEndsAndBack) {
     while (next_text_size(size, false) < size) {
         size = next_text_size(size, false);
     }
-    EXPECT_EQ(size, kLeastTextSize);
+    EXPECT_EQ(size, kMinTextSize);
     EXPECT_EQ(next_text_size(1.1, true), 1.25); // from between two steps
     EXPECT_EQ(next_text_size(1.1, false), 1.0);
 }

@@ -159,7 +159,7 @@ TEST(TouchByClick, IsPressedDeeperByTheWheelWithinLimits) {
     EXPECT_NEAR(depth_after_m(0.002), 0.008, 1e-12);
     EXPECT_NEAR(depth_after_m(-0.004), 0.004, 1e-12);
     EXPECT_NEAR(depth_after_m(1.0), TouchByClick::kDeepest_m, 1e-12);
-    EXPECT_NEAR(depth_after_m(-1.0), TouchByClick::kLeast_m, 1e-12);
+    EXPECT_NEAR(depth_after_m(-1.0), TouchByClick::kMin_m, 1e-12);
 }
 
 /// Lets it come down; where the hand is then.

@@ -60,7 +60,7 @@ public:
         if (form == 2) {
             return 0;
         }
-        std::vector<std::uint8_t> payload(board::kLargestPayload);
+        std::vector<std::uint8_t> payload(board::kMaxPayload);
         board::LoopStatus loop;
         loop.largest_cancelled_Ohm = {2.0F, 2.0F, 2.0F};
         payload.resize(
@@ -120,7 +120,7 @@ private:
     void damage(std::vector<std::uint8_t> &payload, Kind request) {
         const std::uint8_t form = input_.byte();
         if ((form & 1U) != 0) {
-            payload.resize(input_.byte() % (board::kLargestPayload + 1U));
+            payload.resize(input_.byte() % (board::kMaxPayload + 1U));
         }
         for (int i = 0; i < form / 32 && !payload.empty(); ++i) {
             const std::size_t place = input_.byte() % payload.size();
@@ -399,8 +399,8 @@ private:
     /// With the first commands, each of which may wait for its report.
     [[nodiscard]] double connecting_s() const { return 2.5 + 40.0 * 3.0 * period_s_; }
 
-    void require_time(double begin_s, double most_s) const {
-        require(port_->now_s() - begin_s <= most_s, "waits for too long");
+    void require_time(double begin_s, double max_s) const {
+        require(port_->now_s() - begin_s <= max_s, "waits for too long");
     }
 
     FuzzInput input_;

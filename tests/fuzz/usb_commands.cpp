@@ -15,7 +15,7 @@ using usb::FrameStatus;
 using usb::Kind;
 
 /// In one input: a board's start, and most of a self-test.
-constexpr int kMostTicks = 16'000;
+constexpr int kMaxTicks = 16'000;
 
 board::BoardSettings settings_by(std::uint8_t choices) {
     board::BoardSettings settings;
@@ -277,7 +277,7 @@ private:
     void ask() {
         const std::uint8_t request = input_.byte();
         const std::uint16_t value = input_.u16();
-        std::vector<std::uint8_t> answer(board::kLargestPayload);
+        std::vector<std::uint8_t> answer(board::kMaxPayload);
         const std::size_t size = board_.control_in(request, value, answer.data());
         require(size <= answer.size(), "an answer that is too large");
         const auto payload = std::span(answer).first(size);
@@ -318,7 +318,7 @@ private:
     }
 
     void check_counters() const {
-        std::vector<std::uint8_t> answer(board::kLargestPayload);
+        std::vector<std::uint8_t> answer(board::kMaxPayload);
         const std::size_t size =
             board_.control_in(static_cast<std::uint8_t>(Kind::counters), 0, answer.data());
         usb::Counters counters;
@@ -400,7 +400,7 @@ private:
     /// With a host that goes on sending its last command.
     void run_with_host(int ticks) {
         constexpr int kTicksOfHost = 40;
-        for (int i = 0; i < ticks && ticks_ < kMostTicks; ++i) {
+        for (int i = 0; i < ticks && ticks_ < kMaxTicks; ++i) {
             if (i % kTicksOfHost == 0) {
                 usb::Command command = accepted_;
                 ++command.number;
@@ -414,7 +414,7 @@ private:
     }
 
     void run(int ticks) {
-        for (int i = 0; i < ticks && ticks_ < kMostTicks; ++i, ++ticks_) {
+        for (int i = 0; i < ticks && ticks_ < kMaxTicks; ++i, ++ticks_) {
             time_us_ += 1'000'000U / settings_.loop_rate_hz + skipped_us_;
             skipped_us_ = 0;
             samples_.time_us = static_cast<std::uint32_t>(time_us_);

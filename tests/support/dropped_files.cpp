@@ -19,7 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kLongest{20};
+constexpr std::chrono::seconds kMax{20};
 constexpr long kVersion = 5;
 
 /// The side of the protocol that offers the files.
@@ -95,7 +95,7 @@ private:
     /// @return its flags
     [[nodiscard]] long answer(const char *what) {
         const Atom expected = atom(what);
-        const Clock::time_point deadline = Clock::now() + kLongest;
+        const Clock::time_point deadline = Clock::now() + kMax;
         while (Clock::now() < deadline) {
             if (XPending(display_) == 0) {
                 pollfd watched{ConnectionNumber(display_), POLLIN, 0};

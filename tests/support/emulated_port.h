@@ -14,9 +14,9 @@ using EmulatedPort = factory::InProcessPort;
 class TimedPort final : public EmulatedPort {
 public:
     struct Way {
-        double least_s = 60e-6; ///< of a packet, each way
-        double most_s = 120e-6; ///< the same
-        double drift = 0.0;     ///< by which the board's clock is faster
+        double min_s = 60e-6;  ///< of a packet, each way
+        double max_s = 120e-6; ///< the same
+        double drift = 0.0;    ///< by which the board's clock is faster
         std::uint64_t seed = 1;
     };
 
@@ -56,7 +56,7 @@ private:
 
     /// Packets do not overtake one another.
     double delay_s(const std::deque<UnderWay> &queue) {
-        const double delay_s = std::uniform_real_distribution(way_.least_s, way_.most_s)(random_);
+        const double delay_s = std::uniform_real_distribution(way_.min_s, way_.max_s)(random_);
         return queue.empty() ? delay_s : std::max(delay_s, queue.back().at_s - now_s_);
     }
 

@@ -24,7 +24,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kLongestFrame{10};
+constexpr std::chrono::seconds kMaxFrame{10};
 constexpr std::chrono::duration<double> kMouseInterval{1.0 / 60.0};
 /// Between two letters. GLFW takes two presses of a key within a millisecond for one.
 constexpr std::chrono::milliseconds kTypingInterval{4};
@@ -117,7 +117,7 @@ public:
         }
         ++pings_;
         tell_window("_NET_WM_PING", pings_);
-        const Clock::time_point deadline = Clock::now() + kLongestFrame;
+        const Clock::time_point deadline = Clock::now() + kMaxFrame;
         while (Clock::now() < deadline) {
             if (!is_there_) {
                 return false;

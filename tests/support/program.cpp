@@ -15,7 +15,7 @@ namespace springdrive::testing {
 
 namespace {
 
-constexpr std::chrono::minutes kLongest{2};
+constexpr std::chrono::minutes kMax{2};
 
 /// In the child: both streams into files, then the program. Never returns.
 [[noreturn]] void become_program(const std::vector<std::string> &arguments,
@@ -63,7 +63,7 @@ Ending run_program(const std::vector<std::string> &arguments, int signal,
             kill(child, signal);
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
-        if (Clock::now() - start > kLongest) {
+        if (Clock::now() - start > kMax) {
             kill(child, SIGKILL);
         }
     }

@@ -23,7 +23,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kLongest{60};
+constexpr std::chrono::seconds kMax{60};
 
 /// What the child needs; prepared before the fork.
 struct Start {
@@ -138,7 +138,7 @@ RunningProgram::~RunningProgram() {
 void RunningProgram::send_line(const std::string &line) {
     const std::string text = line + '\n';
     std::string_view rest = text;
-    const Clock::time_point deadline = Clock::now() + kLongest;
+    const Clock::time_point deadline = Clock::now() + kMax;
     while (!rest.empty()) {
         const ssize_t written = input_ < 0 ? -1 : write_without_signal(input_, rest);
         if (written > 0) {
@@ -158,7 +158,7 @@ void RunningProgram::send_line(const std::string &line) {
 
 std::optional<std::string> RunningProgram::read_line(std::chrono::duration<double> timeout) {
     std::unique_lock lock(mutex_);
-    arrived_.wait_for(lock, std::min<std::chrono::duration<double>>(timeout, kLongest),
+    arrived_.wait_for(lock, std::min<std::chrono::duration<double>>(timeout, kMax),
                       [this] { return at_end_ || !lines_.empty(); });
     if (lines_.empty()) {
         return std::nullopt;
@@ -184,7 +184,7 @@ Ending RunningProgram::end(int signal) {
     close_input();
     while (is_running()) {
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
-        if (Clock::now() - start > kLongest) {
+        if (Clock::now() - start > kMax) {
             kill(process_, SIGKILL);
             reap(true);
         }

@@ -147,9 +147,9 @@ Point ShownWindow::point_in(const std::string &id, float x, float y) {
                      item.at("y").get<float>() + y * item.at("height").get<float>()};
     };
     // A person does not press on what moves: a message that appears may shift what is below it.
-    constexpr int kMostFrames = 20;
+    constexpr int kMaxFrames = 20;
     Point there = place();
-    for (int frame = 0; frame < kMostFrames; ++frame) {
+    for (int frame = 0; frame < kMaxFrames; ++frame) {
         const Point before = std::exchange(there, place());
         if (there.x == before.x && there.y == before.y) {
             break;

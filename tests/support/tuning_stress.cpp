@@ -24,7 +24,7 @@ constexpr std::uint64_t kMaxReported = 5;
 /// The smallest value of a logarithmic parameter whose range begins at 0, as a share of its
 /// maximum. Transitions follow the mean of the values, for K_P 500/ln(1e20) = 11 V/rad, which is
 /// stable, so that the device is in contact with voltage on.
-constexpr double kSmallest = 1e-20;
+constexpr double kMin = 1e-20;
 constexpr double kPress_s = 0.15; // down, and as long up: in a new scene around the tip the proxy
                                   // starts free
 const Vector3 kFree_m(0.0, 0.02, 0.0);
@@ -84,7 +84,7 @@ void TuningStress::publish() {
     control::Tuning &tuning = inputs_.tuning;
     for (const control::Parameter &parameter : control::kParameters) {
         const double x = share(random_);
-        const double minimum = std::max(parameter.minimum, kSmallest * parameter.maximum);
+        const double minimum = std::max(parameter.minimum, kMin * parameter.maximum);
         tuning.*parameter.value =
             parameter.logarithmic ? std::clamp(minimum * std::pow(parameter.maximum / minimum, x),
                                                parameter.minimum, parameter.maximum)

@@ -20,8 +20,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kLongestStart{30};
-constexpr std::chrono::seconds kLongestEnd{5};
+constexpr std::chrono::seconds kMaxStart{30};
+constexpr std::chrono::seconds kMaxEnd{5};
 constexpr int kNotFound = 127; // as shells report a missing program
 
 /// In the child. Never returns.
@@ -49,7 +49,7 @@ constexpr int kNotFound = 127; // as shells report a missing program
 
 /// The first line, without its end; empty at the end of the stream or of the time.
 std::string first_line(int stream) {
-    const Clock::time_point deadline = Clock::now() + kLongestStart;
+    const Clock::time_point deadline = Clock::now() + kMaxStart;
     std::string line;
     char letter = 0;
     for (;;) {
@@ -90,7 +90,7 @@ bool ends_within(pid_t process, std::chrono::seconds limit, int &status) {
 int end_server(pid_t server) {
     int status = 0;
     kill(server, SIGTERM); // it then removes its lock file
-    if (!ends_within(server, kLongestEnd, status)) {
+    if (!ends_within(server, kMaxEnd, status)) {
         kill(server, SIGKILL);
         waitpid(server, &status, 0);
     }

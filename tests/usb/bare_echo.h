@@ -30,10 +30,10 @@ class Echo : public emulator::Peripheral {
 public:
     static constexpr std::uint8_t kRequest = 0x22;
     static constexpr std::uint16_t kBlocks = 4;
-    static constexpr std::size_t kLargestPayload = 64;
+    static constexpr std::size_t kMaxPayload = 64;
 
     void put(std::span<const std::uint8_t> packet) override {
-        if (packets_.size() < kLongestQueue) {
+        if (packets_.size() < kMaxQueue) {
             packets_.emplace_back(packet.begin(), packet.end());
         }
     }
@@ -76,7 +76,7 @@ public:
     /// For GadgetOptions.
     [[nodiscard]] static bool takes_out(std::uint8_t request, std::uint16_t value,
                                         std::size_t size) {
-        return request == kRequest && value < kBlocks && size <= kLargestPayload;
+        return request == kRequest && value < kBlocks && size <= kMaxPayload;
     }
     [[nodiscard]] bool is_high_speed() const { return is_high_speed_; }
     [[nodiscard]] int attachments() const { return attachments_; }
@@ -84,7 +84,7 @@ public:
     [[nodiscard]] double passed_s() const { return passed_s_; }
 
 private:
-    static constexpr std::size_t kLongestQueue = 64;
+    static constexpr std::size_t kMaxQueue = 64;
     std::deque<std::vector<std::uint8_t>> packets_;
     std::array<std::vector<std::uint8_t>, kBlocks> payload_;
     bool is_high_speed_ = false;

@@ -227,7 +227,7 @@ void check_control_requests(const Host &host) {
                                        detail::kTimeLimit_ms);
     };
     std::vector<double> times_us;
-    for (std::size_t size = 1; size <= Echo::kLargestPayload; ++size) {
+    for (std::size_t size = 1; size <= Echo::kMaxPayload; ++size) {
         std::vector<std::uint8_t> sent(size, static_cast<std::uint8_t>(size));
         std::vector<std::uint8_t> read(100);
         const auto block = static_cast<std::uint16_t>(size % Echo::kBlocks);

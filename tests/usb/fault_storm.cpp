@@ -25,8 +25,8 @@ using servo::TripCause;
 constexpr double kPublished_s = 0.04; ///< the driver publishes its counters every 32 ticks
 constexpr double kAfterwards_s = 0.1;
 constexpr double kHottest_C = 85.0; ///< of a power stage
-constexpr double kLeastSupply_V = 13.0;
-constexpr double kMostSupply_V = 18.0;
+constexpr double kMinSupply_V = 13.0;
+constexpr double kMaxSupply_V = 18.0;
 
 // ---- Random cases.
 
@@ -233,8 +233,8 @@ constexpr Naming kOff{FaultKind::brown_out,  kOut, says_nothing, 0, kLostCause,
 
 bool is_within_limits(const Fault &fault) {
     return (fault.kind == FaultKind::hot_stage && fault.size[0] <= kHottest_C) ||
-           (fault.kind == FaultKind::brown_out && fault.size[0] >= kLeastSupply_V &&
-            fault.size[0] <= kMostSupply_V);
+           (fault.kind == FaultKind::brown_out && fault.size[0] >= kMinSupply_V &&
+            fault.size[0] <= kMaxSupply_V);
 }
 
 /// One loop of the board suffices, and lasting is not needed to be reported.
@@ -248,7 +248,7 @@ Naming naming_of(const Fault &fault) {
         return {.kind = fault.kind};
     }
     if (fault.kind == FaultKind::brown_out &&
-        fault.size[0] < emulator::EmulatedBoard::kLeastLogicSupply_V) {
+        fault.size[0] < emulator::EmulatedBoard::kMinLogicSupply_V) {
         return kOff;
     }
     const bool has_direction = device::is_of_packets(fault.kind);

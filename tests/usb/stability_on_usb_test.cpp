@@ -102,14 +102,14 @@ public:
     /// The largest velocities of 0.1 s each are compared, once well-damped modes have decayed.
     bool dies_out() {
         constexpr int kWindow_ticks = 100;
-        constexpr int kFirst = 2;    // windows before
-        constexpr int kLongest = 20; // windows
+        constexpr int kFirst = 2; // windows before
+        constexpr int kMax = 20;  // windows
         constexpr double kGrown = 2.0;
         constexpr double kChatter_counts = 3.0;
         const double still_rad_per_s =
             kChatter_counts * device_.description().rad_per_count() / kLimitPeriod_s;
         std::vector<double> largest_rad_per_s;
-        for (int window = 0; window < kLongest; ++window) {
+        for (int window = 0; window < kMax; ++window) {
             double largest = 0.0;
             for (int i = 0; i < kWindow_ticks; ++i) {
                 largest = std::max(largest, tick().cwiseAbs().maxCoeff());
@@ -125,7 +125,7 @@ public:
                 return false;
             }
         }
-        return largest_rad_per_s.back() < largest_rad_per_s[kLongest / 2];
+        return largest_rad_per_s.back() < largest_rad_per_s[kMax / 2];
     }
 
     [[nodiscard]] double measured_delay_periods() const { return device_.delay_periods(); }

@@ -19,9 +19,9 @@ namespace {
 
 const Vector3 kAboveBox_m(0.02, 0.015, 0.01);
 const Vector3 kInBox_m(0.02, -0.006, 0.01);
-constexpr double kRaised_s = 1.3;     ///< gains have risen by then
-constexpr double kPressed_s = 0.6;    ///< the tip has reached the surface
-constexpr double kLeastTouch_N = 0.5; ///< of a hand with 300 N/m, 6 mm behind the surface
+constexpr double kRaised_s = 1.3;   ///< gains have risen by then
+constexpr double kPressed_s = 0.6;  ///< the tip has reached the surface
+constexpr double kMinTouch_N = 0.5; ///< of a hand with 300 N/m, 6 mm behind the surface
 
 enum class When : std::uint8_t { starting, free, pressing };
 
@@ -180,7 +180,7 @@ private:
         const testing::TipAt tip(device.description().geometry, truth().theta_rad);
         const Vector3 force_N = tip.force_N(
             control::torque_constants(device.description()).cwiseProduct(truth().current_A));
-        EXPECT_GT(force_N.dot(last.contact.normal), kLeastTouch_N);
+        EXPECT_GT(force_N.dot(last.contact.normal), kMinTouch_N);
     }
 
     contact::HapticSurface box_;

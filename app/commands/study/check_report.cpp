@@ -11,8 +11,8 @@ namespace {
 
 Cell range(int fewest, int most) { return Cell::like_number(fmt::format("{}-{}", fewest, most)); }
 
-Cell minutes(double fewest_s, double most_s) {
-    return Cell::like_number(fmt::format("{:.1f}-{:.1f}", fewest_s / 60.0, most_s / 60.0));
+Cell minutes(double min_s, double max_s) {
+    return Cell::like_number(fmt::format("{:.1f}-{:.1f}", min_s / 60.0, max_s / 60.0));
 }
 
 void write_length(std::ostream &out, const study::Protocol &protocol,
@@ -20,16 +20,15 @@ void write_length(std::ostream &out, const study::Protocol &protocol,
     Table table = Table::with_columns("block,trials,min");
     for (std::size_t i = 0; i < length.blocks.size(); ++i) {
         const study::BlockLength &block = length.blocks[i];
-        table.rows.push_back({protocol.blocks[i].name,
-                              range(block.fewest_trials, block.most_trials),
-                              minutes(block.fewest_s, block.most_s)});
+        table.rows.push_back({protocol.blocks[i].name, range(block.min_trials, block.max_trials),
+                              minutes(block.min_s, block.max_s)});
     }
     if (!protocol.questionnaire.empty()) {
         table.rows.push_back(
-            {"questions", "", minutes(length.fewest_questions_s, length.most_questions_s)});
+            {"questions", "", minutes(length.min_questions_s, length.max_questions_s)});
     }
-    table.rows.push_back({"session, with breaks", range(length.fewest_trials, length.most_trials),
-                          minutes(length.fewest_s, length.most_s)});
+    table.rows.push_back({"session, with breaks", range(length.min_trials, length.max_trials),
+                          minutes(length.min_s, length.max_s)});
     out << '\n';
     write_text(out, table);
 }

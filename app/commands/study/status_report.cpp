@@ -107,7 +107,7 @@ void write_study_status(std::ostream &out, const std::filesystem::path &file,
               ? fmt::format("; {} removed on request", facts.removed_participants)
               : std::string());
     print(out, "trials: {}, {} marked; each participant has {} to {} without the marked ones\n",
-          trials, marked, length.fewest_trials, length.most_trials);
+          trials, marked, length.min_trials, length.max_trials);
     write_answers(out, study);
     write_records(out, study.contents, wrong_records);
     for (const study::Note &note : study.contents.notes) {

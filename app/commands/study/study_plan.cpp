@@ -63,10 +63,10 @@ std::vector<int> possible_trials(const study::Method &method, std::vector<int> t
 /// On the scale.
 double wanted_width(double typed, study::Scale scale) {
     const bool are_ratios = scale == study::Scale::logarithmic;
-    constexpr double kLeastFactor = 1.01; // far below what any participant's patience gives
-    constexpr double kMostFactor = 1000.0;
-    const double least = are_ratios ? kLeastFactor : study::kSmallestRatioTyped;
-    const double most = are_ratios ? kMostFactor : study::kLargestTyped;
+    constexpr double kMinFactor = 1.01; // far below what any participant's patience gives
+    constexpr double kMaxFactor = 1000.0;
+    const double least = are_ratios ? kMinFactor : study::kMinRatioTyped;
+    const double most = are_ratios ? kMaxFactor : study::kMaxTyped;
     if (!(typed >= least && typed <= most)) { // a NaN too
         throw InputError(fmt::format(
             "--precision is {:g}; it must be from {:g} to {:g}: {}", typed, least, most,

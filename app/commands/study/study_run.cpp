@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostParticipants = 9999; ///< codes have four digits at most
+constexpr int kMaxParticipants = 9999; ///< codes have four digits at most
 
 void refuse_code(const std::string &code) {
     if (const std::string wrong = study::validate_code(code); !wrong.empty()) {
@@ -157,7 +157,7 @@ void add_run(Command &study) {
         .add_option("--participants", typed->participants,
                     "a whole study of simulated participants, P01 and so on")
         .type_name("N")
-        .in_range(1, kMostParticipants, InHelp::unlisted)
+        .in_range(1, kMaxParticipants, InHelp::unlisted)
         .excludes(one);
     command
         .add_option("--observer", typed->observer,

@@ -132,7 +132,7 @@ void StudyTurns::run_simulated(const study::Progress &before) {
     session.facts = facts_of(observer);
     session.id = store_.begin(session);
     ProgressLine line;
-    const int most = study::session_length(protocol_).most_trials;
+    const int most = study::session_length(protocol_).max_trials;
     int trials = before.trials;
     study::Conduct how;
     how.present = [&](const study::PlannedTrial &planned) { return sitting.present(planned); };

@@ -14,7 +14,7 @@ namespace springdrive::app::study_screen {
 
 namespace {
 
-constexpr double kLongestThought_s = 8.0; ///< between two keys of a note
+constexpr double kMaxThought_s = 8.0; ///< between two keys of a note
 
 bool is_in_trial(SittingStep step) {
     return step == SittingStep::interval || step == SittingStep::between_intervals ||
@@ -118,7 +118,7 @@ void take_note(ExperimenterPanelState &panel, std::optional<std::string> &note) 
     const bool is_typing = ImGui::IsItemActive();
     if (ImGui::IsItemActivated() || panel.note != before) {
         panel.typed_s = ImGui::GetTime();
-    } else if (is_typing && ImGui::GetTime() - panel.typed_s > kLongestThought_s) {
+    } else if (is_typing && ImGui::GetTime() - panel.typed_s > kMaxThought_s) {
         ImGui::SetWindowFocus(nullptr);
     }
     if (is_typing) {

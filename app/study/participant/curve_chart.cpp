@@ -13,8 +13,8 @@ namespace springdrive::app::study_screen {
 
 namespace {
 
-constexpr float kLargestDot = 1.0F / 15.0F; ///< radius, of the plot's height
-constexpr double kAxisMargin = 1.12;        ///< of the axis beyond the levels, a factor
+constexpr float kMaxDot = 1.0F / 15.0F; ///< radius, of the plot's height
+constexpr double kAxisMargin = 1.12;    ///< of the axis beyond the levels, a factor
 constexpr std::array<double, 5> kNamedShares{0.0, 0.25, 0.5, 0.75, 1.0};
 constexpr ImU32 kBand = (palette::kAccent & ~IM_COL32_A_MASK) | 41U << IM_COL32_A_SHIFT;
 constexpr ImU32 kDot = (palette::kInk & ~IM_COL32_A_MASK) | 191U << IM_COL32_A_SHIFT;
@@ -48,7 +48,7 @@ float CurveChart::y_px(double right_share) const {
 
 float dot_radius_px(int trials, float height_px) {
     const float share = std::min(1.0F, static_cast<float>(trials) / kFullTrials);
-    return kLargestDot * height_px * std::sqrt(share);
+    return kMaxDot * height_px * std::sqrt(share);
 }
 
 /// The shares' label is above them, flush left.

@@ -11,8 +11,8 @@ namespace springdrive::app::study_screen {
 
 namespace {
 
-constexpr double kLargest = 1.0 / 13.0; ///< of the height
-constexpr double kLeast = 1.0 / 36.0;
+constexpr double kMax = 1.0 / 13.0; ///< of the height
+constexpr double kMin = 1.0 / 36.0;
 /// Letters are added by so many 32 code points at once, such as all of an alphabet.
 constexpr int kWordsOfBlock = 4;
 
@@ -109,7 +109,7 @@ void Letters::prepare(int height, const std::vector<std::string_view> &texts) {
 }
 
 float Letters::size_px(int step) const {
-    const double share = kLargest * std::pow(kLeast / kLargest, step / (kSizes - 1.0));
+    const double share = kMax * std::pow(kMin / kMax, step / (kSizes - 1.0));
     constexpr double kRoundOff = 1e-9;
     return static_cast<float>(std::ceil(share * height_ - kRoundOff));
 }
@@ -123,7 +123,7 @@ const ImFont &Letters::font(float size_px) const {
     return *atlas_.Fonts[step];
 }
 
-TextLines wrapped(std::string_view utf8, const ImFont &font, float size_px, float most_width,
+TextLines wrapped(std::string_view utf8, const ImFont &font, float size_px, float max_width,
                   float paragraph_gap) {
     TextLines text;
     text.font = &font;
@@ -131,7 +131,7 @@ TextLines wrapped(std::string_view utf8, const ImFont &font, float size_px, floa
     float top = 0.0F;
     const auto width_of = [&](std::string_view part, const char **fits) {
         return font
-            .CalcTextSizeA(size_px, fits != nullptr ? most_width : 1e9F, 0.0F, part.data(),
+            .CalcTextSizeA(size_px, fits != nullptr ? max_width : 1e9F, 0.0F, part.data(),
                            part.data() + part.size(), fits)
             .x;
     };

@@ -66,6 +66,6 @@ private:
 /// feed begins a new paragraph, an empty one is kept. Blanks at which a line is broken are dropped.
 /// @param paragraph_gap  between paragraphs [px]
 [[nodiscard]] TextLines wrapped(std::string_view utf8, const ImFont &font, float size_px,
-                                float most_width, float paragraph_gap = 0.0F);
+                                float max_width, float paragraph_gap = 0.0F);
 
 } // namespace springdrive::app::study_screen

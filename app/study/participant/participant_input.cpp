@@ -78,9 +78,9 @@ std::string shown_key(std::string_view name, bool is_mouse) {
 }
 
 std::string typed_on(std::string text, std::span<const ParticipantInput> inputs,
-                     std::size_t most_bytes) {
+                     std::size_t max_bytes) {
     for (const ParticipantInput &input : inputs) {
-        if (input.source == InputSource::letter && text.size() + input.name.size() <= most_bytes) {
+        if (input.source == InputSource::letter && text.size() + input.name.size() <= max_bytes) {
             text += input.name;
         } else if (input.source == InputSource::key && input.is_press &&
                    input.name == "backspace") {

@@ -53,8 +53,8 @@ inline constexpr std::array<std::string_view, 5> kMouseButtonNames{"left", "righ
 [[nodiscard]] std::string shown_key(std::string_view name, bool is_mouse);
 
 /// A free text after letters, and backspaces, which take off one code point. Text that would be
-/// longer than `most_bytes` is left as it is.
+/// longer than `max_bytes` is left as it is.
 [[nodiscard]] std::string typed_on(std::string text, std::span<const ParticipantInput> inputs,
-                                   std::size_t most_bytes = 4000);
+                                   std::size_t max_bytes = 4000);
 
 } // namespace springdrive::app::study_screen

@@ -15,7 +15,7 @@ namespace {
 constexpr float kMargin = 1.0F / 16.0F; // of the height, as all below
 constexpr float kColumn = 1.25F;        // width of text: some 60 letters a line
 constexpr float kWideColumn = 1.6F;     // of headings and choices
-constexpr float kWidestCard = 0.62F;
+constexpr float kMaxCard = 0.62F;
 constexpr float kBar = 1.0F / 45.0F; // height of what is left of a break
 constexpr float kProgress = 1.0F / 180.0F;
 constexpr float kSceneTop = 0.2F;
@@ -26,7 +26,7 @@ constexpr std::size_t kFieldLines = 4;
 constexpr int kReadableSteps = 4; // sizes of text, which is always so many steps below headings:
 constexpr int kTextStep = Letters::kSizes - kReadableSteps;
 constexpr float kFurther = 0.94F; // a step below the least
-constexpr float kSmallest_px = 2.0F;
+constexpr float kMin_px = 2.0F;
 constexpr float kHeadingPerText = 1.5F; // there
 
 /// Sizes of text, and what is given up for them.
@@ -87,9 +87,9 @@ struct Cards {
 class PlateMaker {
 public:
     PlateMaker(const std::vector<AnswerChoice> &choices, const ImFont &font, float text_px,
-               float most_width, float most_card_width)
-        : choices_(choices), font_(font), text_px_(text_px), most_width_(most_width),
-          most_card_width_(most_card_width), padding_(std::round(0.55F * text_px)),
+               float max_width, float max_card_width)
+        : choices_(choices), font_(font), text_px_(text_px), max_width_(max_width),
+          max_card_width_(max_card_width), padding_(std::round(0.55F * text_px)),
           gap_(std::round(0.6F * text_px)), cap_(std::round(1.55F * text_px)) {
         for (const AnswerChoice &choice : choices) {
             if (!choice.key.empty()) {
@@ -122,14 +122,14 @@ public:
 
 private:
     [[nodiscard]] TextLines line(const std::string &text) const {
-        return wrapped(text, font_, text_px_, most_width_);
+        return wrapped(text, font_, text_px_, max_width_);
     }
 
     /// Nothing if there is no room for keys and some letters.
     [[nodiscard]] std::optional<Cards> arranged(std::size_t columns, bool has_keys_beside) const {
         const auto number = static_cast<float>(columns);
         const float width =
-            std::min(most_card_width_, std::floor((most_width_ - (number - 1.0F) * gap_) / number));
+            std::min(max_card_width_, std::floor((max_width_ - (number - 1.0F) * gap_) / number));
         const float beside = has_keys_beside && cap_width_ > 0.0F ? cap_width_ + gap_ : 0.0F;
         const float text_width = width - 2.0F * padding_ - beside;
         if (text_width < 2.0F * text_px_ || width < cap_width_ + 2.0F * padding_) {
@@ -197,8 +197,8 @@ private:
     const std::vector<AnswerChoice> &choices_;
     const ImFont &font_;
     float text_px_;
-    float most_width_;
-    float most_card_width_;
+    float max_width_;
+    float max_card_width_;
     float padding_;          ///< between a plate's edge and what is in it
     float gap_;              ///< between plates, and between a key and its text
     float cap_;              ///< height of a key's cap, and its least width
@@ -251,9 +251,9 @@ private:
         return std::min(attempt_.text_px, letters_.size_px(Letters::kSizes - 1));
     }
 
-    [[nodiscard]] TextLines lines(const std::string &text, float size_px, float most_width,
+    [[nodiscard]] TextLines lines(const std::string &text, float size_px, float max_width,
                                   float paragraph_gap = 0.0F) {
-        TextLines made = wrapped(text, letters_.font(size_px), size_px, most_width, paragraph_gap);
+        TextLines made = wrapped(text, letters_.font(size_px), size_px, max_width, paragraph_gap);
         made.box.corner.x = middle(made.box.size.x);
         fits_ = fits_ && !(attempt_.is_strict && made.breaks_words);
         return made;
@@ -313,7 +313,7 @@ private:
         }
         std::optional<Cards> cards =
             PlateMaker(picture_.choices, letters_.font(attempt_.text_px), attempt_.text_px, wide_,
-                       std::round(kWidestCard * height_))
+                       std::round(kMaxCard * height_))
                 .made(attempt_.is_strict);
         fits_ = fits_ && cards;
         if (cards) {
@@ -394,7 +394,7 @@ std::vector<Attempt> attempts(const Letters &letters) {
             all.push_back({letters.size_px(step), letters.size_px(step + kTextStep), is_strict});
         }
     }
-    for (float text_px = all.back().text_px; text_px > kSmallest_px;) {
+    for (float text_px = all.back().text_px; text_px > kMin_px;) {
         text_px = std::min(text_px - 1.0F, std::round(kFurther * text_px));
         all.push_back({std::round(kHeadingPerText * text_px), text_px, false});
     }

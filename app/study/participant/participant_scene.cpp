@@ -12,10 +12,10 @@ namespace springdrive::app::study_screen {
 
 namespace {
 
-constexpr double kLeastHalfHeight_m = 0.035; // of what is seen about the spot
-constexpr double kMostHalfHeight_m = 0.06;
-constexpr double kSteeper_px = 35.0;  // of a mouse that would turn the camera so, by 14°
-constexpr double kLeastFacing = 0.15; // cosine between the spot's normal and the line of sight
+constexpr double kMinHalfHeight_m = 0.035; // of what is seen about the spot
+constexpr double kMaxHalfHeight_m = 0.06;
+constexpr double kSteeper_px = 35.0; // of a mouse that would turn the camera so, by 14°
+constexpr double kMinFacing = 0.15;  // cosine between the spot's normal and the line of sight
 
 constexpr Colour kRingColour{0.96F, 0.97F, 0.98F};
 constexpr Colour kBallColour{0.98F, 0.62F, 0.16F};
@@ -26,7 +26,7 @@ constexpr float kHiddenBall = 0.35F; // opacity of the ball behind something
 
 constexpr int kSceneShadow_px = 1024;
 constexpr int kBallShadow_px = 512;
-constexpr double kLeastLight_m = 0.1; // radius of what the key light sees
+constexpr double kMinLight_m = 0.1; // radius of what the key light sees
 constexpr std::array<std::string_view, 1> kMasked{"MASK"};
 
 Camera looking_from(Viewpoint viewpoint) {
@@ -45,7 +45,7 @@ Camera facing(const MarkedSpot &spot) {
     for (const Viewpoint viewpoint : {Viewpoint::home, Viewpoint::top, Viewpoint::front}) {
         const Camera camera = looking_from(viewpoint);
         const double cosine = -spot.normal.dot(camera.forward());
-        if (cosine > kLeastFacing) {
+        if (cosine > kMinFacing) {
             return camera;
         }
         if (cosine > most) {
@@ -60,7 +60,7 @@ Camera facing(const MarkedSpot &spot) {
 
 Camera camera_on(const MarkedSpot &spot, const scene::Scene &scene) {
     const double half_size_m = 0.5 * (scene.upper_m - scene.lower_m).norm();
-    const double half_height_m = std::clamp(half_size_m, kLeastHalfHeight_m, kMostHalfHeight_m);
+    const double half_height_m = std::clamp(half_size_m, kMinHalfHeight_m, kMaxHalfHeight_m);
     const double distance_m = half_height_m / Camera::half_height_per_depth();
     Camera camera = facing(spot);
     camera.place(spot.point_m - distance_m * camera.forward(), distance_m);
@@ -85,7 +85,7 @@ void ParticipantScene::set(const scene::Scene &scene, const MarkedSpot &spot,
     camera_ = camera_on(spot, scene);
     floor_height_m_ = static_cast<float>(floor_height_m);
     const Vector3 centre_m = 0.5 * (scene.lower_m + scene.upper_m);
-    const double radius_m = std::max(kLeastLight_m, 0.5 * (scene.upper_m - scene.lower_m).norm());
+    const double radius_m = std::max(kMinLight_m, 0.5 * (scene.upper_m - scene.lower_m).norm());
     light_ = light_matrix(kTowardsKeyLight, to_glm(centre_m), static_cast<float>(radius_m));
     scene_is_cast_ = false;
 }

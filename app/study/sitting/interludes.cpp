@@ -275,7 +275,7 @@ Course<std::optional<std::string>> Sitting::answer_to(const study::Questionnaire
     ParticipantPicture picture = picture_of(item, plan_.protocol.texts);
     while (true) {
         const SittingFrame frame = co_await show(picture);
-        picture.typed = typed_on(picture.typed, frame.inputs, study::kLongestAnswer);
+        picture.typed = typed_on(picture.typed, frame.inputs, study::kMaxAnswer);
         for (const ParticipantInput &input : frame.inputs) {
             if (const QuestionChoice *const chosen = chosen_by(choices, input)) {
                 co_return picture.has_text_field && chosen->answer ? picture.typed : chosen->answer;

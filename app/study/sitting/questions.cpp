@@ -8,7 +8,7 @@ namespace springdrive::app::study_screen {
 
 namespace {
 
-constexpr std::size_t kMostKeys = 9; ///< digits from 1
+constexpr std::size_t kMaxKeys = 9; ///< digits from 1
 
 } // namespace
 
@@ -34,7 +34,7 @@ std::vector<QuestionChoice> choices_of(const study::QuestionnaireItem &item,
                                   : i == 0                   ? item.lowest_label
                                   : i + 1 == possible.size() ? item.highest_label
                                                              : std::string();
-        const bool has_key = is_scale ? is_key_name(number) : possible.size() <= kMostKeys;
+        const bool has_key = is_scale ? is_key_name(number) : possible.size() <= kMaxKeys;
         const bool shows_number = is_scale || has_key;
         choices.push_back(
             {{label, shows_number ? number : ""}, has_key ? number : "", possible[i]});

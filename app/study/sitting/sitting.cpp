@@ -271,7 +271,7 @@ void Sitting::end_noise() {
 
 void Sitting::note_trials() {
     state_.trials = study::trials_of(store_.contents(), plan_.participant);
-    const double most = std::max(1, study::session_length(plan_.protocol).most_trials);
+    const double most = std::max(1, study::session_length(plan_.protocol).max_trials);
     state_.progress = std::min(1.0, static_cast<double>(state_.trials.size()) / most);
 }
 
@@ -363,7 +363,7 @@ std::optional<study::SessionEnding> Sitting::ending_after_frame() const {
     if (state_.step == SittingStep::device_stopped && servo::is_final(safety.cause)) {
         return study::SessionEnding::failed;
     }
-    if (stops_.count() > plan_.protocol.stopping.most_trips && has_trials_left_) {
+    if (stops_.count() > plan_.protocol.stopping.max_trips && has_trials_left_) {
         return study::SessionEnding::safety_trip;
     }
     return std::nullopt;

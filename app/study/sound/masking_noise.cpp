@@ -119,9 +119,9 @@ struct MaskingNoise::Output {
         return std::chrono::duration<double>(info == nullptr ? 0.0 : info->outputLatency);
     }
     [[nodiscard]] bool is_playing() const {
-        constexpr std::chrono::milliseconds kLongestGap{500};
+        constexpr std::chrono::milliseconds kMaxGap{500};
         const Clock::time_point asked{Clock::duration(last_asked.load())};
-        return Pa_IsStreamActive(stream) == 1 && Clock::now() - asked < kLongestGap;
+        return Pa_IsStreamActive(stream) == 1 && Clock::now() - asked < kMaxGap;
     }
     void close_stream() {
         const SilencedErrors silenced;

@@ -41,9 +41,9 @@ std::array<MotorTemperature, 3> hottest_motors(const std::array<MotorParameters,
 
 WindingGuard::WindingGuard(const MotorParameters &motor, double max_cancelled_Ohm, double period_s,
                            double tolerance)
-    : least_(with_share_of_R(motor, 1.0 - tolerance)),
-      most_(with_share_of_R(motor, 1.0 + tolerance)), amplifier_limit_Ohm_(max_cancelled_Ohm),
-      period_s_(period_s), margin_Ohm_(kGainChange * motor.resistance_Ohm),
+    : min_(with_share_of_R(motor, 1.0 - tolerance)), most_(with_share_of_R(motor, 1.0 + tolerance)),
+      amplifier_limit_Ohm_(max_cancelled_Ohm), period_s_(period_s),
+      margin_Ohm_(kGainChange * motor.resistance_Ohm),
       coldest_(motor.thermal, kColdestAir_C, period_s), minimum_(coldest_),
       maximum_(motor.thermal, kWarmestAir_C, period_s) {}
 
@@ -63,7 +63,7 @@ void WindingGuard::update(double current_A, std::uint32_t missed_periods) noexce
         known ? std::max(std::abs(current_A), std::abs(current_A_)) : most_.peak_current_A;
     current_A_ = current_A;
     cool_through(missed_periods);
-    minimum_.update(min_A * min_A * min_resistance_Ohm(least_, minimum_.winding_C()));
+    minimum_.update(min_A * min_A * min_resistance_Ohm(min_, minimum_.winding_C()));
     heat_through(missed_periods, max_A);
     maximum_.update(max_A * max_A * max_resistance_Ohm(most_, maximum_.winding_C()));
     if (is_observed_) {
@@ -80,7 +80,7 @@ ResistanceInterval WindingGuard::tolerated() const noexcept {
         return motor.resistance_Ohm *
                (1.0 + motor.resistance_rise_per_K * (air_C - kReferenceTemperature_C));
     };
-    return {in_air(least_, kColdestAir_C), in_air(most_, kWarmestAir_C)};
+    return {in_air(min_, kColdestAir_C), in_air(most_, kWarmestAir_C)};
 }
 
 void WindingGuard::narrow(ResistanceInterval observed) noexcept {
@@ -123,7 +123,7 @@ void WindingGuard::heat_through(std::uint32_t missed_periods, double max_A) noex
 
 /// R(T, θ), at least.
 double WindingGuard::min_Ohm() const noexcept {
-    return min_resistance_Ohm(least_, minimum_.winding_C());
+    return min_resistance_Ohm(min_, minimum_.winding_C());
 }
 
 double WindingGuard::max_cancelled_Ohm() const noexcept {

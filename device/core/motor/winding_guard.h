@@ -120,8 +120,8 @@ private:
     void cool_through(std::uint32_t missed_periods) noexcept;
     void heat_through(std::uint32_t missed_periods, double max_A) noexcept;
 
-    MotorParameters least_; ///< with the least R
-    MotorParameters most_;  ///< with the greatest R
+    MotorParameters min_;  ///< with the least R
+    MotorParameters most_; ///< with the greatest R
     double amplifier_limit_Ohm_;
     double period_s_;
     double margin_Ohm_; ///< of observations

@@ -47,7 +47,7 @@ public:
     }
 
     /// @param request  bRequest, of a request with bmRequestType usb::kRequestIn, and its wValue
-    /// @param payload  kLargestPayload bytes
+    /// @param payload  kMaxPayload bytes
     /// @return how many of them to send; 0: to be stalled
     [[nodiscard]] std::size_t control_in(std::uint8_t request, std::uint16_t value,
                                          std::uint8_t *payload) const {

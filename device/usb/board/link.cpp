@@ -16,7 +16,7 @@ bool is_at_rest(const LoopStatus &loop) {
 
 template <class Value> std::size_t write(const Value &value, std::uint8_t *payload) {
     const auto bytes = usb::encode(value);
-    static_assert(bytes.size() <= kLargestPayload);
+    static_assert(bytes.size() <= kMaxPayload);
     for (std::size_t i = 0; i < bytes.size(); ++i) {
         payload[i] = bytes[i];
     }
@@ -137,10 +137,10 @@ bool Link::write_block(const usb::CalibrationBlock &block, bool must_store) {
         if (usb::calibration_in(block, calibration) != FrameStatus::ok) {
             return false;
         }
-        constexpr float kLargestRaise = 1.25F;
+        constexpr float kMaxRaise = 1.25F;
         for (std::size_t i = 0; i < kChannels; ++i) {
             if (calibration.largest_cancelled_Ohm[i] >
-                kLargestRaise * settings_.largest_cancelled_Ohm[i]) {
+                kMaxRaise * settings_.largest_cancelled_Ohm[i]) {
                 return false;
             }
         }

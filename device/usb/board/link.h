@@ -11,7 +11,7 @@
 namespace springdrive::board {
 
 /// Largest payload of a control request.
-inline constexpr std::size_t kLargestPayload = usb::kCapabilitiesSize;
+inline constexpr std::size_t kMaxPayload = usb::kCapabilitiesSize;
 
 class Link {
 public:
@@ -31,7 +31,7 @@ public:
                                    const LoopStatus &loop);
 
     /// A control request for data.
-    /// @param payload  kLargestPayload bytes
+    /// @param payload  kMaxPayload bytes
     /// @return the size of the payload; 0: to be stalled
     [[nodiscard]] std::size_t control_in(std::uint8_t request, std::uint16_t value,
                                          std::uint8_t *payload, const LoopStatus &loop) const;

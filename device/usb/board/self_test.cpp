@@ -7,12 +7,12 @@ namespace springdrive::board {
 namespace {
 
 std::int16_t saturated(std::int32_t counts) {
-    constexpr std::int32_t kLargest = 32767;
-    const std::int32_t above = counts < -kLargest ? -kLargest : counts;
-    return static_cast<std::int16_t>(above > kLargest ? kLargest : above);
+    constexpr std::int32_t kMax = 32767;
+    const std::int32_t above = counts < -kMax ? -kMax : counts;
+    return static_cast<std::int16_t>(above > kMax ? kMax : above);
 }
 
-/// An eighth of the shortest pulse, of usb::kShortestPulse_loops, is 1 ms at 40 kHz: ten electrical
+/// An eighth of the shortest pulse, of usb::kMinPulse_loops, is 1 ms at 40 kHz: ten electrical
 /// time constants.
 std::uint64_t loops_of(const usb::SelfTestOrder &order, const BoardSettings &settings) {
     return static_cast<std::uint64_t>(order.pulse_us) * settings.loop_rate_hz / 1'000'000U;
@@ -26,7 +26,7 @@ bool SelfTest::accepts(const usb::SelfTestOrder &order, const BoardSettings &set
     const SelfTestLimits &limits = settings.self_test;
     return order.voltage_V > 0.0F && order.voltage_V <= limits.largest_voltage_V &&
            order.pulse_us <= limits.longest_pulse_us &&
-           loops_of(order, settings) >= usb::kShortestPulse_loops;
+           loops_of(order, settings) >= usb::kMinPulse_loops;
 }
 
 bool SelfTest::start(const usb::SelfTestOrder &order, const BoardSettings &settings) {
@@ -172,7 +172,7 @@ void SelfTest::judge_channel(const std::array<std::int32_t, kChannels> &counts,
             farthest = i;
         }
     }
-    if (magnitude_of(moved(farthest, counts)) < settings.self_test.least_counts) {
+    if (magnitude_of(moved(farthest, counts)) < settings.self_test.min_counts) {
         test.findings |= ChannelFindings::kNoMotion;
     } else if (farthest != channel_) {
         test.findings |= ChannelFindings::kCrossedEncoder;

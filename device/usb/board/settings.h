@@ -29,7 +29,7 @@ struct SelfTestLimits {
     std::uint32_t longest_pulse_us = 20'000;
     float abort_current_A = 1.0F;
     std::int32_t abort_counts = 600; ///< 0.92 rad of a motor, 10 mm at the tip
-    std::int32_t least_counts = 3;   ///< that count as motion
+    std::int32_t min_counts = 3;     ///< that count as motion
 };
 
 struct BoardSettings {

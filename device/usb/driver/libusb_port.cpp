@@ -26,7 +26,7 @@ namespace springdrive::usb {
 
 namespace {
 
-constexpr int kLongestWait_ms = 100;
+constexpr int kMaxWait_ms = 100;
 
 struct TransferEnd {
     void operator()(libusb_transfer *transfer) const { libusb_free_transfer(transfer); }
@@ -296,7 +296,7 @@ int LibusbPort::control(std::uint8_t direction, Kind request, std::uint16_t valu
         return error;
     }
     while (!control.is_done.load(std::memory_order_acquire)) {
-        static_cast<void>(controlled_.wait(kLongestWait_ms));
+        static_cast<void>(controlled_.wait(kMaxWait_ms));
         controlled_.clear();
         if (!is_running_) { // it ended before this transfer was submitted
             handle_events();
@@ -408,7 +408,7 @@ void LibusbPort::handle_events() noexcept {
 void LibusbPort::run() noexcept {
     std::ranges::for_each(in_, [this](Transfer &transfer) { submit(transfer); });
     while (!ends_ && is_connected()) {
-        poll(files_.data(), files_.size(), kLongestWait_ms);
+        poll(files_.data(), files_.size(), kMaxWait_ms);
         wake_.clear();
         handle_events();
         submit_newest();
@@ -417,7 +417,7 @@ void LibusbPort::run() noexcept {
     arrived_.signal();
     cancel_all();
     while (is_any_under_way()) {
-        poll(files_.data() + 1, files_.size() - 1, kLongestWait_ms);
+        poll(files_.data() + 1, files_.size() - 1, kMaxWait_ms);
         handle_events();
     }
     is_running_ = false;

@@ -20,7 +20,7 @@ void ReportPhase::take(double round_trip_s) noexcept {
 std::uint16_t ReportPhase::report_after_us(double since_tick_s, double period_s) const noexcept {
     const double after_s = period_s - kMargin_s - since_tick_s - usual_s_;
     return static_cast<std::uint16_t>(
-        std::clamp(1e6 * after_s, 0.0, static_cast<double>(kLongestReportPeriod_us)));
+        std::clamp(1e6 * after_s, 0.0, static_cast<double>(kMaxReportPeriod_us)));
 }
 
 } // namespace springdrive::usb

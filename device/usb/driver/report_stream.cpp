@@ -8,10 +8,10 @@ void ReportStream::RecentLeast::take(double value, double now_s) noexcept {
     if (!has_begun_ || now_s - began_s_ >= kWindow_s) {
         has_begun_ = true;
         began_s_ = now_s;
-        before_ = least_;
-        least_ = value;
-    } else if (value < least_) {
-        least_ = value;
+        before_ = min_;
+        min_ = value;
+    } else if (value < min_) {
+        min_ = value;
     }
 }
 
@@ -77,8 +77,8 @@ Arrival ReportStream::settle(double now_s, double period_s, bool is_timed) noexc
         return is_corrupt ? Arrival::corrupt : is_repeated ? Arrival::repeated : Arrival::absent;
     }
     const double age_s = now_s - measured_s();
-    least_age_s_.take(age_s, now_s);
-    if (is_timed && age_s - least_age_s_.value() > period_s) {
+    min_age_s_.take(age_s, now_s);
+    if (is_timed && age_s - min_age_s_.value() > period_s) {
         ++counts_.late;
         return Arrival::late;
     }

@@ -57,11 +57,11 @@ private:
     class RecentLeast {
     public:
         void take(double value, double now_s) noexcept;
-        [[nodiscard]] double value() const noexcept { return least_ < before_ ? least_ : before_; }
+        [[nodiscard]] double value() const noexcept { return min_ < before_ ? min_ : before_; }
 
     private:
         static constexpr double kWindow_s = 1.0;
-        double least_ = std::numeric_limits<double>::infinity();
+        double min_ = std::numeric_limits<double>::infinity();
         double before_ = std::numeric_limits<double>::infinity();
         double began_s_ = 0.0;
         bool has_begun_ = false;
@@ -75,7 +75,7 @@ private:
     std::uint64_t measured_us_ = 0;
     bool had_command_ = false;
     bool has_restarted_ = false;
-    RecentLeast least_age_s_;
+    RecentLeast min_age_s_;
     StreamCounts counts_;
     bool is_new_ = false;      ///< a report arrived since the last `settle`
     bool is_repeated_ = false; ///< at least one old report did

@@ -146,7 +146,7 @@ MotorCalibrationBlock block_of_motor(const device::Calibration &calibration, std
 
 double UsbBench::shortest_pulse_s() const {
     constexpr double kMicrosecond_s = 1e-6; // rounding, of the order
-    return static_cast<double>(kShortestPulse_loops) /
+    return static_cast<double>(kMinPulse_loops) /
                static_cast<double>(status_().capabilities.loop_rate_hz) +
            kMicrosecond_s;
 }

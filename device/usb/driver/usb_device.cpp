@@ -27,7 +27,7 @@ constexpr double kAnswer_s = 1.0;
 constexpr double kWaitingShare = 0.25;
 
 /// Paced by reports, for the next one: longer than any board's period.
-constexpr double kLongestWait_s = 0.05;
+constexpr double kMaxWait_s = 0.05;
 
 /// R̂ must be below the board's bound, not at it.
 constexpr double kBelowBound = 1.0 - 1e-4;
@@ -163,9 +163,9 @@ void UsbDevice::request_report_rate(double period_s) {
     watchdog_us_ = static_cast<std::uint16_t>(
         std::clamp(watchdog_periods_ * wanted_us,
                    static_cast<double>(std::max<std::uint32_t>(capabilities_.shortest_watchdog_us,
-                                                               kShortestWatchdog_us)),
+                                                               kMinWatchdog_us)),
                    static_cast<double>(std::min<std::uint32_t>(capabilities_.longest_watchdog_us,
-                                                               kLongestWatchdog_us))));
+                                                               kMaxWatchdog_us))));
     period_s_ = period_s;
 }
 
@@ -216,8 +216,8 @@ void UsbDevice::begin_numbering() {
 /// one ahead of the answers.
 void UsbDevice::pass_over_old_reports() {
     constexpr double kSilence_s = 0.02;
-    constexpr double kLongest_s = 0.1; // of a board that does not wait
-    const double end_s = port_->now_s() + kLongest_s;
+    constexpr double kMax_s = 0.1; // of a board that does not wait
+    const double end_s = port_->now_s() + kMax_s;
     while (pacing_ == Pacing::reports &&
            wait_for_report(std::min(end_s, port_->now_s() + kSilence_s))) {
     }
@@ -241,7 +241,7 @@ double UsbDevice::delay_periods() const {
 }
 
 double UsbDevice::read_deadline_s(double now_s) const noexcept {
-    return now_s + (pacing_ == Pacing::clock ? kWaitingShare * period_s_ : kLongestWait_s);
+    return now_s + (pacing_ == Pacing::clock ? kWaitingShare * period_s_ : kMaxWait_s);
 }
 
 Measurement UsbDevice::read() noexcept {

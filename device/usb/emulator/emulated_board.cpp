@@ -21,16 +21,16 @@ constexpr double kWallClockCall_s = 100e-6;
 constexpr double kIdleCall_s = 5e-3;
 
 /// For the offsets of the current sensors: twice the time that they take at 40 kHz.
-constexpr double kLongestStart_s = 0.06;
+constexpr double kMaxStart_s = 0.06;
 
 /// Two reports are never farther apart: a command moves the next one by at most one such period.
-constexpr double kLongestReport_s = 2e-6 * usb::kLongestReportPeriod_us;
+constexpr double kMaxReport_s = 2e-6 * usb::kMaxReportPeriod_us;
 
 const EmulatedBoardOptions &checked(const EmulatedBoardOptions &options) {
     if (!(options.delay_periods >= 0.0 &&
-          options.delay_periods <= EmulatedBoard::kLongestDelay_periods)) {
+          options.delay_periods <= EmulatedBoard::kMaxDelay_periods)) {
         throw InputError(fmt::format("emulated board: the delay is {} periods; it must be 0 to {}",
-                                     options.delay_periods, EmulatedBoard::kLongestDelay_periods));
+                                     options.delay_periods, EmulatedBoard::kMaxDelay_periods));
     }
     return options;
 }
@@ -72,7 +72,7 @@ EmulatedBoard::EmulatedBoard(const device::DeviceDescription &description,
         plant_.faults().add(fault);
     }
     power_up();
-    const std::uint64_t longest = loop_at(kLongestStart_s);
+    const std::uint64_t longest = loop_at(kMaxStart_s);
     while (plant_.loops() < longest && board_->loop().state() == usb::BoardState::starting) {
         run_loop();
     }
@@ -98,7 +98,7 @@ double EmulatedBoard::period_loops() const { return period_s() * options_.settin
 
 /// The loop that sees a packet is the one after its arrival, and applies it a lag later, but for
 /// half a loop: its action begins half a period before the middle of it.
-double EmulatedBoard::least_delay_periods() const {
+double EmulatedBoard::min_delay_periods() const {
     const double begins_loops = static_cast<double>(options_.settings.actuation_lag_periods) - 0.5;
     return (1.0 + begins_loops) / period_loops();
 }
@@ -107,7 +107,7 @@ std::uint64_t EmulatedBoard::arrival_loop() const {
     if (options_.clock == BoardClock::wall || silence_s_ > kSilence_s) {
         return plant_.loops();
     }
-    const double beyond_least = options_.delay_periods - least_delay_periods();
+    const double beyond_least = options_.delay_periods - min_delay_periods();
     const auto waits = std::llround(std::max(0.0, beyond_least) * period_loops());
     return taken_loop_ + static_cast<std::uint64_t>(waits);
 }
@@ -173,7 +173,7 @@ bool EmulatedBoard::control_out(std::uint8_t request, std::uint16_t /*value*/,
 
 std::size_t EmulatedBoard::control_in(std::uint8_t request, std::uint16_t value,
                                       std::span<std::uint8_t> payload) {
-    if (!is_powered_ || payload.size() < board::kLargestPayload) {
+    if (!is_powered_ || payload.size() < board::kMaxPayload) {
         return 0;
     }
     return board_->control_in(request, value, payload.data());
@@ -218,9 +218,9 @@ double EmulatedBoard::pass(double elapsed_s) {
 }
 
 void EmulatedBoard::run_owed() {
-    if (owed_s_ > kLongestStep_s) {
-        late_s_ += owed_s_ - kLongestStep_s;
-        owed_s_ = kLongestStep_s;
+    if (owed_s_ > kMaxStep_s) {
+        late_s_ += owed_s_ - kMaxStep_s;
+        owed_s_ = kMaxStep_s;
     }
     constexpr double kRoundOff = 1e-6; // of a loop
     const double rate_hz = options_.settings.loop_rate_hz;
@@ -258,7 +258,7 @@ bool EmulatedBoard::collect_report() {
 /// Without power there is none, but a period passes.
 void EmulatedBoard::run_to_report() {
     const std::uint64_t begin = plant_.loops();
-    const std::uint64_t longest = loop_at(kLongestReport_s);
+    const std::uint64_t longest = loop_at(kMaxReport_s);
     do {
         run_loop();
         if (collect_report()) {
@@ -291,7 +291,7 @@ void EmulatedBoard::update_faults() {
     }
     is_unplug_wanted_ = faults.find(FaultKind::unplug) != nullptr;
     const Fault *brown_out = faults.find(FaultKind::brown_out);
-    const bool has_power = !(brown_out && brown_out->size[0] < kLeastLogicSupply_V);
+    const bool has_power = !(brown_out && brown_out->size[0] < kMinLogicSupply_V);
     if (has_power != is_powered_) {
         set_power(has_power);
     }

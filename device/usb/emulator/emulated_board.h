@@ -55,12 +55,12 @@ struct EmulatedBoardOptions {
 
 class EmulatedBoard final : public Peripheral {
 public:
-    static constexpr double kLongestDelay_periods = 8.0;
+    static constexpr double kMaxDelay_periods = 8.0;
     static constexpr double kSilence_s = 0.1;
     /// In one call of `pass`; the machine has been too slow for the rest.
-    static constexpr double kLongestStep_s = 0.01;
+    static constexpr double kMaxStep_s = 0.01;
     /// With a lower supply, the board itself is off.
-    static constexpr double kLeastLogicSupply_V = 6.0;
+    static constexpr double kMinLogicSupply_V = 6.0;
 
     /// Powers up: runs until the current sensors' offsets are measured.
     /// @throw InputError for options that are out of range
@@ -88,7 +88,7 @@ public:
 
     /// d that the frame clock imposes at least, in present periods: a packet that is put after a
     /// report is seen by the next loop, and applied half a loop later.
-    [[nodiscard]] double least_delay_periods() const;
+    [[nodiscard]] double min_delay_periods() const;
     /// Of reports, as requested last [s].
     [[nodiscard]] double period_s() const { return 1e-6 * static_cast<double>(period_us_); }
 

@@ -41,11 +41,11 @@ namespace fs = std::filesystem;
 const fs::path kConfigFolder = "/sys/kernel/config/usb_gadget";
 const fs::path kControllerFolder = "/sys/class/udc";
 
-constexpr std::size_t kReads = 4;            ///< packets that the host can send in a row
-constexpr std::size_t kLargestPayload = 512; ///< of a control request
-constexpr std::size_t kLongestName = 32;
-constexpr double kLongestPass_s = 5e-3;
-constexpr double kShortestPass_s = 20e-6;
+constexpr std::size_t kReads = 4;        ///< packets that the host can send in a row
+constexpr std::size_t kMaxPayload = 512; ///< of a control request
+constexpr std::size_t kMaxName = 32;
+constexpr double kMaxPass_s = 5e-3;
+constexpr double kMinPass_s = 20e-6;
 /// After which a name whose owner was killed is free at the latest.
 constexpr auto kOwnersEnd = std::chrono::seconds(2);
 constexpr auto kPause = std::chrono::milliseconds(10);
@@ -183,8 +183,7 @@ private:
             return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
                    (letter >= '0' && letter <= '9') || letter == '-' || letter == '_';
         };
-        if (name_.empty() || name_.size() > kLongestName ||
-            !std::ranges::all_of(name_, is_allowed)) {
+        if (name_.empty() || name_.size() > kMaxName || !std::ranges::all_of(name_, is_allowed)) {
             throw InputError("a USB gadget's name has 1 to 32 letters, digits, - and _");
         }
         if (geteuid() != 0) {
@@ -582,7 +581,7 @@ private:
             failed_read_ = false;
         }
         write_next();
-        return std::clamp(wait_s, kShortestPass_s, kLongestPass_s);
+        return std::clamp(wait_s, kMinPass_s, kMaxPass_s);
     }
 
     /// @return whether it was a packet for the peripheral
@@ -787,7 +786,7 @@ private:
 
     std::array<bool, kReads + 1> is_under_way_{};
     std::array<usb::Frame, kReads + 1> packet_{};
-    std::array<std::uint8_t, kLargestPayload> payload_{}; ///< of the requests' thread
+    std::array<std::uint8_t, kMaxPayload> payload_{}; ///< of the requests' thread
     std::atomic<std::uint64_t> refused_too_late_{0};
     std::atomic<bool> is_plugged_in_{false};
 

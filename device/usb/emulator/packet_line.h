@@ -17,16 +17,16 @@ namespace springdrive::emulator {
 
 /// Without memory of its own, as a servo's thread may put and take packets.
 struct Packet {
-    static constexpr std::size_t kLargest = 2 * usb::kFrameSize; ///< one too large is cut to this
+    static constexpr std::size_t kMax = 2 * usb::kFrameSize; ///< one too large is cut to this
 
-    std::array<std::uint8_t, kLargest> bytes{};
+    std::array<std::uint8_t, kMax> bytes{};
     std::size_t size = 0;
     std::uint64_t due_loop = 0;      ///< it arrives once this loop has run
     std::uint64_t measured_loop = 0; ///< of a report
 
     Packet() = default;
     Packet(std::span<const std::uint8_t> data, std::uint64_t due, std::uint64_t measured)
-        : size(std::min(data.size(), kLargest)), due_loop(due), measured_loop(measured) {
+        : size(std::min(data.size(), kMax)), due_loop(due), measured_loop(measured) {
         std::copy_n(data.begin(), size, bytes.begin());
     }
 

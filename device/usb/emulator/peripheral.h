@@ -29,7 +29,7 @@ public:
                              std::span<const std::uint8_t> payload) = 0;
 
     /// A control request for data.
-    /// @param payload  of at least board::kLargestPayload bytes
+    /// @param payload  of at least board::kMaxPayload bytes
     /// @return how many of them to send; 0: to be stalled
     virtual std::size_t control_in(std::uint8_t request, std::uint16_t value,
                                    std::span<std::uint8_t> payload) = 0;

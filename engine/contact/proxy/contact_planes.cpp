@@ -54,8 +54,8 @@ public:
 
     /// The least of the multipliers (R λ = y), or one of them that is not positive: then a plane
     /// would have to pull the point down. Without planes, infinite.
-    [[nodiscard]] double least_push_m() const noexcept {
-        double least_m = std::numeric_limits<double>::infinity();
+    [[nodiscard]] double min_push_m() const noexcept {
+        double min_m = std::numeric_limits<double>::infinity();
         Vector3 lambda = Vector3::Zero();
         for (int k = size_ - 1; k >= 0; --k) {
             double rest = y_m_[k];
@@ -63,12 +63,12 @@ public:
                 rest -= R_(k, j) * lambda[j];
             }
             lambda[k] = rest / R_(k, k);
-            least_m = std::min(least_m, lambda[k]);
+            min_m = std::min(min_m, lambda[k]);
             if (!(lambda[k] > 0.0)) {
                 return lambda[k];
             }
         }
-        return least_m;
+        return min_m;
     }
 
     /// The volume that the normals span: no larger than the sine between any of them and the plane
@@ -115,7 +115,7 @@ private:
         }
     }
     constexpr double kClear_m = 10.0 * kExact_m;
-    const bool is_clear = set.least_push_m() * set.volume() * set.volume() > kClear_m &&
+    const bool is_clear = set.min_push_m() * set.volume() * set.volume() > kClear_m &&
                           violation_of(planes, set.point_m()) <= kExact_m;
     return is_clear ? std::optional(set.point_m()) : std::nullopt;
 }
@@ -159,7 +159,7 @@ private:
                 return;
             }
         }
-        if (!(set.least_push_m() > 0.0)) {
+        if (!(set.min_push_m() > 0.0)) {
             return;
         }
         const double violation_m = violation_of(planes_, set.point_m());

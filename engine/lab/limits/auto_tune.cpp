@@ -91,20 +91,20 @@ public:
 
     /// For a K_P below the best, the place near the best at which the slowest of the critical modes
     /// decays fastest: there, vibration excited by encoder counts decays soonest.
-    [[nodiscard]] Place most_damped(double K_P) const {
-        Place most_damped = best_.place;
-        double minimum = slowest(most_damped, K_P);
+    [[nodiscard]] Place max_damped(double K_P) const {
+        Place max_damped = best_.place;
+        double minimum = slowest(max_damped, K_P);
         refine_grid(
             kFirstStep,
             [&](const Place &place) {
                 const double eigenvalue = slowest(place, K_P);
                 if (eigenvalue < minimum) {
-                    most_damped = place;
+                    max_damped = place;
                     minimum = eigenvalue;
                 }
             },
-            [&] { return most_damped; });
-        return most_damped;
+            [&] { return max_damped; });
+        return max_damped;
     }
 
 private:
@@ -294,9 +294,9 @@ double take_back(Search &places, const loops::StabilityCase &which, control::Tun
         if (holds(places.best().place)) {
             return 1.0 - share;
         }
-        const Place most_damped = places.most_damped(share * places.best().K_P);
+        const Place max_damped = places.max_damped(share * places.best().K_P);
         const std::vector<Place> others =
-            share > kFew ? std::vector<Place>{most_damped} : beside(most_damped);
+            share > kFew ? std::vector<Place>{max_damped} : beside(max_damped);
         if (std::any_of(others.begin(), others.end(), holds)) {
             return 1.0 - share;
         }

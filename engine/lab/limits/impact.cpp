@@ -66,7 +66,7 @@ private:
     Vector3 theta_rad_;
     std::function<void()> observe_;
     /// Newest first.
-    std::array<simulated::PlantCommand, simulated::SimulationOptions::kLongestDelay + 1> commands_;
+    std::array<simulated::PlantCommand, simulated::SimulationOptions::kMaxDelay + 1> commands_;
 };
 
 /// The moment at which the tip reaches the wall.

@@ -51,10 +51,10 @@ Watch how_to_watch(const loops::StabilityCase &which, const loops::LoopMember &m
     const double half_period_s =
         slowest_half_period_s(loops::driven_load(which, member), loops::sampled_law(which, member));
     Watch watch{ringdown_options(options, start_rad), 0.0};
-    constexpr double kLongestWindow_s = 1.0;
+    constexpr double kMaxWindow_s = 1.0;
     constexpr double kWindows = 10.0;
     rig::RingdownOptions &ringdown = watch.ringdown;
-    ringdown.window_s = std::max(ringdown.window_s, std::min(half_period_s, kLongestWindow_s));
+    ringdown.window_s = std::max(ringdown.window_s, std::min(half_period_s, kMaxWindow_s));
     if (half_period_s > 0.0) {
         ringdown.longest_s = std::max(ringdown.longest_s, kWindows * ringdown.window_s);
     }

@@ -19,8 +19,8 @@ namespace springdrive::limits {
 
 namespace {
 
-constexpr double kLongestThermalStep_s = 0.01;
-constexpr double kLongestHold_s = 86400.0;
+constexpr double kMaxThermalStep_s = 0.01;
+constexpr double kMaxHold_s = 86400.0;
 constexpr int kMaxRows = 100000;
 constexpr double kMax_K_P_V_per_rad = 1e6; ///< far beyond any stable one
 
@@ -247,7 +247,7 @@ void check_positive(const char *what, double value, double maximum, const char *
 
 void check(const device::DeviceDescription &device, const ThermalHoldOptions &options) {
     check_positive("the force", options.force_N, device.limits.tip_force_N, " N");
-    check_positive("the time", options.seconds, kLongestHold_s, " s");
+    check_positive("the time", options.seconds, kMaxHold_s, " s");
     check_range("the number of rows", options.rows, 2, kMaxRows, "");
     check_positive("K_P", options.tuning.K_P_V_per_rad, kMax_K_P_V_per_rad, " V/rad");
     check_range("the air", options.ambient_C, device::kColdestAir_C, device::kWarmestAir_C, " °C");
@@ -263,7 +263,7 @@ std::vector<ThermalRow> thermal_hold(const device::DeviceDescription &device,
                                      const ThermalHoldOptions &options) {
     check(device, options);
     const double span_s = options.seconds / (options.rows - 1);
-    const long steps_a_row = std::lround(std::max(1.0, std::ceil(span_s / kLongestThermalStep_s)));
+    const long steps_a_row = std::lround(std::max(1.0, std::ceil(span_s / kMaxThermalStep_s)));
     HeldDevice held(device, options, span_s / static_cast<double>(steps_a_row));
     std::vector<ThermalRow> rows;
     rows.reserve(2 * static_cast<std::size_t>(options.rows));

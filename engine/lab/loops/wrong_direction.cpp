@@ -199,11 +199,11 @@ bool improve(const device::DeviceDescription &device, const PressSearch &search,
 
 /// Uphill until no step of a micrometre and a microradian is better.
 Found uphill(const device::DeviceDescription &device, const PressSearch &search, Found found) {
-    constexpr double kLeast_m = 1e-6;
-    constexpr double kLeast_rad = 1e-6;
+    constexpr double kMin_m = 1e-6;
+    constexpr double kMin_rad = 1e-6;
     double step_m = (search.upper_m - search.lower_m).maxCoeff() / search.points_per_axis;
     double step_rad = 1.0 / search.normal_frequency;
-    while (step_m > kLeast_m || step_rad > kLeast_rad) {
+    while (step_m > kMin_m || step_rad > kMin_rad) {
         if (!improve(device, search, step_m, step_rad, found)) {
             step_m *= 0.5;
             step_rad *= 0.5;
@@ -266,14 +266,14 @@ PressSearch with_ease(const device::DeviceDescription &device, const control::Tu
     search.lower_m.x() = search.upper_m.x() = device.workspace.centre_m.x();
     search.points_per_axis = 33; // two dimensions only
     search.margin_rad += kBeforeEdge_deg * kRadiansPerDegree;
-    const double least_up = std::cos(kSteepest_deg * kRadiansPerDegree);
-    const double least_sine = std::sin(kForearm_deg * kRadiansPerDegree);
+    const double min_up = std::cos(kSteepest_deg * kRadiansPerDegree);
+    const double min_sine = std::sin(kForearm_deg * kRadiansPerDegree);
     search.accepts = [=, geometry = device.geometry](const Press &press) {
-        if (press.normal.y() < least_up || press.normal.dot(-press.tip_m) < kBelowStart_m) {
+        if (press.normal.y() < min_up || press.normal.dot(-press.tip_m) < kBelowStart_m) {
             return false; // the zero pose has the tip at the origin
         }
         const device::LinkagePose pose = device::linkage_pose(geometry, press.q_rad);
-        return (pose.elbow_m - pose.tip_m).normalized().dot(press.normal) >= least_sine;
+        return (pose.elbow_m - pose.tip_m).normalized().dot(press.normal) >= min_sine;
     };
     return search;
 }

@@ -7,7 +7,7 @@ namespace springdrive::rig {
 
 namespace {
 
-constexpr double kLongestStep_m = 50e-6;
+constexpr double kMaxStep_m = 50e-6;
 constexpr int kMaxSteps = 50'000;
 
 /// What starts too close may come closer by this in a step [m]: round-off.
@@ -129,7 +129,7 @@ bool BruteForceProxy::step(const std::vector<std::size_t> &listed, const Vector3
                            double reach_m, End &end) const {
     const Vector3 desired = target_m - end.point_m;
     // Its drift towards a push that is turned by round-off stays within half of the slack.
-    const double longest_m = std::min(kLongestStep_m, 0.5 * slack_m_ / kFlat);
+    const double longest_m = std::min(kMaxStep_m, 0.5 * slack_m_ / kFlat);
     std::vector<std::size_t> blocking;
     std::vector<Vector3> pushes;
     for (;;) {
@@ -169,7 +169,7 @@ BruteForceProxy::End BruteForceProxy::walk(const Vector3 &from_m, const Vector3 
     Vector3 listed_about_m = from_m;
     std::vector<std::size_t> listed = within(from_m, kListed_m + reach_m);
     for (int i = 0; i < kMaxSteps && step(listed, target_m, reach_m, end); ++i) {
-        if ((end.point_m - listed_about_m).norm() > kListed_m - 2.0 * kLongestStep_m) {
+        if ((end.point_m - listed_about_m).norm() > kListed_m - 2.0 * kMaxStep_m) {
             listed_about_m = end.point_m;
             listed = within(listed_about_m, kListed_m + reach_m);
         }

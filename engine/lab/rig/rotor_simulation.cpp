@@ -9,11 +9,11 @@ namespace springdrive::rig {
 
 namespace {
 
-constexpr double kLongestStep_s = 50e-6; // K_L against a bare rotor: (ωh)²/12 = 5e-4
+constexpr double kMaxStep_s = 50e-6; // K_L against a bare rotor: (ωh)²/12 = 5e-4
 
 /// The number of sub-steps of a time.
 int steps_of(double time_s) {
-    return std::max(1, static_cast<int>(std::ceil(time_s / kLongestStep_s - 1e-9)));
+    return std::max(1, static_cast<int>(std::ceil(time_s / kMaxStep_s - 1e-9)));
 }
 
 } // namespace

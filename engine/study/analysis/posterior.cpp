@@ -36,7 +36,7 @@ constexpr std::size_t kParts = 8;
 /// is between nodes the cubic through the four nearest ones.
 std::vector<double> shares_of_parts(const std::vector<double> &shares) {
     constexpr std::size_t kNodes = 4;
-    constexpr double kLeastShare = 1e-30; // a logarithm must be finite
+    constexpr double kMinShare = 1e-30; // a logarithm must be finite
     if (shares.size() < kNodes) {
         return shares;
     }
@@ -55,7 +55,7 @@ std::vector<double> shares_of_parts(const std::vector<double> &shares) {
                                  : (x - static_cast<double>(j)) /
                                        (static_cast<double>(i) - static_cast<double>(j));
             }
-            log_density += weight * std::log(std::max(shares[i], kLeastShare));
+            log_density += weight * std::log(std::max(shares[i], kMinShare));
         }
         parts.push_back(std::exp(log_density));
         sum += parts.back();
@@ -135,7 +135,7 @@ std::vector<double> Posterior::log_weights(std::span<const LevelCount> counts) c
                       std::log(thresholds.density[t] * slopes.density[s] * guesses.density[g]);
                 for (std::size_t i = 0; i < counts.size(); ++i) {
                     psi = guess + (1.0 - guess - lapse_rates) * cores[i];
-                    psi = psi.max(kLeastProportion).min(1.0 - kLeastProportion);
+                    psi = psi.max(kMinProportion).min(1.0 - kMinProportion);
                     sum += counts[i].positive * psi.log() +
                            (counts[i].trials - counts[i].positive) * (1.0 - psi).log();
                 }
@@ -155,9 +155,9 @@ Posterior::Posterior(std::span<const LevelCount> counts, const FunctionPriors &p
                      on_scale(prior[i].scale, prior[i].maximum)};
     }
     constexpr std::array<int, 4> kCoarse{24, 20, 6, 8};
-    constexpr int kMostZooms = 8;
+    constexpr int kMaxZooms = 8;
     bool shrinks = true;
-    for (int zoom = 0; zoom < kMostZooms && shrinks; ++zoom) {
+    for (int zoom = 0; zoom < kMaxZooms && shrinks; ++zoom) {
         lay_axes(prior, ranges, kCoarse);
         const Ranges zoomed = ranges_that_matter(log_weights(counts));
         shrinks = false;

@@ -75,7 +75,7 @@ Method with_method_trials(Staircases method, int trials) {
 }
 
 Method with_method_trials(QuestPlus method, int trials) {
-    method.fewest_trials = method.most_trials = trials;
+    method.min_trials = method.max_trials = trials;
     method.threshold_deviation = 0.0;
     return method;
 }

@@ -47,8 +47,8 @@ Coordinates step_of(const Slopes &slopes, const std::array<bool, 4> &fixed, doub
     Eigen::Matrix4d matrix = slopes.information;
     Coordinates gradient = slopes.gradient;
     for (Eigen::Index i = 0; i < kParameters; ++i) {
-        constexpr double kLeast = 1e-12; // where no trial tells anything of a coordinate
-        matrix(i, i) += damping * matrix(i, i) + kLeast;
+        constexpr double kMin = 1e-12; // where no trial tells anything of a coordinate
+        matrix(i, i) += damping * matrix(i, i) + kMin;
         if (fixed[static_cast<std::size_t>(i)]) {
             matrix.row(i).setZero();
             matrix.col(i).setZero();
@@ -107,16 +107,16 @@ PsychometricFunction function_at(const ScoredModel &model, const Coordinates &at
 
 Scored scored_from(std::span<const LevelCount> counts, const ScoredModel &model,
                    const Coordinates &start, const std::array<bool, 4> &held) {
-    constexpr int kMostSteps = 200;
-    constexpr double kLeastGain = 1e-13;
-    constexpr double kMostDamping = 1e12;
+    constexpr int kMaxSteps = 200;
+    constexpr double kMinGain = 1e-13;
+    constexpr double kMaxDamping = 1e12;
     Coordinates at = start.cwiseMax(model.lowest).cwiseMin(model.highest);
     Slopes slopes = slopes_at(counts, model, at);
     double damping = 1e-3;
-    for (int i = 0; i < kMostSteps && damping < kMostDamping; ++i) {
+    for (int i = 0; i < kMaxSteps && damping < kMaxDamping; ++i) {
         const std::array<bool, 4> fixed = fixed_at(model, at, slopes.gradient, held);
         const Coordinates step = step_of(slopes, fixed, damping);
-        if (slopes.gradient.dot(step) < kLeastGain) {
+        if (slopes.gradient.dot(step) < kMinGain) {
             break;
         }
         const Coordinates next = (at + step).cwiseMax(model.lowest).cwiseMin(model.highest);

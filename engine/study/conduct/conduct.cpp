@@ -71,7 +71,7 @@ std::optional<SessionEnding> RunningSession::add(Trial trial, UtcTime at) {
     complete(trial, protocol_, session_, at);
     store_.append(trial);
     sequence_.add(trial);
-    if (trips_ > protocol_.stopping.most_trips && sequence_.next()) {
+    if (trips_ > protocol_.stopping.max_trips && sequence_.next()) {
         return SessionEnding::safety_trip;
     }
     if (at - session_.started > longest && sequence_.next()) {

@@ -16,8 +16,8 @@ std::string off_by_more(double off, double most, std::string_view unit) {
                        : fmt::format("{:.3g}{} off, more than {:g}{}", off, unit, most, unit);
 }
 
-std::string share_off_by_more(double delivered, double intended, double most_percent) {
-    return off_by_more(100.0 * std::abs(delivered - intended) / std::abs(intended), most_percent,
+std::string share_off_by_more(double delivered, double intended, double max_percent) {
+    return off_by_more(100.0 * std::abs(delivered - intended) / std::abs(intended), max_percent,
                        " %");
 }
 

@@ -34,7 +34,7 @@ inline constexpr auto kAdjustmentFields = std::to_array<Field<Adjustment>>({
 /// Empty if the method can be used; else the first bad key, with value and range.
 [[nodiscard]] std::string validate(const Adjustment &method);
 
-[[nodiscard]] inline int most_trials(const Adjustment &method) { return method.settings; }
+[[nodiscard]] inline int max_trials(const Adjustment &method) { return method.settings; }
 
 /// The method while it runs; see MethodRun.
 class AdjustmentRun {

@@ -30,11 +30,11 @@ RandomKey key_for(RandomKey block, Drawn what, int number) {
 std::string validate(const Practice &practice) {
     return first_of(
         {unless_finite("practice.levels", practice.levels),
-         unless_from_to("practice.most_trials", practice.most_trials, 0, 1000),
-         unless_from_to("practice.fewest_trials", practice.fewest_trials, 0, practice.most_trials),
+         unless_from_to("practice.most_trials", practice.max_trials, 0, 1000),
+         unless_from_to("practice.fewest_trials", practice.min_trials, 0, practice.max_trials),
          unless_from_to("practice.correct_in_a_row", practice.correct_in_a_row, 0,
-                        practice.most_trials),
-         practice.most_trials > 0 && practice.levels.empty()
+                        practice.max_trials),
+         practice.max_trials > 0 && practice.levels.empty()
              ? std::string("practice.levels is empty; it must have at least one")
              : std::string()});
 }
@@ -52,13 +52,13 @@ std::string validate(const CatchTrials &catch_trials) {
 } // namespace
 
 std::string validate(const Block &block) {
-    constexpr int kMostSeries = 100;
+    constexpr int kMaxSeries = 100;
     std::string error =
         first_of({validate(block.task),
                   unless_from_to("series (how many)", static_cast<double>(block.series.size()), 1,
-                                 kMostSeries),
+                                 kMaxSeries),
                   validate(block.practice), validate(block.catch_trials),
-                  unless_from_to("most_marked", block.most_marked, 0, 10000)});
+                  unless_from_to("most_marked", block.max_marked, 0, 10000)});
     for (std::size_t i = 0; i < block.series.size() && error.empty(); ++i) {
         error = validate(block.series[i], block.task);
         if (!error.empty()) {
@@ -68,14 +68,14 @@ std::string validate(const Block &block) {
     return error;
 }
 
-int most_trials(const Block &block) {
+int max_trials(const Block &block) {
     int measured = 0;
     for (const Method &method : block.series) {
-        measured += most_trials(method);
+        measured += max_trials(method);
     }
     const int others_per_catch = block.catch_trials.one_in - 1;
     const int caught = others_per_catch > 0 ? measured / others_per_catch + 1 : 0;
-    return block.practice.most_trials + measured + caught;
+    return block.practice.max_trials + measured + caught;
 }
 
 BlockRun::BlockRun(const Block &block, RandomKey key)
@@ -87,7 +87,7 @@ BlockRun::BlockRun(const Block &block, RandomKey key)
 }
 
 BlockState BlockRun::state() const {
-    if (marked_ > block_.most_marked) {
+    if (marked_ > block_.max_marked) {
         return BlockState::too_many_marked;
     }
     const bool all_done =
@@ -132,8 +132,8 @@ void BlockRun::add(const PastBlockTrial &trial) {
 
 bool BlockRun::is_practising() const {
     const Practice &practice = block_.practice;
-    return practised_ < practice.most_trials &&
-           (practised_ < practice.fewest_trials || correct_in_a_row_ < practice.correct_in_a_row);
+    return practised_ < practice.max_trials &&
+           (practised_ < practice.min_trials || correct_in_a_row_ < practice.correct_in_a_row);
 }
 
 bool BlockRun::is_catch_due() const {

@@ -3,7 +3,7 @@
 // sequence is a function of the specification, a random key and the trials so far.
 //
 // - Practice trials take series in turn and their levels by chance; no method learns of them.
-// - The next series is drawn from those that are not done and are less than `kLargestLead` trials
+// - The next series is drawn from those that are not done and are less than `kMaxLead` trials
 //   ahead of the one that is furthest behind (tracks of staircases likewise).
 // - Of each `one_in` trials after practice, one is a catch trial, at a drawn place: an obvious
 //   stimulus, or none. No method learns of it.
@@ -24,13 +24,13 @@
 
 namespace springdrive::study {
 
-/// Ends after `fewest_trials` once the last `correct_in_a_row` were correct, or after
-/// `most_trials`.
+/// Ends after `min_trials` once the last `correct_in_a_row` were correct, or after
+/// `max_trials`.
 struct Practice {
     std::vector<double> levels; ///< drawn from; may be empty without practice
-    int fewest_trials = 0;
+    int min_trials = 0;
     int correct_in_a_row = 0; ///< 0: does not matter
-    int most_trials = 0;      ///< 0: no practice
+    int max_trials = 0;       ///< 0: no practice
 
     friend bool operator==(const Practice &, const Practice &) = default;
 };
@@ -44,10 +44,10 @@ struct CatchTrials {
 
 inline constexpr auto kPracticeFields = std::to_array<Field<Practice>>({
     {"levels", &Practice::levels, "drawn from by chance", kTypedLevel},
-    {"fewest_trials", &Practice::fewest_trials,
+    {"fewest_trials", &Practice::min_trials,
      "practice ends after so many once the last `correct_in_a_row` were right", 0.0, 1000.0},
     {"correct_in_a_row", &Practice::correct_in_a_row, "0: does not matter", 0.0, 1000.0},
-    {"most_trials", &Practice::most_trials,
+    {"most_trials", &Practice::max_trials,
      "practice ends after so many at the latest; 0: no practice", 0.0, 1000.0},
 });
 
@@ -62,7 +62,7 @@ struct Block {
     std::vector<Method> series; ///< one per condition of the block
     Practice practice;
     CatchTrials catch_trials;
-    int most_marked = 20; ///< the block ends, unfinished, with the next marked trial after these
+    int max_marked = 20; ///< the block ends, unfinished, with the next marked trial after these
 
     friend bool operator==(const Block &, const Block &) = default;
 };
@@ -71,7 +71,7 @@ struct Block {
 [[nodiscard]] std::string validate(const Block &block);
 
 /// An upper bound of its trials, not counting marked ones.
-[[nodiscard]] int most_trials(const Block &block);
+[[nodiscard]] int max_trials(const Block &block);
 
 enum class TrialKind : std::uint8_t { practice, catch_trial, measured };
 

@@ -12,7 +12,7 @@ std::string validate(const ConstantStimuli &method) {
         {unless_rising("levels", method.levels, 1), out_of_range(kConstantStimuliFields, method)});
 }
 
-int most_trials(const ConstantStimuli &method) {
+int max_trials(const ConstantStimuli &method) {
     return static_cast<int>(method.levels.size()) * method.repetitions * method.blocks;
 }
 

@@ -32,7 +32,7 @@ inline constexpr auto kConstantStimuliFields = std::to_array<Field<ConstantStimu
 /// Empty if the method can be used; else the first bad key, with value and range.
 [[nodiscard]] std::string validate(const ConstantStimuli &method);
 
-[[nodiscard]] int most_trials(const ConstantStimuli &method);
+[[nodiscard]] int max_trials(const ConstantStimuli &method);
 
 /// The method while it runs; see MethodRun.
 class ConstantStimuliRun {

@@ -48,9 +48,9 @@ std::vector<int> williams_order(int count, int index) {
 } // namespace
 
 std::string validate(Counterbalancing kind, int conditions) {
-    constexpr int kMost = 100;
+    constexpr int kMax = 100;
     return unless_from_to("conditions", conditions, 1,
-                          kind == Counterbalancing::full ? kMostFullyCounterbalanced : kMost);
+                          kind == Counterbalancing::full ? kMaxFullyCounterbalanced : kMax);
 }
 
 int participants_to_balance(Counterbalancing kind, int conditions) {

@@ -28,7 +28,7 @@ inline constexpr std::array<std::string_view, 4> kCounterbalancingNames{
     "fixed", "full", "balanced_latin_square", "random"};
 
 /// Of `full`: 720 orders.
-inline constexpr int kMostFullyCounterbalanced = 6;
+inline constexpr int kMaxFullyCounterbalanced = 6;
 
 /// Empty if so many conditions can be ordered so.
 [[nodiscard]] std::string validate(Counterbalancing kind, int conditions);

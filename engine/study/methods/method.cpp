@@ -55,8 +55,8 @@ std::string validate(const Method &method, const Task &task) {
         method);
 }
 
-int most_trials(const Method &method) {
-    return std::visit([](const auto &one) { return most_trials(one); }, method);
+int max_trials(const Method &method) {
+    return std::visit([](const auto &one) { return max_trials(one); }, method);
 }
 
 MethodRun::MethodRun(const Method &method, RandomKey key)

@@ -28,7 +28,7 @@ inline constexpr std::array<std::string_view, 4> kMethodNames{"constant_stimuli"
 [[nodiscard]] std::string validate(const Method &method, const Task &task);
 
 /// An upper bound of its trials, not counting marked ones.
-[[nodiscard]] int most_trials(const Method &method);
+[[nodiscard]] int max_trials(const Method &method);
 
 /// A method while it runs, trial by trial.
 class MethodRun {

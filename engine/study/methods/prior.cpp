@@ -29,11 +29,11 @@ Prior known(double value) {
 std::string validate(const Prior &prior, std::string_view name) {
     const auto key = [&](std::string_view member) { return fmt::format("{}.{}", name, member); };
     const bool ratios = prior.scale == Scale::logarithmic;
-    constexpr double kMost = std::numeric_limits<double>::max();
+    constexpr double kMax = std::numeric_limits<double>::max();
     const std::string range =
         first_of({ratios ? unless_above(key("minimum"), prior.minimum, 0.0)
-                         : unless_from_to(key("minimum"), prior.minimum, -kMost, kMost),
-                  unless_from_to(key("maximum"), prior.maximum, prior.minimum, kMost)});
+                         : unless_from_to(key("minimum"), prior.minimum, -kMax, kMax),
+                  unless_from_to(key("maximum"), prior.maximum, prior.minimum, kMax)});
     if (!range.empty() || prior.density == Density::uniform) {
         return range;
     }

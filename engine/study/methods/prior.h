@@ -42,7 +42,7 @@ inline constexpr auto kPriorFields = std::to_array<Field<Prior>>({
      "", kDerived},
     {"mean", &Prior::mean, "of a normal density before it is cut to the range", kTypedLevel},
     {"deviation", &Prior::deviation,
-     "of a normal density; on a logarithmic scale that of the logarithm", 0.0, kLargestTyped},
+     "of a normal density; on a logarithmic scale that of the logarithm", 0.0, kMaxTyped},
 });
 
 /// The prior of a value that is known.

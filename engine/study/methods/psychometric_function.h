@@ -69,9 +69,9 @@ struct PsychometricFunction {
 
 /// Keeps ψ off 0 and 1 where its logarithm is taken: an answer that a function does not allow is
 /// then only very unlikely.
-inline constexpr double kLeastProportion = 1e-12;
+inline constexpr double kMinProportion = 1e-12;
 [[nodiscard]] inline double possible_proportion(double proportion) {
-    return std::clamp(proportion, kLeastProportion, 1.0 - kLeastProportion);
+    return std::clamp(proportion, kMinProportion, 1.0 - kMinProportion);
 }
 
 /// The level at which F, without guesses and lapses, has that value. @pre 0 < core < 1

@@ -24,7 +24,7 @@ FunctionPriors priors_of(const QuestPlus &method) {
 }
 
 std::string validate(const QuestPlus &method) {
-    constexpr double kMostPoints = 1000.0;
+    constexpr double kMaxPoints = 1000.0;
     const double cells = static_cast<double>(method.levels.size()) * method.threshold.points *
                          method.slope.points * method.guess.points * method.lapse.points;
     return first_of(
@@ -35,13 +35,13 @@ std::string validate(const QuestPlus &method) {
          unless_level("threshold.minimum", method.threshold.prior.minimum, method.family.scale),
          unless_level("slope.minimum", method.slope.prior.minimum, Scale::logarithmic),
          validate(priors_of(method)),
-         unless_from_to("threshold.points", method.threshold.points, 2, kMostPoints),
-         unless_from_to("slope.points", method.slope.points, 1, kMostPoints),
-         unless_from_to("guess.points", method.guess.points, 1, kMostPoints),
-         unless_from_to("lapse.points", method.lapse.points, 1, kMostPoints),
-         unless_from_to("levels times all points", cells, 1.0, kLargestQuestTable),
+         unless_from_to("threshold.points", method.threshold.points, 2, kMaxPoints),
+         unless_from_to("slope.points", method.slope.points, 1, kMaxPoints),
+         unless_from_to("guess.points", method.guess.points, 1, kMaxPoints),
+         unless_from_to("lapse.points", method.lapse.points, 1, kMaxPoints),
+         unless_from_to("levels times all points", cells, 1.0, kMaxQuestTable),
          out_of_range(kQuestPlusFields, method),
-         unless_from_to("fewest_trials", method.fewest_trials, 1, method.most_trials)});
+         unless_from_to("fewest_trials", method.min_trials, 1, method.max_trials)});
 }
 
 QuestPlusRun::QuestPlusRun(const QuestPlus &method) : method_(method) {
@@ -76,8 +76,8 @@ QuestPlusRun::QuestPlusRun(const QuestPlus &method) : method_(method) {
 }
 
 bool QuestPlusRun::is_done() const {
-    return trials_ >= method_.most_trials ||
-           (method_.threshold_deviation > 0.0 && trials_ >= method_.fewest_trials &&
+    return trials_ >= method_.max_trials ||
+           (method_.threshold_deviation > 0.0 && trials_ >= method_.min_trials &&
             threshold_deviation() <= method_.threshold_deviation);
 }
 

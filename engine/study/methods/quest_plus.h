@@ -30,10 +30,10 @@ struct QuestPlus {
     PriorAxis slope;
     PriorAxis guess; ///< known in forced choice: known(1/m)
     PriorAxis lapse;
-    int fewest_trials = 20;
-    int most_trials = 60;
-    /// Ends, from `fewest_trials` on, when the posterior's standard deviation of the threshold, on
-    /// the scale of its prior, is not above this; 0: by `most_trials` alone.
+    int min_trials = 20;
+    int max_trials = 60;
+    /// Ends, from `min_trials` on, when the posterior's standard deviation of the threshold, on
+    /// the scale of its prior, is not above this; 0: by `max_trials` alone.
     double threshold_deviation = 0.0;
 
     friend bool operator==(const QuestPlus &, const QuestPlus &) = default;
@@ -51,23 +51,23 @@ inline constexpr auto kQuestPlusFields = std::to_array<Field<QuestPlus>>({
     {"scale", choice_of<&QuestPlus::family, &FunctionFamily::scale>(kScaleNames),
      "on which it is fitted"},
     {"levels", &QuestPlus::levels, "that may be presented, rising", kTypedLevel, "", kRequired},
-    {"fewest_trials", &QuestPlus::fewest_trials, "before it may end", 1.0, 10'000.0},
-    {"most_trials", &QuestPlus::most_trials, "when it ends at the latest", 1.0, 10'000.0},
+    {"fewest_trials", &QuestPlus::min_trials, "before it may end", 1.0, 10'000.0},
+    {"most_trials", &QuestPlus::max_trials, "when it ends at the latest", 1.0, 10'000.0},
     {"threshold_deviation", &QuestPlus::threshold_deviation,
      "ends when the threshold is known to within this standard deviation, on the scale of its "
      "prior; 0: by `most_trials` alone",
-     0.0, kLargestTyped},
+     0.0, kMaxTyped},
 });
 
 [[nodiscard]] FunctionPriors priors_of(const QuestPlus &method);
 
 /// Levels times nodes of all four grids: above it, the next level would take too long.
-inline constexpr double kLargestQuestTable = 5e6;
+inline constexpr double kMaxQuestTable = 5e6;
 
 /// Empty if the method can be used; else the first bad key, with value and range.
 [[nodiscard]] std::string validate(const QuestPlus &method);
 
-[[nodiscard]] inline int most_trials(const QuestPlus &method) { return method.most_trials; }
+[[nodiscard]] inline int max_trials(const QuestPlus &method) { return method.max_trials; }
 
 /// The method while it runs; see MethodRun.
 ///

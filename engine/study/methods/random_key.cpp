@@ -20,8 +20,8 @@ RandomKey key_of(std::uint64_t seed, int participant) {
 double uniform(RandomKey key) { return split_mix::unit_share(split_mix::value(key.bits, 0)); }
 
 double standard_normal(RandomKey key) {
-    constexpr double kLeast = 0x1p-54; // uniform() may be 0
-    return core_argument(Shape::cumulative_normal, std::max(kLeast, uniform(key)));
+    constexpr double kMin = 0x1p-54; // uniform() may be 0
+    return core_argument(Shape::cumulative_normal, std::max(kMin, uniform(key)));
 }
 
 // The bias of the product, count/2^53, is far below what any study can see.

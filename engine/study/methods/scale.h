@@ -20,9 +20,9 @@ inline constexpr std::array<std::string_view, 2> kScaleNames{"linear", "logarith
 
 /// Levels and slopes that people type: what lies beyond is a slip of the keyboard in every unit
 /// that a protocol has.
-inline constexpr double kLargestTyped = 1e6;
-inline constexpr double kSmallestRatioTyped = 1e-6; ///< of what must be above 0
-inline constexpr NumberRange kTypedLevel{-kLargestTyped, kLargestTyped};
+inline constexpr double kMaxTyped = 1e6;
+inline constexpr double kMinRatioTyped = 1e-6; ///< of what must be above 0
+inline constexpr NumberRange kTypedLevel{-kMaxTyped, kMaxTyped};
 
 /// u(x). @pre level > 0 on a logarithmic scale
 [[nodiscard]] inline double on_scale(Scale scale, double level) {

@@ -53,7 +53,7 @@ inline constexpr auto kStepFields = std::to_array<Field<StepSize>>({
      0.0, 1000.0},
     {"size", &StepSize::size,
      "of the step down: a difference of levels, or on a logarithmic scale their ratio", 0.0,
-     kLargestTyped},
+     kMaxTyped},
 });
 
 inline constexpr auto kStaircaseFields = std::to_array<Field<Staircases>>({
@@ -76,7 +76,7 @@ inline constexpr auto kStaircaseFields = std::to_array<Field<Staircases>>({
 /// The proportion of correct answers (or of "yes") to which the tracks converge, see above.
 [[nodiscard]] double convergence_proportion(const Staircases &method);
 
-[[nodiscard]] inline int most_trials(const Staircases &method) {
+[[nodiscard]] inline int max_trials(const Staircases &method) {
     return static_cast<int>(method.start_levels.size()) * method.trials;
 }
 

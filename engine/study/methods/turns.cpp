@@ -13,7 +13,7 @@ std::optional<std::size_t> next_turn(std::span<const Interleaved> all, RandomKey
     }
     std::vector<std::size_t> eligible;
     for (std::size_t i = 0; i < all.size(); ++i) {
-        if (!all[i].is_done && all[i].trials - fewest < kLargestLead) {
+        if (!all[i].is_done && all[i].trials - fewest < kMaxLead) {
             eligible.push_back(i);
         }
     }

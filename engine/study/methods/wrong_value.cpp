@@ -7,9 +7,8 @@
 namespace springdrive::study {
 
 std::string unless_level(std::string_view key, double value, Scale scale) {
-    return unless_from_to(key, value,
-                          scale == Scale::logarithmic ? kSmallestRatioTyped : -kLargestTyped,
-                          kLargestTyped);
+    return unless_from_to(key, value, scale == Scale::logarithmic ? kMinRatioTyped : -kMaxTyped,
+                          kMaxTyped);
 }
 
 std::string unless_above(std::string_view key, double value, double minimum) {

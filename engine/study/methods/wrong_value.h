@@ -11,8 +11,8 @@
 
 namespace springdrive::study {
 
-/// "KEY is VALUE; it must be from …" unless it can be a typed level: within `kLargestTyped`, and on
-/// a logarithmic scale not below `kSmallestRatioTyped`.
+/// "KEY is VALUE; it must be from …" unless it can be a typed level: within `kMaxTyped`, and on
+/// a logarithmic scale not below `kMinRatioTyped`.
 [[nodiscard]] std::string unless_level(std::string_view key, double value, Scale scale);
 
 /// "KEY is VALUE; it must be a finite number above MINIMUM" if it is not, or not finite; else

@@ -55,8 +55,8 @@ PsychometricFunction expected_observer(const Protocol &protocol) {
 }
 
 int usual_trials(const Protocol &protocol, const PsychometricFunction &observer) {
-    if (fewest_trials(protocol.method) == most_trials(protocol.method)) {
-        return most_trials(protocol.method);
+    if (min_trials(protocol.method) == max_trials(protocol.method)) {
+        return max_trials(protocol.method);
     }
     const RandomKey key = key_of(static_cast<std::uint64_t>(protocol.seed), 0);
     std::array<std::size_t, 21> trials{};

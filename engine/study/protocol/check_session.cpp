@@ -17,20 +17,20 @@ constexpr double kLongWithoutBreak_s = 900.0;
 void check_length(ProtocolFindings &findings, const Protocol &protocol,
                   const SessionLength &length) {
     const double longest_s = 60.0 * protocol.stopping.longest_session_min;
-    if (length.fewest_s > longest_s) {
+    if (length.min_s > longest_s) {
         findings.push_back(
             {Severity::error, "session",
              fmt::format("takes {:.0f} min at the least, with {} trials and all breaks; it ends "
                          "after {:g} min",
-                         length.fewest_s / 60.0, length.fewest_trials,
+                         length.min_s / 60.0, length.min_trials,
                          protocol.stopping.longest_session_min),
              "ask for fewer trials, shorten timing or breaks, or raise "
              "stopping.longest_session_min"});
-    } else if (length.most_s > longest_s) {
+    } else if (length.max_s > longest_s) {
         findings.push_back(
             {Severity::warning, "session",
              fmt::format("may take up to {:.0f} min, with {} trials; it ends after {:g} min",
-                         length.most_s / 60.0, length.most_trials,
+                         length.max_s / 60.0, length.max_trials,
                          protocol.stopping.longest_session_min),
              "lower the most trials of the method, or raise stopping.longest_session_min"});
     }

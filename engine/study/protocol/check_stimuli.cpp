@@ -157,7 +157,7 @@ double of_pulse_deg(const device::DeviceDescription &device, const Matrix3 &J,
                     const Condition &condition, const Vector3 &direction) {
     const Matrix3 to_tip = J.transpose().inverse();
     const double impulse_Ns = 0.5 * condition.pulse_N / condition.pulse_hz;
-    double most_deg = 0.0;
+    double max_deg = 0.0;
     for (Eigen::Index j = 0; j < 3; ++j) {
         const device::MotorParameters &motor = device.motor[static_cast<std::size_t>(j)];
         const double dR_Ohm = device::residual_resistance_Ohm(motor, condition.tuning.dR_Ohm);
@@ -165,9 +165,9 @@ double of_pulse_deg(const device::DeviceDescription &device, const Matrix3 &J,
                                  device.rad_per_count() / dR_Ohm;
         const Vector3 count_Ns = count_Nms * to_tip.col(j);
         const Vector3 across_Ns = count_Ns - count_Ns.dot(direction) * direction;
-        most_deg = std::max(most_deg, kDegreesPerRadian * std::atan2(across_Ns.norm(), impulse_Ns));
+        max_deg = std::max(max_deg, kDegreesPerRadian * std::atan2(across_Ns.norm(), impulse_Ns));
     }
-    return most_deg;
+    return max_deg;
 }
 
 double of_press_deg(const device::DeviceDescription &device, const Vector3 &q_rad,
@@ -176,14 +176,14 @@ double of_press_deg(const device::DeviceDescription &device, const Vector3 &q_ra
         return device::motor_jacobian(device.geometry, at_rad);
     };
     const Vector3 torque_Nm = J_at(q_rad).transpose() * force_N;
-    double most_deg = 0.0;
+    double max_deg = 0.0;
     for (Eigen::Index j = 0; j < 3; ++j) {
         const Vector3 count_rad = device.rad_per_count() * Vector3::Unit(j);
         const Vector3 turned_rad = q_rad + device::joint_from_motor(device.geometry, count_rad);
-        most_deg = std::max(most_deg,
-                            angle_deg(J_at(turned_rad).transpose().inverse() * torque_Nm, force_N));
+        max_deg = std::max(max_deg,
+                           angle_deg(J_at(turned_rad).transpose().inverse() * torque_Nm, force_N));
     }
-    return most_deg;
+    return max_deg;
 }
 
 } // namespace

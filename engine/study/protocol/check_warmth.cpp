@@ -59,7 +59,7 @@ Rhythm rhythm_of(const Protocol &protocol, const SessionLength &length) {
     rhythm.idle_s = std::max(0.0, usual_trial_s(protocol) - rhythm.loaded_s);
     rhythm.every_trials = protocol.breaks.every_trials;
     rhythm.break_s = protocol.breaks.break_s;
-    rhythm.total_s = std::min(length.most_s, 60.0 * protocol.stopping.longest_session_min);
+    rhythm.total_s = std::min(length.max_s, 60.0 * protocol.stopping.longest_session_min);
     return rhythm;
 }
 

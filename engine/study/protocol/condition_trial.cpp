@@ -34,20 +34,19 @@ ProtocolFindings findings_of(const Protocol &protocol, const std::vector<Stimulu
                                 fmt::format("with a simulated hand {}", description(trial.failure)),
                                 "make the stimulus weaker, or turn it less"});
         }
-        if (trial.stimulus.hold != Hold::cup && trial.delivered.aside_m > kMostSlide_m) {
+        if (trial.stimulus.hold != Hold::cup && trial.delivered.aside_m > kMaxSlide_m) {
             findings.push_back({Severity::error, trial.name,
                                 fmt::format("a simulated hand slides {:.1f} mm off the spot; at "
                                             "most {:g} mm",
-                                            1e3 * trial.delivered.aside_m, 1e3 * kMostSlide_m),
+                                            1e3 * trial.delivered.aside_m, 1e3 * kMaxSlide_m),
                                 "choose a flatter spot, press less, or set hold = \"cup\""});
         }
-        if (trial.shaking_m_per_s > kMostShaking_m_per_s) {
-            findings.push_back(
-                {Severity::error, trial.name,
-                 fmt::format("the tip shakes with {:.0f} mm/s while a simulated "
-                             "hand holds still; at most {:g} mm/s",
-                             1e3 * trial.shaking_m_per_s, 1e3 * kMostShaking_m_per_s),
-                 "lower K_P_V_per_rad or K_D_Vs_per_rad"});
+        if (trial.shaking_m_per_s > kMaxShaking_m_per_s) {
+            findings.push_back({Severity::error, trial.name,
+                                fmt::format("the tip shakes with {:.0f} mm/s while a simulated "
+                                            "hand holds still; at most {:g} mm/s",
+                                            1e3 * trial.shaking_m_per_s, 1e3 * kMaxShaking_m_per_s),
+                                "lower K_P_V_per_rad or K_D_Vs_per_rad"});
         }
         if (trial.delivered.is_limited) {
             findings.push_back({Severity::warning, trial.name,

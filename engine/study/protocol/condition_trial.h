@@ -16,10 +16,10 @@ namespace springdrive::study {
                                                         const std::vector<Presented> &presented);
 
 /// The tip may slide so far from where it touched [m]. In a cup it yields, but does not slide.
-inline constexpr double kMostSlide_m = 0.003;
+inline constexpr double kMaxSlide_m = 0.003;
 
 /// And shake so fast [m/s]: as an oscillation by an encoder count, 0.03 mm at the tip, at 100 Hz.
-inline constexpr double kMostShaking_m_per_s = 0.02;
+inline constexpr double kMaxShaking_m_per_s = 0.02;
 
 /// What is wrong with what was seen.
 [[nodiscard]] ProtocolFindings findings_of(const Protocol &protocol,

@@ -63,7 +63,7 @@ Stimulus stimulus_of(const Protocol &protocol, const StudySetting &setting,
     stimulus.rest_s = protocol.timing.rest_s;
     stimulus.approach_s = protocol.timing.approach_s;
     stimulus.presentation_s = protocol.timing.presentation_s;
-    stimulus.least_glide_back_s = longest_glide_back_s(protocol);
+    stimulus.min_glide_back_s = longest_glide_back_s(protocol);
     return stimulus;
 }
 

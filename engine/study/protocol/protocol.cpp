@@ -227,7 +227,7 @@ Block block_of(const Protocol &protocol, std::size_t block, bool is_first) {
     return {protocol.task,
             std::vector<Method>(protocol.blocks[block].conditions.size(), protocol.method),
             is_first ? protocol.practice : Practice{}, protocol.catch_trials,
-            protocol.marking.most_marked};
+            protocol.marking.max_marked};
 }
 
 std::vector<double> presentable_levels(const Protocol &protocol, int steps) {
@@ -238,7 +238,7 @@ std::vector<double> presentable_levels(const Protocol &protocol, int steps) {
     if (const auto *staircases = std::get_if<Staircases>(&protocol.method)) {
         add(staircases->start_levels);
     }
-    if (protocol.practice.most_trials > 0) {
+    if (protocol.practice.max_trials > 0) {
         add(protocol.practice.levels);
     }
     if (protocol.catch_trials.one_in > 0) {

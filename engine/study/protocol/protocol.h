@@ -88,14 +88,14 @@ struct Marking {
     double force_percent = 20.0; ///< of the hand's press, or a blow's speed: it is the hand's own
     double lateness_s = 0.005;   ///< missed deadlines in a row
     bool repeats = true;         ///< marked trials are presented again, see block.h
-    int most_marked = 20;        ///< in a block, see block.h
+    int max_marked = 20;         ///< in a block, see block.h
 
     friend bool operator==(const Marking &, const Marking &) = default;
 };
 
 struct StoppingRules {
     double longest_session_min = 60.0; ///< the present trial is the last
-    int most_trips = 3;                ///< of the safety monitor in a session
+    int max_trips = 3;                 ///< of the safety monitor in a session
 
     friend bool operator==(const StoppingRules &, const StoppingRules &) = default;
 };

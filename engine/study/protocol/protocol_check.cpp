@@ -52,8 +52,7 @@ CheckedProtocol check_protocol(const Protocol &protocol, const ProtocolFolders &
         findings.push_back(
             {Severity::error, "windings",
              fmt::format("cannot be warmed to {:g} °C in {:g} min, with air of {:g} °C",
-                         protocol.windings.from_C, WarmUp::kLongest_s / 60.0,
-                         protocol.windings.air_C),
+                         protocol.windings.from_C, WarmUp::kMax_s / 60.0, protocol.windings.air_C),
              "lower windings.from_C, or raise windings.to_C"});
     }
     checked.hottest_winding_C = warmth.hottest_C;

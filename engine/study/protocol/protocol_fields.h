@@ -134,7 +134,7 @@ inline constexpr auto kMarkingFields = std::to_array<Field<Marking>>({
      "by which the hand's press, or the speed of its blow or stroke, may differ", 1.0, 100.0, "%"},
     {"lateness_s", &Marking::lateness_s, "of deadlines that the servo missed in a row", 0.0, 0.05,
      "s"},
-    {"most_marked", &Marking::most_marked,
+    {"most_marked", &Marking::max_marked,
      "marked trials of a block; with the next one it ends unfinished", 0.0, 1000.0},
     {"repeats", &Marking::repeats, "marked trials are presented again"},
 });
@@ -150,7 +150,7 @@ inline constexpr auto kWindingFields = std::to_array<Field<WindingBand>>({
 inline constexpr auto kStoppingFields = std::to_array<Field<StoppingRules>>({
     {"longest_session_min", &StoppingRules::longest_session_min,
      "after which the session ends with the present trial", 1.0, 480.0, "min"},
-    {"most_trips", &StoppingRules::most_trips,
+    {"most_trips", &StoppingRules::max_trips,
      "of the safety monitor; with the next one the session ends", 0.0, 100.0},
 });
 
@@ -163,7 +163,7 @@ inline constexpr auto kNoiseFields = std::to_array<Field<MaskingNoise>>({
 inline constexpr auto kExpectationFields = std::to_array<Field<Expectation>>({
     {"threshold", &Expectation::threshold, "α, a level; in the variable's unit", kTypedLevel, "",
      kRequired},
-    {"slope", &Expectation::slope, "β, per unit of the scale", kSmallestRatioTyped, kLargestTyped},
+    {"slope", &Expectation::slope, "β, per unit of the scale", kMinRatioTyped, kMaxTyped},
     {"lapse", &Expectation::lapse, "λ: wrong answers however strong the stimulus", 0.0, 0.2},
     {"shape", choice_of<&Expectation::family, &FunctionFamily::shape>(kShapeNames),
      "of the psychometric function"},

@@ -13,7 +13,7 @@ namespace springdrive::study {
 
 namespace {
 
-constexpr std::size_t kMostRows = 100;
+constexpr std::size_t kMaxRows = 100;
 
 /// In metres, from the device's zero pose: more than any device reaches.
 constexpr double kFarthest_m = 2.0;
@@ -90,7 +90,7 @@ void read_conditions(StrictTomlTable &file, Protocol &protocol) {
         read_parameters(table, common);
         table.refuse_unknown_keys();
     }
-    file.rows("condition", kMostRows, [&](StrictTomlTable &table) {
+    file.rows("condition", kMaxRows, [&](StrictTomlTable &table) {
         Condition condition = common;
         read(table, kConditionName, condition);
         read_parameters(table, condition);
@@ -107,10 +107,10 @@ void read_blocks(StrictTomlTable &file, Protocol &protocol) {
         protocol.blocks.push_back(std::move(all));
         return;
     }
-    file.rows("block", kMostRows, [&protocol](StrictTomlTable &table) {
+    file.rows("block", kMaxRows, [&protocol](StrictTomlTable &table) {
         ProtocolBlock block;
         read(table, kBlockFields, block);
-        for (const std::string &name : table.texts("conditions", kMostRows)) {
+        for (const std::string &name : table.texts("conditions", kMaxRows)) {
             const std::optional<std::size_t> condition = condition_named(protocol, name);
             if (!condition) {
                 table.refuse("conditions", "has \"" + name +
@@ -137,7 +137,7 @@ void read_method(StrictTomlTable &table, const Task &, ConstantStimuli &method) 
 
 void read_method(StrictTomlTable &table, const Task &, Staircases &method) {
     read(table, kStaircaseFields, method);
-    table.rows("steps", kMostRows, [&method](StrictTomlTable &row) {
+    table.rows("steps", kMaxRows, [&method](StrictTomlTable &row) {
         read(row, kStepFields, method.steps.emplace_back());
         row.refuse_unknown_keys();
     });
@@ -200,7 +200,7 @@ void read_questions(StrictTomlTable &file, std::vector<QuestionnaireItem> &items
     if (!file.has_optional("questions")) {
         return;
     }
-    file.rows("questions", kMostRows, [&items](StrictTomlTable &table) {
+    file.rows("questions", kMaxRows, [&items](StrictTomlTable &table) {
         QuestionnaireItem item;
         read(table, kQuestionFields, item);
         read_if(QuestionnaireKind::scale, table, kScaleFields, item);

@@ -11,11 +11,11 @@ namespace springdrive::study {
 
 namespace {
 
-constexpr std::size_t kLongestItemName = 40;
+constexpr std::size_t kMaxItemName = 40;
 
 bool is_item_name(std::string_view name) {
     const auto is_small_letter = [](char c) { return c >= 'a' && c <= 'z'; };
-    return !name.empty() && name.size() <= kLongestItemName && is_small_letter(name.front()) &&
+    return !name.empty() && name.size() <= kMaxItemName && is_small_letter(name.front()) &&
            std::ranges::all_of(name, [&](char c) {
                return is_small_letter(c) || (c >= '0' && c <= '9') || c == '_';
            });
@@ -33,9 +33,9 @@ bool is_label(std::string_view text) {
 }
 
 std::string wrong_scale(const QuestionnaireItem &item) {
-    if (item.highest <= item.lowest || item.highest - item.lowest > kMostScaleSteps) {
+    if (item.highest <= item.lowest || item.highest - item.lowest > kMaxScaleSteps) {
         return fmt::format("highest is {}; it must be 1 to {} above lowest, {}", item.highest,
-                           kMostScaleSteps, item.lowest);
+                           kMaxScaleSteps, item.lowest);
     }
     for (const auto &[key, label] :
          {std::pair("lowest_label", &item.lowest_label), {"highest_label", &item.highest_label}}) {
@@ -48,9 +48,9 @@ std::string wrong_scale(const QuestionnaireItem &item) {
 }
 
 std::string wrong_choices(const QuestionnaireItem &item) {
-    if (item.choices.size() < 2 || item.choices.size() > kMostChoices) {
+    if (item.choices.size() < 2 || item.choices.size() > kMaxChoices) {
         return fmt::format("choices has {}; it must have 2 to {}", item.choices.size(),
-                           kMostChoices);
+                           kMaxChoices);
     }
     for (const std::string &choice : item.choices) {
         if (!is_label(choice)) {
@@ -70,7 +70,7 @@ std::string validate(const QuestionnaireItem &item) {
     if (!is_item_name(item.name)) {
         return fmt::format("name is {}; it must be 1 to {} of a-z, 0-9 and _, beginning with a "
                            "letter",
-                           in_quotes(item.name), kLongestItemName);
+                           in_quotes(item.name), kMaxItemName);
     }
     if (std::ranges::count(kTakenNames, item.name) > 0) {
         return fmt::format("name is \"{}\"; it must be another, as tables of answers have such a "
@@ -90,9 +90,9 @@ std::string validate(const QuestionnaireItem &item) {
 
 std::string validate_answer(const QuestionnaireItem &item, const std::string &answer) {
     if (item.kind == QuestionnaireKind::text) {
-        if (answer.size() > kLongestAnswer) {
+        if (answer.size() > kMaxAnswer) {
             return fmt::format("answer has {} bytes; it must have 0 to {}", answer.size(),
-                               kLongestAnswer);
+                               kMaxAnswer);
         }
         const bool is_text = std::ranges::none_of(
             answer, [](char c) { return is_control(c) && c != '\n' && c != '\t'; });

@@ -43,11 +43,11 @@ struct QuestionnaireItem {
 };
 
 /// Of `QuestionnaireItem::choices`; at least two.
-inline constexpr std::size_t kMostChoices = 20;
+inline constexpr std::size_t kMaxChoices = 20;
 /// A scale has at most so many steps: 0 to 100 is possible.
-inline constexpr int kMostScaleSteps = 100;
+inline constexpr int kMaxScaleSteps = 100;
 /// Of a free text [bytes].
-inline constexpr std::size_t kLongestAnswer = 10'000;
+inline constexpr std::size_t kMaxAnswer = 10'000;
 
 inline constexpr auto kQuestionFields = std::to_array<Field<QuestionnaireItem>>({
     {"name", &QuestionnaireItem::name, "of its column in tables of answers: a-z, 0-9, _",
@@ -68,7 +68,7 @@ inline constexpr auto kScaleFields = std::to_array<Field<QuestionnaireItem>>({
     {"highest_label", &QuestionnaireItem::highest_label, "scale: and its highest", kRequired},
 });
 inline constexpr auto kChoiceFields = std::to_array<Field<QuestionnaireItem>>({
-    {"choices", &QuestionnaireItem::choices, "choice: the possible answers", 2.0, kMostChoices, "",
+    {"choices", &QuestionnaireItem::choices, "choice: the possible answers", 2.0, kMaxChoices, "",
      kRequired},
 });
 

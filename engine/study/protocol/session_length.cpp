@@ -22,7 +22,7 @@ double trial_s(const Protocol &protocol, double approach_s) {
 
 /// A track of staircases ends at the earliest where it turns after every step: of its reversals
 /// plus one runs every second is a step down, of n right answers.
-int fewest_in_track(const Staircases &method) {
+int min_in_track(const Staircases &method) {
     if (method.reversals == 0) {
         return method.trials;
     }
@@ -61,16 +61,16 @@ double long_trial_s(const Protocol &protocol) {
     return trial_s(protocol, protocol.timing.approach_s);
 }
 
-int fewest_trials(const Method &method) {
+int min_trials(const Method &method) {
     return std::visit(
         [](const auto &one) {
             using Kind = std::decay_t<decltype(one)>;
             if constexpr (std::is_same_v<Kind, ConstantStimuli>) {
                 return static_cast<int>(one.levels.size()) * one.repetitions * one.blocks;
             } else if constexpr (std::is_same_v<Kind, Staircases>) {
-                return static_cast<int>(one.start_levels.size()) * fewest_in_track(one);
+                return static_cast<int>(one.start_levels.size()) * min_in_track(one);
             } else if constexpr (std::is_same_v<Kind, QuestPlus>) {
-                return one.threshold_deviation > 0.0 ? one.fewest_trials : one.most_trials;
+                return one.threshold_deviation > 0.0 ? one.min_trials : one.max_trials;
             } else {
                 return one.settings;
             }
@@ -86,36 +86,35 @@ SessionLength session_length(const Protocol &protocol, double warm_up_s) {
     for (std::size_t i = 0; i < protocol.blocks.size(); ++i) {
         const auto series = static_cast<int>(protocol.blocks[i].conditions.size());
         BlockLength block;
-        block.fewest_trials =
-            (i == 0 && protocol.practice.most_trials > 0 ? protocol.practice.fewest_trials : 0) +
-            with_catch_trials(series * fewest_trials(protocol.method), protocol.catch_trials);
-        block.most_trials = most_trials(block_of(protocol, i, i == 0));
-        block.fewest_s =
-            block.fewest_trials * usual_s +
-            breaks_within(block.fewest_trials, protocol.breaks) * protocol.breaks.break_s;
-        block.most_s = block.most_trials * long_s +
-                       breaks_within(block.most_trials, protocol.breaks) * protocol.breaks.break_s;
+        block.min_trials =
+            (i == 0 && protocol.practice.max_trials > 0 ? protocol.practice.min_trials : 0) +
+            with_catch_trials(series * min_trials(protocol.method), protocol.catch_trials);
+        block.max_trials = max_trials(block_of(protocol, i, i == 0));
+        block.min_s = block.min_trials * usual_s +
+                      breaks_within(block.min_trials, protocol.breaks) * protocol.breaks.break_s;
+        block.max_s = block.max_trials * long_s +
+                      breaks_within(block.max_trials, protocol.breaks) * protocol.breaks.break_s;
         const int in_a_row = protocol.breaks.every_trials < 1
-                                 ? block.most_trials
-                                 : std::min(block.most_trials, protocol.breaks.every_trials);
+                                 ? block.max_trials
+                                 : std::min(block.max_trials, protocol.breaks.every_trials);
         session.longest_without_break_s =
             std::max(session.longest_without_break_s, in_a_row * long_s);
-        session.fewest_trials += block.fewest_trials;
-        session.most_trials += block.most_trials;
-        session.fewest_s += block.fewest_s;
-        session.most_s += block.most_s;
+        session.min_trials += block.min_trials;
+        session.max_trials += block.max_trials;
+        session.min_s += block.min_s;
+        session.max_s += block.max_s;
         session.blocks.push_back(block);
     }
     const double between_s =
         protocol.breaks.between_blocks_s *
         static_cast<double>(std::max<std::size_t>(session.blocks.size(), 1) - 1);
     for (const QuestionnaireItem &item : protocol.questionnaire) {
-        session.fewest_questions_s += kShortQuestion_s;
-        session.most_questions_s +=
+        session.min_questions_s += kShortQuestion_s;
+        session.max_questions_s +=
             item.kind == QuestionnaireKind::text ? kLongText_s : kLongChoice_s;
     }
-    session.fewest_s += warm_up_s + between_s + session.fewest_questions_s;
-    session.most_s += warm_up_s + between_s + session.most_questions_s;
+    session.min_s += warm_up_s + between_s + session.min_questions_s;
+    session.max_s += warm_up_s + between_s + session.max_questions_s;
     return session;
 }
 

@@ -10,21 +10,21 @@ namespace springdrive::study {
 
 /// Without marked trials. Fewest and most differ where a method decides when it is done.
 struct BlockLength {
-    int fewest_trials = 0; ///< practice and catch trials included
-    int most_trials = 0;
-    double fewest_s = 0.0; ///< with the breaks within the block
-    double most_s = 0.0;
+    int min_trials = 0; ///< practice and catch trials included
+    int max_trials = 0;
+    double min_s = 0.0; ///< with the breaks within the block
+    double max_s = 0.0;
 };
 
 struct SessionLength {
     std::vector<BlockLength> blocks; ///< in the protocol's order
-    int fewest_trials = 0;
-    int most_trials = 0;
-    double warm_up_s = 0.0;          ///< before the first trial
-    double fewest_questions_s = 0.0; ///< the protocol's own, before and after the trials
-    double most_questions_s = 0.0;
-    double fewest_s = 0.0; ///< with all of this and all breaks, without instructions
-    double most_s = 0.0;
+    int min_trials = 0;
+    int max_trials = 0;
+    double warm_up_s = 0.0;       ///< before the first trial
+    double min_questions_s = 0.0; ///< the protocol's own, before and after the trials
+    double max_questions_s = 0.0;
+    double min_s = 0.0; ///< with all of this and all breaks, without instructions
+    double max_s = 0.0;
     double longest_without_break_s = 0.0; ///< when all trials take their longest
 };
 
@@ -46,7 +46,7 @@ inline constexpr double kRestart_s = 2.0;
 [[nodiscard]] bool restarts_within_trial(const Protocol &protocol);
 
 /// Lower bound of a method's trials.
-[[nodiscard]] int fewest_trials(const Method &method);
+[[nodiscard]] int min_trials(const Method &method);
 
 /// @param warm_up_s  of the windings, before the first trial: see warm_up_trial.h
 [[nodiscard]] SessionLength session_length(const Protocol &protocol, double warm_up_s = 0.0);

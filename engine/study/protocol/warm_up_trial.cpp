@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kCoolingStep_s = 0.25; ///< at which four terms of the exponential are exact
 constexpr double kPredictionStep_s = 0.02;
-constexpr double kUntilItRuns_s = 1.25;   ///< at rest, then the gains are raised
-constexpr double kLongestStep_s = 250e-6; ///< 16 of a period of 250 Hz
+constexpr double kUntilItRuns_s = 1.25; ///< at rest, then the gains are raised
+constexpr double kMaxStep_s = 250e-6;   ///< 16 of a period of 250 Hz
 
 MotorTemperatures rates_K_per_s(const device::DeviceDescription &device, double air_C,
                                 const MotorTemperatures &now) {
@@ -71,7 +71,7 @@ double predicted_warm_up_s(const Protocol &protocol, const StudySetting &setting
                                  .duration_s);
     }
     const double all_s = longest_s + 2.0 * WarmUp::kRamp_s;
-    return all_s < WarmUp::kLongest_s ? all_s : std::numeric_limits<double>::infinity();
+    return all_s < WarmUp::kMax_s ? all_s : std::numeric_limits<double>::infinity();
 }
 
 MotorTemperatures cooled(const device::DeviceDescription &device, double air_C,
@@ -96,7 +96,7 @@ WarmUpTrial try_warm_up(const Protocol &protocol, const StudySetting &setting,
     simulated::SimulationOptions options;
     options.servo_period_s = 1.0 / protocol.conditions.front().servo_hz;
     options.delay_periods = protocol.conditions.front().delay_periods;
-    options.longest_step_s = std::min(kLongestStep_s, options.servo_period_s);
+    options.longest_step_s = std::min(kMaxStep_s, options.servo_period_s);
     options.ambient_C = coldest_C;
     rig::ServoRig rig(setting.device, options, warming_place_m(protocol, setting));
     rig.inputs.tuning = free_space_tuning(protocol, protocol.conditions.front())
@@ -108,8 +108,8 @@ WarmUpTrial try_warm_up(const Protocol &protocol, const StudySetting &setting,
     WarmUpTrial seen;
     const Vector3 at_rest_N = rig.truth().hand_force_N;
     const double begun_s = rig.last.time_s;
-    Vector3 least_m = rig.truth().tip_m;
-    Vector3 most_m = least_m;
+    Vector3 min_m = rig.truth().tip_m;
+    Vector3 max_m = min_m;
     MotorTemperatures left = before; // of what they were, without the heat of now
     const double unheated_C = 0.5 * (device::kColdestAir_C + device::kWarmestAir_C);
     while (!warm_up.is_over()) {
@@ -122,13 +122,13 @@ WarmUpTrial try_warm_up(const Protocol &protocol, const StudySetting &setting,
         }
         warm_up.update(sample, rig.inputs);
         seen.estimated_C = estimated_windings_C(sample);
-        least_m = least_m.cwiseMin(rig.truth().tip_m);
-        most_m = most_m.cwiseMax(rig.truth().tip_m);
+        min_m = min_m.cwiseMin(rig.truth().tip_m);
+        max_m = max_m.cwiseMax(rig.truth().tip_m);
         seen.hand_force_N =
             std::max(seen.hand_force_N, (rig.truth().hand_force_N - at_rest_N).norm());
     }
     seen.duration_s = rig.last.time_s - begun_s;
-    seen.tip_way_m = (most_m - least_m).norm();
+    seen.tip_way_m = (max_m - min_m).norm();
     seen.failure = warm_up.failure();
     if (rig.has_tripped()) {
         seen.trip = servo::description(rig.last.safety);

@@ -17,7 +17,7 @@ namespace springdrive::study {
 [[nodiscard]] Vector3 warming_current_A(const StudySetting &setting, const Vector3 &place_m);
 
 /// From the air's temperature until the slowest winding is warm and the tuning is back; infinite if
-/// that takes longer than `WarmUp::kLongest_s` [s].
+/// that takes longer than `WarmUp::kMax_s` [s].
 [[nodiscard]] double predicted_warm_up_s(const Protocol &protocol, const StudySetting &setting);
 
 /// Of the three motors' windings and housings, in air of the protocol's `air_C`.

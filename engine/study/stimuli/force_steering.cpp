@@ -6,16 +6,16 @@
 namespace springdrive::study {
 
 ForceSteering::ForceSteering(const Vector3 &normal, const Vector3 &direction, Pace pace,
-                             double most_work_J, double most_force_N, double period_s)
+                             double max_work_J, double max_force_N, double period_s)
     : normal_(normal), slope_(direction / direction.dot(normal) - normal),
-      is_prompt_(pace == Pace::prompt), most_work_J_(most_work_J), most_force_N_(most_force_N),
+      is_prompt_(pace == Pace::prompt), max_work_J_(max_work_J), max_force_N_(max_force_N),
       gap_share_(-std::expm1(-period_s / kTime_s)) {}
 
 void ForceSteering::count(const Vector3 &tip_m, const Vector3 &force_N) noexcept {
     const Vector3 along_N = force_N - force_N.dot(normal_) * normal_;
     if (has_last_) {
         work_J_ += 0.5 * (along_N + last_force_N_).dot(tip_m - last_tip_m_);
-        has_given_up_ = has_given_up_ || work_J_ > most_work_J_;
+        has_given_up_ = has_given_up_ || work_J_ > max_work_J_;
     }
     has_last_ = true;
     last_tip_m_ = tip_m;
@@ -31,9 +31,9 @@ Vector3 ForceSteering::update(const Vector3 &tip_m, const Vector3 &force_N, doub
     const Vector3 at_once_N = is_prompt_ ? wanted_N : Vector3(Vector3::Zero());
     const Vector3 added_N = at_once_N + integral_N_;
     const double size_N = added_N.norm();
-    if (size_N > most_force_N_) {
-        integral_N_ = added_N * (most_force_N_ / size_N) - at_once_N;
-        return added_N * (most_force_N_ / size_N);
+    if (size_N > max_force_N_) {
+        integral_N_ = added_N * (max_force_N_ / size_N) - at_once_N;
+        return added_N * (max_force_N_ / size_N);
     }
     return added_N;
 }

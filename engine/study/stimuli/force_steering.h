@@ -16,7 +16,7 @@
 // force; slower, the surface yields like one without friction, square to t.
 //
 // What slow circles can still earn is bounded: the work that the force along the surface does on
-// the hand is counted, and beyond `most_work_J` the steering gives up: it then keeps the force
+// the hand is counted, and beyond `max_work_J` the steering gives up: it then keeps the force
 // along the normal.
 //
 // A blow is over before that. There f is F_n t_s/t_n at once, with the integral of what is left:
@@ -37,8 +37,8 @@ public:
 
     /// @param normal     unit
     /// @param direction  unit; less than 90° from the normal
-    ForceSteering(const Vector3 &normal, const Vector3 &direction, Pace pace, double most_work_J,
-                  double most_force_N, double period_s);
+    ForceSteering(const Vector3 &normal, const Vector3 &direction, Pace pace, double max_work_J,
+                  double max_force_N, double period_s);
 
     /// Advances by one tick; the force that is to be added, along the surface [N]. RT-safe.
     /// @param force_N  the rendered one
@@ -55,8 +55,8 @@ private:
     Vector3 normal_;
     Vector3 slope_; ///< t_s/t_n
     bool is_prompt_;
-    double most_work_J_;
-    double most_force_N_;
+    double max_work_J_;
+    double max_force_N_;
     double gap_share_; ///< that is closed in a tick
     Vector3 integral_N_{Vector3::Zero()};
     Vector3 last_tip_m_{Vector3::Zero()};

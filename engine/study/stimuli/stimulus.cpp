@@ -45,9 +45,9 @@ double glide_back_s(const Stimulus &stimulus) {
     if (stimulus.form == StimulusForm::stroke) {
         return 0.0;
     }
-    return std::max(stimulus.least_glide_back_s, glides                ? kTunings_s
-                                                 : stimulus.is_steered ? kSteering_s
-                                                                       : 0.0);
+    return std::max(stimulus.min_glide_back_s, glides                ? kTunings_s
+                                               : stimulus.is_steered ? kSteering_s
+                                                                     : 0.0);
 }
 
 } // namespace springdrive::study

@@ -71,10 +71,10 @@ struct Stimulus {
     Vector3 direction{Vector3::UnitY()}; ///< unit: of the force, or of the pulse
     bool is_steered = false;             ///< the force is kept in that direction
     Pulse pulse;
-    double rest_s = 0.5;             ///< the hand is at rest at the start for so long
-    double approach_s = 2.0;         ///< at most, from there to contact
-    double presentation_s = 1.0;     ///< from contact; of a stroke from the end of the rest
-    double least_glide_back_s = 0.0; ///< see `glide_back_s`; one for all that are compared
+    double rest_s = 0.5;           ///< the hand is at rest at the start for so long
+    double approach_s = 2.0;       ///< at most, from there to contact
+    double presentation_s = 1.0;   ///< from contact; of a stroke from the end of the rest
+    double min_glide_back_s = 0.0; ///< see `glide_back_s`; one for all that are compared
 
     /// From contact to the beginning of the pulse: the middle, or so that it ends, and the currents
     /// have settled, in time.
@@ -84,7 +84,7 @@ struct Stimulus {
 /// So long the hand stays in contact after the presentation, until free space tells nothing of it:
 /// ten of the time constants with which the servo glides if dR or λ have to, K_P and the rest do
 /// not matter there; half of that if a steered force has to be taken back; else 0. But at least
-/// `least_glide_back_s`, except of a stroke.
+/// `min_glide_back_s`, except of a stroke.
 [[nodiscard]] double glide_back_s(const Stimulus &stimulus);
 
 } // namespace springdrive::study

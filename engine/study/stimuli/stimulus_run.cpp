@@ -30,7 +30,7 @@ StimulusRun::StimulusRun(const device::DeviceDescription &device, const Stimulus
                 stimulus.form == StimulusForm::blow ? ForceSteering::Pace::prompt
                                                     : ForceSteering::Pace::slow,
                 kWorkShare * device.limits.generated_energy_J,
-                kMostAdded * device.limits.tip_force_N, period_s) {}
+                kMaxAdded * device.limits.tip_force_N, period_s) {}
 
 void StimulusRun::enter(StimulusPhase phase) noexcept {
     phase_ = phase;

@@ -69,7 +69,7 @@ public:
     static constexpr double kWorkShare = 0.5;
     /// Times the limit of force: what a steering adds against the spring of a cup at the most.
     /// Where the tip has yielded by y the spring takes K y of it.
-    static constexpr double kMostAdded = 4.0;
+    static constexpr double kMaxAdded = 4.0;
 
     StimulusRun(const device::DeviceDescription &device, const Stimulus &stimulus, double period_s);
 

@@ -33,7 +33,7 @@ Vector3 towards(const Vector3 &from, const Vector3 &to, double most) {
 }
 
 /// R̂ of nothing, as far as a tuning can say it.
-double most_dR_Ohm(const device::DeviceDescription &device) {
+double max_dR_Ohm(const device::DeviceDescription &device) {
     double R_Ohm = 0.0;
     for (const device::MotorParameters &motor : device.motor) {
         R_Ohm = std::max(R_Ohm, motor.resistance_Ohm);
@@ -88,7 +88,7 @@ PredictedHeating predicted_heating(const device::MotorParameters &motor, const W
     PredictedHeating found{0.0, {motor.thermal, band.air_C, step_s}};
     device::WindingTemperature &now = found.temperature;
     while (meeting_C(motor.thermal, now.winding_C(), now.housing_C()) < WarmUp::warm_C(band) &&
-           found.duration_s < WarmUp::kLongest_s) {
+           found.duration_s < WarmUp::kMax_s) {
         const double share =
             std::clamp((WarmUp::ceiling_C(band) - now.winding_C()) / WarmUp::kSoft_K, 0.0, 1.0);
         const double R_Ohm = device::max_resistance_Ohm(motor, now.winding_C());
@@ -202,7 +202,7 @@ void WarmUp::update(const servo::ServoSample &last, servo::LawInputs &inputs) no
     proceed(last);
     if (last.safety.state == servo::SafetyState::tripped) {
         failure_ = WarmUpFailure::tripped;
-    } else if (!is_over() && elapsed_s_ > kLongest_s) {
+    } else if (!is_over() && elapsed_s_ > kMax_s) {
         failure_ = WarmUpFailure::too_long;
     }
     if (failure_ != WarmUpFailure::none) {
@@ -215,8 +215,7 @@ void WarmUp::update(const servo::ServoSample &last, servo::LawInputs &inputs) no
     amplitude_A_ = is_over() ? Vector3(Vector3::Zero())
                              : towards(amplitude_A_, wanted_A(last, most_A, is_allowed),
                                        most_A.maxCoeff() * period_s_ / kRamp_s);
-    asked_dR_Ohm_ =
-        is_heating || !amplitude_A_.isZero(0.0) ? most_dR_Ohm(device_) : *dR_before_Ohm_;
+    asked_dR_Ohm_ = is_heating || !amplitude_A_.isZero(0.0) ? max_dR_Ohm(device_) : *dR_before_Ohm_;
     inputs.tuning.dR_Ohm = asked_dR_Ohm_;
     inputs.excitation_V = voltage_V(last);
 }

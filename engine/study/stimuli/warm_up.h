@@ -61,7 +61,7 @@ enum class WarmUpPhase : std::uint8_t {
 enum class WarmUpFailure : std::uint8_t {
     none,
     tripped,  ///< the safety monitor
-    too_long, ///< not in the band after `kLongest_s`
+    too_long, ///< not in the band after `kMax_s`
 };
 
 /// "the safety monitor tripped"; empty for none.
@@ -80,7 +80,7 @@ enum class WarmUpFailure : std::uint8_t {
 
 /// What a warm-up comes to.
 struct PredictedHeating {
-    double duration_s = 0.0;                ///< of the heating, at most `WarmUp::kLongest_s`
+    double duration_s = 0.0;                ///< of the heating, at most `WarmUp::kMax_s`
     device::WindingTemperature temperature; ///< at its end; its step is `step_s`
 };
 
@@ -98,7 +98,7 @@ public:
     static constexpr double kVoltageShare = 0.5;
     /// From zero to the largest amplitude and back [s].
     static constexpr double kRamp_s = 0.5;
-    static constexpr double kLongest_s = 600.0;
+    static constexpr double kMax_s = 600.0;
     /// Of the band's width, above its lower end: what windings and housings may cool before they
     /// are warmed again.
     static constexpr double kReserve = 0.05;

@@ -219,7 +219,7 @@ struct QuestionnaireAnswer {
 };
 
 /// The longest note or answer that is stored.
-inline constexpr std::size_t kMostBytesOfText = 10'000;
+inline constexpr std::size_t kMaxBytesOfText = 10'000;
 
 /// Something that happened outside a trial.
 struct Note {

@@ -104,10 +104,10 @@ bool is_blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") 
 
 /// Of what people type.
 std::string validate_text(std::string_view what, std::string_view text) {
-    if (text.size() > kMostBytesOfText) {
+    if (text.size() > kMaxBytesOfText) {
         return fmt::format("{} of {} bytes is longer than {}; shorten it, and keep long texts "
                            "outside of the study",
-                           what, text.size(), kMostBytesOfText);
+                           what, text.size(), kMaxBytesOfText);
     }
     return is_utf8(text) ? std::string()
                          : fmt::format("{} is no text in UTF-8; type it anew, in a terminal or "

@@ -227,10 +227,10 @@ TEST_F(PlotTest, ARisingRampIsDrawnInOrderWhateverItsUnit) {
 }
 
 /// The axis, in degrees, of an angle that alternates between two values.
-Axis axis_of_angles(double least_rad, double greatest_rad) {
+Axis axis_of_angles(double min_rad, double greatest_rad) {
     MadeUpStore made;
     for (int row = 0; row < 1000; ++row) {
-        made["transpose_measured_rad"] = row % 2 == 0 ? least_rad : greatest_rad;
+        made["transpose_measured_rad"] = row % 2 == 0 ? min_rad : greatest_rad;
         made.add();
     }
     return drawn(plot_of(PlotKind::time, {"transpose_measured_rad"}), made, {0.0, 1.0}).area.y;

@@ -131,9 +131,9 @@ TEST(PlotView, AnotherSpanKeepsTheEnd) {
         }
     }
     view.set_span(1e9);
-    EXPECT_EQ(view.span_s(), PlotView::kGreatestSpan_s);
+    EXPECT_EQ(view.span_s(), PlotView::kMaxSpan_s);
     view.set_span(0.0);
-    EXPECT_EQ(view.span_s(), PlotView::kLeastSpan_s);
+    EXPECT_EQ(view.span_s(), PlotView::kMinSpan_s);
 }
 
 TEST(PlotView, AtTheLimitsOfZoomTheViewStaysWhereItIs) {
@@ -155,8 +155,7 @@ TEST(PlotView, AtTheLimitsOfZoomTheViewStaysWhereItIs) {
                             1e-6 * (then.to_s - then.from_s) + 1e-9)
                     << "notch " << notch << " by " << factor << " at " << share;
             }
-            EXPECT_EQ(view.span_s(),
-                      factor < 1.0 ? PlotView::kLeastSpan_s : PlotView::kGreatestSpan_s);
+            EXPECT_EQ(view.span_s(), factor < 1.0 ? PlotView::kMinSpan_s : PlotView::kMaxSpan_s);
             // At the limit to the last bit, wherever the mouse is.
             const TimeWindow last = view.window(made.store());
             for (const double place : {0.1, 0.37, 0.9}) {

@@ -137,7 +137,7 @@ TEST(AutomaticHistogram, ChoosesTheNarrowestRoundBins) {
     struct Case {
         double smallest;
         double largest;
-        std::size_t most_bins;
+        std::size_t max_bins;
         double from;
         double to;
         std::size_t bins;
@@ -148,7 +148,7 @@ TEST(AutomaticHistogram, ChoosesTheNarrowestRoundBins) {
           Case{1001.0, 1003.0, 100, 1001.0, 1003.0, 100}, Case{-1.0, 1.0, 2, -1.0, 1.0, 2},
           Case{0.3, 0.9, 7, 0.3, 0.9, 6}, Case{-2e-6, -1.1e-6, 50, -2e-6, -1.1e-6, 45}}) {
         const std::vector<double> values{each.largest, each.smallest};
-        const ValueHistogram result = automatic_histogram(values, Coverage::all, each.most_bins);
+        const ValueHistogram result = automatic_histogram(values, Coverage::all, each.max_bins);
         EXPECT_EQ(result.from, each.from); // the same doubles as the decimal numbers
         EXPECT_EQ(result.to, each.to);
         EXPECT_EQ(result.counts.size(), each.bins);
@@ -168,12 +168,12 @@ TEST(AutomaticHistogram, CoversAllOrMostOfRandomValuesWithRoundBins) {
     std::uniform_int_distribution<std::size_t> any_bins(2, 120);
     for (int trial = 0; trial < 1000; ++trial) {
         std::vector<double> values = random_values(random);
-        const std::size_t most_bins = any_bins(random);
-        const ValueHistogram all = automatic_histogram(values, Coverage::all, most_bins);
-        const ValueHistogram most = automatic_histogram(values, Coverage::most, most_bins);
+        const std::size_t max_bins = any_bins(random);
+        const ValueHistogram all = automatic_histogram(values, Coverage::all, max_bins);
+        const ValueHistogram most = automatic_histogram(values, Coverage::most, max_bins);
         for (const ValueHistogram &each : {all, most}) {
             expect_counted_as_defined(each, values);
-            EXPECT_LE(each.counts.size(), most_bins);
+            EXPECT_LE(each.counts.size(), max_bins);
             EXPECT_TRUE(is_round(each.bin_width())) << each.bin_width();
             const double multiple = each.from / each.bin_width();
             EXPECT_NEAR(multiple, std::round(multiple), 1e-9);
@@ -241,11 +241,11 @@ TEST(AutomaticHistogram, CopesWithNumbersOfAnySize) {
     const double largest = std::numeric_limits<double>::max();
     for (const double size : {5e-324, 1e-310, 1e-250, 1e250, 1e300, largest}) {
         const std::vector<double> values{-size, 0.0, size, size / 3.0};
-        for (const std::size_t most_bins : {2U, 10'000U}) {
-            const ValueHistogram result = automatic_histogram(values, Coverage::all, most_bins);
+        for (const std::size_t max_bins : {2U, 10'000U}) {
+            const ValueHistogram result = automatic_histogram(values, Coverage::all, max_bins);
             EXPECT_TRUE(std::isfinite(result.to - result.from)) << size;
             EXPECT_EQ(in_bins(result), size < largest ? 4U : 1U) << size;
-            EXPECT_LE(result.counts.size(), most_bins);
+            EXPECT_LE(result.counts.size(), max_bins);
         }
     }
 }

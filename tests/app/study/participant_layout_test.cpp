@@ -25,9 +25,9 @@ TEST(ParticipantLayout, OfEveryScreenOfASittingIsSoundAndReadable) {
     }
 }
 
-std::string random_text(std::mt19937_64 &random, std::size_t most_words) {
+std::string random_text(std::mt19937_64 &random, std::size_t max_words) {
     std::string text;
-    for (std::size_t words = random() % (most_words + 1); words > 0; --words) {
+    for (std::size_t words = random() % (max_words + 1); words > 0; --words) {
         text.append(1 + random() % 12, static_cast<char>('a' + random() % 26));
         text += random() % 15 == 0 ? '\n' : ' ';
     }
@@ -121,13 +121,13 @@ TEST(WrappedText, LosesNoLetterAndKeepsToItsWidth) {
         for (std::size_t i = 1 + random() % 120; i > 0; --i) {
             text += random() % 40 == 0 ? "\n" : alphabet[random() % alphabet.size()];
         }
-        const float most_px = 40.0F + static_cast<float>(random() % 400);
-        const TextLines lines = wrapped(text, font_of_20_px(), 20.0F, most_px, 10.0F);
+        const float max_px = 40.0F + static_cast<float>(random() % 400);
+        const TextLines lines = wrapped(text, font_of_20_px(), 20.0F, max_px, 10.0F);
         std::string shown;
         float bottom = 0.0F;
         long gaps = 0;
         for (const TextLine &line : lines.lines) {
-            ASSERT_LE(line.width, most_px);
+            ASSERT_LE(line.width, max_px);
             ASSERT_LE(line.width, lines.box.size.x);
             ASSERT_GE(line.top, bottom);
             gaps += line.top > bottom ? 1 : 0;

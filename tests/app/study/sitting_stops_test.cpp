@@ -276,7 +276,7 @@ TEST_F(DeviceStopsOfAThread, InATrialAreOneWhicheverWayItEnds) {
 }
 
 TEST_F(StudySitting, StopsInTrialsAndBetweenThemAreOneSum) {
-    protocol_.stopping.most_trips = 2;
+    protocol_.stopping.max_trips = 2;
     Once in_trial(1);
     int between = 0;
     SittingStep before = SittingStep::over;
@@ -373,7 +373,7 @@ TEST_F(StudySitting, AStopWhileTheParticipantIsAskedComesAgain) {
 }
 
 TEST_F(StudySitting, StopsBetweenTrialsAreNotedAndEndItWhenTheyAreTooMany) {
-    protocol_.stopping.most_trips = 2;
+    protocol_.stopping.max_trips = 2;
     int reset = 0;
     const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
         port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {

@@ -97,7 +97,7 @@ TEST_F(StudySitting, PausesBreaksAndRepeatsAsTheExperimenterWants) {
 TEST_F(StudySitting, SaysThatATrialComesAgainIfItDoes) {
     protocol_.marking.repeats = false;
     protocol_.marking.direction_deg = 1e-9;
-    protocol_.marking.most_marked = 100;
+    protocol_.marking.max_marked = 100;
     std::set<study::TrialPlace> announced;
     std::set<study::TrialPlace> wanted;
     const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
@@ -330,7 +330,7 @@ TEST_F(StudySitting, PractisesAgainUntilItIsUnderstood) {
     });
     EXPECT_EQ(ending, SessionEnding::completed);
     EXPECT_GE(begun, 3);
-    EXPECT_EQ(asked_in_practice, 3 * protocol_.practice.fewest_trials);
+    EXPECT_EQ(asked_in_practice, 3 * protocol_.practice.min_trials);
     const study::StudyContents contents = study::read_study(file());
     expect_same_decisions(contents.trials, headless()); // the sequence knows nothing of it
     ASSERT_EQ(contents.notes.size(), 2U);
@@ -359,7 +359,7 @@ TEST_F(StudySitting, WhoWasStoppedAfterThePracticeIsAskedAgain) {
         };
     });
     EXPECT_EQ(ending, SessionEnding::completed);
-    EXPECT_EQ(practised, protocol_.practice.fewest_trials);
+    EXPECT_EQ(practised, protocol_.practice.min_trials);
     expect_same_decisions(study::read_study(file()).trials, headless());
 }
 
@@ -390,10 +390,10 @@ TEST_F(StudySitting, RepeatedPracticeDoesNotSpeakOfComingAgain) {
         }));
     };
     practise(true);
-    EXPECT_EQ(asked_again, protocol_.practice.fewest_trials);
+    EXPECT_EQ(asked_again, protocol_.practice.min_trials);
     EXPECT_TRUE(said.empty());
     practise(false);
-    EXPECT_EQ(asked_again, protocol_.practice.fewest_trials);
+    EXPECT_EQ(asked_again, protocol_.practice.min_trials);
     EXPECT_FALSE(said.empty()) << "right or wrong";
 }
 

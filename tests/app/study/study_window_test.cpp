@@ -47,8 +47,8 @@ using study::TrialPlace;
 using testing::Report;
 using testing::StudyDesk;
 
-constexpr std::chrono::minutes kLongest{15}; ///< of a day: it is stuck after that
-constexpr double kHandLeaves_s = 2.0;        ///< at most, before the question
+constexpr std::chrono::minutes kMax{15}; ///< of a day: it is stuck after that
+constexpr double kHandLeaves_s = 2.0;    ///< at most, before the question
 
 /// What the participant does when asked in that trial: which key, or none at all.
 struct Decision {
@@ -111,7 +111,7 @@ public:
                                            "--without-records"});
         arguments.insert(arguments.end(), more.begin(), more.end());
         StudyDesk editor(arguments, folder_);
-        const auto give_up = std::chrono::steady_clock::now() + kLongest;
+        const auto give_up = std::chrono::steady_clock::now() + kMax;
         while (act(editor)) {
             if (std::chrono::steady_clock::now() > give_up || ::testing::Test::HasFailure()) {
                 FAIL() << "stuck: " << editor.look().texts();

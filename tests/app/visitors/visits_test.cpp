@@ -87,7 +87,7 @@ protected:
         plan_.folders = folders_;
         plan_.made_up = study::expected_observer(plan_.protocol);
         auto &method = std::get<study::QuestPlus>(plan_.protocol.method);
-        method.fewest_trials = method.most_trials = 6; // a minute
+        method.min_trials = method.max_trials = 6; // a minute
     }
 
     /// Until `act` asks the window to end. @return the headings

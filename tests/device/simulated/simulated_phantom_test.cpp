@@ -390,7 +390,7 @@ TEST(SimulatedPhantom, RejectsAStartOutOfReachAndAnInvalidDelay) {
     EXPECT_NO_THROW(SimulatedPhantom(description, options, folded_m));
     options.delay_periods = -1;
     EXPECT_THROW(SimulatedPhantom(description, options, testing::kOffCentre_m), InputError);
-    options.delay_periods = SimulationOptions::kLongestDelay + 1;
+    options.delay_periods = SimulationOptions::kMaxDelay + 1;
     EXPECT_THROW(SimulatedPhantom(description, options, testing::kOffCentre_m), InputError);
 }
 

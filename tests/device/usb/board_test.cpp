@@ -155,7 +155,7 @@ TEST(BoardNumbering, CountsWhatItRejects) {
     rig.run_ms(2);
     EXPECT_EQ(rig.report.rejected_frames, before + 2);
     EXPECT_EQ(rig.report.last_rejection, FrameStatus::wrong_size);
-    std::array<std::uint8_t, kLargestPayload> payload{};
+    std::array<std::uint8_t, kMaxPayload> payload{};
     const std::size_t size =
         rig.board().control_in(static_cast<std::uint8_t>(usb::Kind::counters), 0, payload.data());
     usb::Counters counters;
@@ -166,7 +166,7 @@ TEST(BoardNumbering, CountsWhatItRejects) {
 
 TEST(BoardWatchdog, BrakesBeyondItsPeriodAndNotBefore) {
     for (const std::uint16_t watchdog_us :
-         {usb::kShortestWatchdog_us, std::uint16_t{5000}, usb::kLongestWatchdog_us}) {
+         {usb::kMinWatchdog_us, std::uint16_t{5000}, usb::kMaxWatchdog_us}) {
         DrivingRig rig;
         rig.host_sends = false;
         usb::Command last = drive();
@@ -575,7 +575,7 @@ bool control_out(BoardRig &rig, usb::Kind kind, const auto &payload) {
 TEST(BoardControl, DescribesItself) {
     BoardRig rig;
     rig.run_ms(40);
-    std::array<std::uint8_t, kLargestPayload> payload{};
+    std::array<std::uint8_t, kMaxPayload> payload{};
     std::size_t size = rig.board().control_in(static_cast<std::uint8_t>(usb::Kind::capabilities), 0,
                                               payload.data());
     usb::Capabilities board;
@@ -638,7 +638,7 @@ TEST(BoardControl, StoresCalibrationAndUsesItsOwn) {
     EXPECT_FALSE(rig.board().take_block_to_store(stored));
     rig.run_ms(2);
     EXPECT_EQ(rig.report.zeroings, 1); // another sign: counts mean other angles
-    std::array<std::uint8_t, kLargestPayload> payload{};
+    std::array<std::uint8_t, kMaxPayload> payload{};
     const std::size_t size = rig.board().control_in(
         static_cast<std::uint8_t>(usb::Kind::calibration), 3, payload.data());
     ASSERT_EQ(usb::decode(payload.data(), size, stored), FrameStatus::ok);
@@ -762,7 +762,7 @@ TEST(BoardControl, NeverStoresAndDrivesAtOnce) {
 TEST(BoardControl, RandomRequestsDoNoHarm) {
     std::mt19937 random(8);
     DrivingRig rig;
-    std::array<std::uint8_t, kLargestPayload> reply{};
+    std::array<std::uint8_t, kMaxPayload> reply{};
     for (int i = 0; i < 20'000; ++i) {
         std::vector<std::uint8_t> bytes(random() % 110);
         for (std::uint8_t &byte : bytes) {
@@ -837,7 +837,7 @@ TEST(Hardware, RunsOnAChip) {
     run_background(chip, board);
     EXPECT_EQ(chip.kicks, 1);
     EXPECT_EQ(chip.stored, -1);
-    std::array<std::uint8_t, kLargestPayload> payload{};
+    std::array<std::uint8_t, kMaxPayload> payload{};
     const auto kind = static_cast<std::uint8_t>(usb::Kind::calibration);
     const std::size_t size = board.control_in(kind, 2, payload.data());
     EXPECT_EQ(payload[4], 42);

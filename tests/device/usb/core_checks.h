@@ -237,7 +237,7 @@ inline std::uint32_t trial_checksum() {
     (void)trial.core.control_out(static_cast<std::uint8_t>(usb::Kind::self_test), order.data(),
                                  order.size());
     trial.run(24'000);
-    std::array<std::uint8_t, board::kLargestPayload> payload{};
+    std::array<std::uint8_t, board::kMaxPayload> payload{};
     const std::size_t size =
         trial.core.control_in(static_cast<std::uint8_t>(usb::Kind::self_test), 0, payload.data());
     return trial.checksum() ^ usb::crc32(payload.data(), size);

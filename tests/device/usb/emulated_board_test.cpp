@@ -16,7 +16,7 @@
 namespace springdrive::emulator {
 namespace {
 
-using board::kLargestPayload;
+using board::kMaxPayload;
 using simulated::SimulatedPhantom;
 using usb::BoardState;
 using usb::ChannelFindings;
@@ -50,7 +50,7 @@ Command driving(const Vector3 &e_W_V) {
 }
 
 template <class Value> Value ask(EmulatedBoard &board, Kind kind) {
-    std::array<std::uint8_t, kLargestPayload> payload{};
+    std::array<std::uint8_t, kMaxPayload> payload{};
     const std::size_t size = board.control_in(static_cast<std::uint8_t>(kind), 0, payload);
     Value value;
     EXPECT_EQ(usb::decode(payload.data(), size, value), FrameStatus::ok);
@@ -222,8 +222,8 @@ TEST(FrameClock, NamesItsLeastDelay) {
     Host host(with);
     host.begin();
     host.exchange(driving({0.1, 0.1, 0.1}), 5);
-    EXPECT_NEAR(host.delay_s(), host.board.least_delay_periods() * kServo_s, 2e-6);
-    EXPECT_DOUBLE_EQ(host.board.least_delay_periods(), 1.5 * 25e-6 / kServo_s);
+    EXPECT_NEAR(host.delay_s(), host.board.min_delay_periods() * kServo_s, 2e-6);
+    EXPECT_DOUBLE_EQ(host.board.min_delay_periods(), 1.5 * 25e-6 / kServo_s);
 }
 
 TEST(FrameClock, LetsTimePassForASilentHost) {
@@ -337,13 +337,13 @@ TEST(WallClock, FallsBehindRatherThanCatchesUp) {
     host.board.attach(true);
     const double began_s = host.board.time_s();
     host.board.pass(0.25);
-    EXPECT_NEAR(host.board.late_s(), 0.25 - EmulatedBoard::kLongestStep_s, 1e-9);
-    EXPECT_NEAR(host.board.time_s() - began_s, EmulatedBoard::kLongestStep_s, 1e-9);
+    EXPECT_NEAR(host.board.late_s(), 0.25 - EmulatedBoard::kMaxStep_s, 1e-9);
+    EXPECT_NEAR(host.board.time_s() - began_s, EmulatedBoard::kMaxStep_s, 1e-9);
     host.receive();
     EXPECT_FALSE(host.receive()); // the others were replaced
     host.board.pass(std::nan(""));
     host.board.pass(-1.0);
-    EXPECT_NEAR(host.board.time_s() - began_s, EmulatedBoard::kLongestStep_s, 1e-9);
+    EXPECT_NEAR(host.board.time_s() - began_s, EmulatedBoard::kMaxStep_s, 1e-9);
 }
 
 TEST(WallClock, TakesPacketsWhenTheyArePut) {

@@ -98,10 +98,9 @@ Command random_command(Source &source) {
     command.begins_numbering = command.mode == Mode::brake && source.flag();
     command.resets_faults = command.mode == Mode::brake && source.flag();
     command.watchdog_us = static_cast<std::uint16_t>(
-        kShortestWatchdog_us + source.up_to(kLongestWatchdog_us - kShortestWatchdog_us));
+        kMinWatchdog_us + source.up_to(kMaxWatchdog_us - kMinWatchdog_us));
     command.report_after_us =
-        source.flag() ? kKeepPhase
-                      : static_cast<std::uint16_t>(source.up_to(kLongestReportPeriod_us));
+        source.flag() ? kKeepPhase : static_cast<std::uint16_t>(source.up_to(kMaxReportPeriod_us));
     command.e_W_V = source.triple();
     command.cancelled_resistance_Ohm = source.matrix();
     command.cancelled_inductance_H = source.matrix();
@@ -307,11 +306,11 @@ TEST(Protocol, RejectsCommandsThatAreNotFiniteOrOutOfRange) {
         change(command);
         return status_of<Command>(encode(command));
     };
-    EXPECT_EQ(with([](Command &c) { c.watchdog_us = kShortestWatchdog_us; }), FrameStatus::ok);
-    EXPECT_EQ(with([](Command &c) { c.watchdog_us = kShortestWatchdog_us - 1; }),
+    EXPECT_EQ(with([](Command &c) { c.watchdog_us = kMinWatchdog_us; }), FrameStatus::ok);
+    EXPECT_EQ(with([](Command &c) { c.watchdog_us = kMinWatchdog_us - 1; }),
               FrameStatus::out_of_range);
-    EXPECT_EQ(with([](Command &c) { c.watchdog_us = kLongestWatchdog_us; }), FrameStatus::ok);
-    EXPECT_EQ(with([](Command &c) { c.watchdog_us = kLongestWatchdog_us + 1; }),
+    EXPECT_EQ(with([](Command &c) { c.watchdog_us = kMaxWatchdog_us; }), FrameStatus::ok);
+    EXPECT_EQ(with([](Command &c) { c.watchdog_us = kMaxWatchdog_us + 1; }),
               FrameStatus::out_of_range);
     EXPECT_EQ(with([](Command &c) { c.report_after_us = 50'001; }), FrameStatus::out_of_range);
     for (const Mode mode : {Mode::drive, Mode::open}) {

@@ -21,7 +21,7 @@ bool order(BoardRig &rig, float voltage_V = 0.5F, std::uint32_t pulse_us = 8000)
 }
 
 usb::SelfTestResult result(BoardRig &rig) {
-    std::array<std::uint8_t, kLargestPayload> payload{};
+    std::array<std::uint8_t, kMaxPayload> payload{};
     const std::size_t size =
         rig.board().control_in(static_cast<std::uint8_t>(usb::Kind::self_test), 0, payload.data());
     usb::SelfTestResult result;

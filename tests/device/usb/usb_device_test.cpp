@@ -510,8 +510,8 @@ TEST(UsbDevice, PlacesReportsJustBeforeTicksWhateverTheClocksDo) {
         EXPECT_GE(static_cast<double>(run.fresh), 0.99 * static_cast<double>(run.ticks)) << drift;
         // Report, waiting and command: twice 60 to 120 µs, the 60 µs margin, and the computation;
         // one loop to sample, half a one to act. A report placed at random would add half a period.
-        EXPECT_GT(run.delay_periods * kTick_s, 2 * way.least_s + computing_s) << drift;
-        EXPECT_LT(run.delay_periods * kTick_s, 2 * way.most_s + 60e-6 + computing_s + 90e-6)
+        EXPECT_GT(run.delay_periods * kTick_s, 2 * way.min_s + computing_s) << drift;
+        EXPECT_LT(run.delay_periods * kTick_s, 2 * way.max_s + 60e-6 + computing_s + 90e-6)
             << drift;
     }
 }

@@ -359,9 +359,9 @@ TEST(CalibrationOfSampledDevices, AStartHasTheRightDR) {
         worst_Ohm = std::max(worst_Ohm, error_Ohm);
         worst_without_Ohm = std::max(worst_without_Ohm, without_Ohm);
         for (std::size_t j = 0; j < 3; ++j) {
-            EXPECT_GT(report.motor[j].before.least_dR_Ohm, 0.75);
-            EXPECT_LT(report.motor[j].at_start.least_dR_Ohm, 0.5);
-            EXPECT_LE(report.motor[j].now.least_dR_Ohm, report.motor[j].at_start.least_dR_Ohm);
+            EXPECT_GT(report.motor[j].before.min_dR_Ohm, 0.75);
+            EXPECT_LT(report.motor[j].at_start.min_dR_Ohm, 0.5);
+            EXPECT_LE(report.motor[j].now.min_dR_Ohm, report.motor[j].at_start.min_dR_Ohm);
             EXPECT_NEAR(report.motor[j].at_start.R_hat_Ohm,
                         report.calibration.motor[j].resistance_Ohm - 0.5, 1e-9);
         }
@@ -584,7 +584,7 @@ struct StoringBoard {
     /// Another value in a calibration block of a motor, from 0.
     void damage(std::uint16_t motor, std::size_t byte, std::uint8_t value) {
         const auto connected = connect();
-        std::array<std::uint8_t, board::kLargestPayload> payload{};
+        std::array<std::uint8_t, board::kMaxPayload> payload{};
         const auto kind = static_cast<std::uint8_t>(usb::Kind::calibration);
         const auto index = static_cast<std::uint16_t>(usb::kFirstMotorBlock + motor);
         const std::size_t size = board.control_in(kind, index, payload);

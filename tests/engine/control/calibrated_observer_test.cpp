@@ -151,7 +151,7 @@ TEST(CalibratedObserver, ItsDeviationIsNotBelieved) {
 }
 
 /// The least net resistance of a drawn device that is moved with a drag, with this calibration.
-double least_dR_Ohm(const device::DeviceDescription &device, std::uint64_t seed) {
+double min_dR_Ohm(const device::DeviceDescription &device, std::uint64_t seed) {
     simulated::SimulationOptions options;
     options.device_seed = seed;
     options.ambient_C = 15.0; // R is lowest
@@ -195,7 +195,7 @@ TEST(CalibratedObserver, AWrongOneNeverCancelsMoreThanThereIs) {
         }
         ASSERT_EQ(device::validate(wrong, device), "");
         device.calibration = wrong;
-        EXPECT_GT(least_dR_Ohm(device, seed), 0.005 * 2.18) << seed;
+        EXPECT_GT(min_dR_Ohm(device, seed), 0.005 * 2.18) << seed;
     }
 }
 

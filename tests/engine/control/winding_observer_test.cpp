@@ -162,7 +162,7 @@ Errors errors(const Touch &touch, std::uint64_t seeds) {
 }
 
 /// The most that 95 % of so many may be missed by: three standard deviations of a binomial.
-int fewest_within(int count) {
+int min_within(int count) {
     return static_cast<int>(0.95 * count - 3.0 * std::sqrt(0.95 * 0.05 * count));
 }
 
@@ -173,7 +173,7 @@ TEST(WindingObserver, FindsR) {
             // 1 % of dR at 0.5 Ω, 3 % at 0.2 Ω.
             EXPECT_LT(found.worst_Ohm, dR_Ohm > 0.3 ? 0.005 : 0.006) << dR_Ohm << ' ' << air_C;
             EXPECT_LT(found.max_deviation_Ohm, 0.003) << dR_Ohm << ' ' << air_C;
-            EXPECT_GE(found.within, fewest_within(found.count)) << dR_Ohm << ' ' << air_C;
+            EXPECT_GE(found.within, min_within(found.count)) << dR_Ohm << ' ' << air_C;
         }
     }
 }
@@ -183,7 +183,7 @@ TEST(WindingObserver, FindsR) {
 TEST(WindingObserver, SaysThatHoldingStillDoesNotTellTheMean) {
     const Errors found = errors({.stroke_m = 0.0}, 20);
     EXPECT_LT(found.worst_Ohm, 0.006);
-    EXPECT_GE(found.within, fewest_within(found.count));
+    EXPECT_GE(found.within, min_within(found.count));
     EXPECT_GT(found.min_deviation_of_mean_Ohm, 0.02);
     EXPECT_LT(errors({}, 2).min_deviation_of_mean_Ohm, 0.003);
 }

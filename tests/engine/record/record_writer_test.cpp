@@ -118,9 +118,9 @@ TEST(RecordWriter, WritesNotesBetweenTheRowsInOrder) {
 TEST(RecordWriter, RejectsATooLongNoteAndContinues) {
     const auto file = fresh_folder("writer_long_note") / "a.rec";
     RecordWriter writer(file, record_header(testing::kServo_hz));
-    writer.note(std::string(RecordWriter::kLongestNote, ' '));
+    writer.note(std::string(RecordWriter::kMaxNote, ' '));
     const std::string said =
-        error_text_of([&] { writer.note(std::string(RecordWriter::kLongestNote + 1, ' ')); });
+        error_text_of([&] { writer.note(std::string(RecordWriter::kMaxNote + 1, ' ')); });
     EXPECT_NE(said.find("too long"), std::string::npos) << said;
     writer.write({});
     writer.close();

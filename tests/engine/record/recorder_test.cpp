@@ -145,7 +145,7 @@ TEST(Recorder, RejectsATooLongNote) {
     Recorder recorder(ring);
     recorder.start(file, record_header(testing::kServo_hz), Mode::pumped);
     EXPECT_NE(testing::error_text_of(
-                  [&] { recorder.note(std::string(RecordWriter::kLongestNote + 1, ' ')); }),
+                  [&] { recorder.note(std::string(RecordWriter::kMaxNote + 1, ' ')); }),
               "");
     recorder.stop();
     EXPECT_EQ(log_of(file), "");

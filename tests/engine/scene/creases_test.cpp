@@ -129,9 +129,9 @@ TEST(Creases, AreLeftOutWhereTheyAreTooMany) {
         }
         return mesh;
     };
-    constexpr std::size_t kMost = kMaxCreases / 3;
-    EXPECT_EQ(creases(open_triangles(kMost)).size(), 3 * kMost);
-    EXPECT_TRUE(creases(open_triangles(kMost + 1)).empty());
+    constexpr std::size_t kMax = kMaxCreases / 3;
+    EXPECT_EQ(creases(open_triangles(kMax)).size(), 3 * kMax);
+    EXPECT_TRUE(creases(open_triangles(kMax + 1)).empty());
     VisualMesh closed = prism(4, false);
     const std::vector<std::uint32_t> once = closed.indices;
     while (closed.indices.size() <= 3 * kMaxCreasedTriangles - once.size()) {

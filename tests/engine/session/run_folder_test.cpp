@@ -553,7 +553,7 @@ TEST_F(PastRecordTest, ReplacesNoFileAndRefusesAnEndlessNote) {
     expect_one_line_about(error(), file, "exists already");
     EXPECT_EQ(contents_of(file), "mine");
     file = folder / "another.rec";
-    past.notes = {{5, std::string(record::RecordWriter::kLongestNote + 1, ' ')}};
+    past.notes = {{5, std::string(record::RecordWriter::kMaxNote + 1, ' ')}};
     expect_one_line_about(error(), file, "is too long");
     EXPECT_FALSE(std::filesystem::exists(file));
     file = folder / "none/past.rec";

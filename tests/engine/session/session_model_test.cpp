@@ -298,7 +298,7 @@ TEST_F(SessionModel, AnotherSceneClearsTheErrorOfTheLast) {
     model_selection::ModelQuestion impossible;
     impossible.scene = &session.scenes().now().scene;
     impossible.device = session.description();
-    impossible.delay_periods = simulated::SimulationOptions::kLongestDelay + 1;
+    impossible.delay_periods = simulated::SimulationOptions::kMaxDelay + 1;
     ModelMeasurement measurement;
     measurement.begin(model_selection::cached_chooser(), impossible, {});
     while (measurement.is_running()) {

@@ -41,7 +41,7 @@ public:
 
     /// Of the last second, the least and the largest value of a channel.
     struct Range {
-        double least_deg = 180.0;
+        double min_deg = 180.0;
         double largest_deg = 0.0;
     };
     [[nodiscard]] Range measured(const std::string &channel) const {
@@ -51,7 +51,7 @@ public:
         for (std::uint64_t row = store.end() - 1000; row < store.end(); ++row) {
             const double deg = kDegreesPerRadian * store.value(number, row);
             EXPECT_TRUE(std::isfinite(deg)) << channel; // it touches, with that map
-            range.least_deg = std::min(range.least_deg, deg);
+            range.min_deg = std::min(range.min_deg, deg);
             range.largest_deg = std::max(range.largest_deg, deg);
         }
         return range;
@@ -82,13 +82,13 @@ TEST(WrongDirectionSession, TheInverseMapIsBeyond25DegreesAndTheTransposeMapBelo
         PressedSpot pressed(seed);
         pressed.use(control::MotionMap::inverse);
         pressed.expect_well();
-        EXPECT_GT(pressed.measured("inverse_measured_rad").least_deg, 25.0);
+        EXPECT_GT(pressed.measured("inverse_measured_rad").min_deg, 25.0);
         pressed.use(control::MotionMap::transpose);
         pressed.expect_well();
         EXPECT_LT(pressed.measured("transpose_measured_rad").largest_deg, 5.0);
         pressed.use(control::MotionMap::inverse); // and back
         pressed.expect_well();
-        EXPECT_GT(pressed.measured("inverse_measured_rad").least_deg, 25.0);
+        EXPECT_GT(pressed.measured("inverse_measured_rad").min_deg, 25.0);
     }
 }
 

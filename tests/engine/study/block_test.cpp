@@ -26,7 +26,7 @@ Block mixed_block() {
                     ConstantStimuli{{4.0, 5.0}, 1, 30}};
     block.practice = {{9.0, 10.0}, 6, 3, 20};
     block.catch_trials = {{10.0}, 8};
-    block.most_marked = 1000;
+    block.max_marked = 1000;
     return block;
 }
 
@@ -91,7 +91,7 @@ TEST(Blocks, PresentEachSeriesToItsEndWithPracticeBeforeAndCatchTrialsBetween) {
     EXPECT_GE(of_kind[TrialKind::catch_trial], after_practice / 8);
     EXPECT_LE(of_kind[TrialKind::catch_trial], after_practice / 8 + 1);
     EXPECT_GE(of_kind[TrialKind::practice], 6);
-    EXPECT_LE(after_practice + of_kind[TrialKind::practice], most_trials(block));
+    EXPECT_LE(after_practice + of_kind[TrialKind::practice], max_trials(block));
 }
 
 TEST(Blocks, CatchTrialsComeAtDrawnPlacesOneInEachWindow) {
@@ -127,11 +127,11 @@ TEST(Blocks, SeriesAndTracksStayTogether) {
         before = trial.presented.series;
         if (trials[1] < 50 && trials[0] < 60 && trials[2] < 60) { // none is done
             const auto [least, most] = std::minmax({trials[0], trials[1], trials[2]});
-            EXPECT_LE(most - least, kLargestLead);
+            EXPECT_LE(most - least, kMaxLead);
         }
         if (trial.presented.series == 1) {
             ++of_track[trial.presented.track];
-            EXPECT_LE(std::abs(of_track[0] - of_track[1]), kLargestLead);
+            EXPECT_LE(std::abs(of_track[0] - of_track[1]), kMaxLead);
         }
     }
     EXPECT_GT(changes, 80);  // of 170 trials: interleaved,
@@ -177,7 +177,7 @@ TEST(Blocks, PracticeEndsWhenItIsUnderstood) {
 
 TEST(Blocks, EndUnfinishedAfterTooManyMarkedTrials) {
     Block block = mixed_block();
-    block.most_marked = 3;
+    block.max_marked = 3;
     BlockRun run(block, kBlockKey);
     for (int i = 0; i < 4; ++i) {
         EXPECT_EQ(run.state(), BlockState::running);
@@ -199,7 +199,7 @@ TEST(Blocks, SayWhatIsWrongWithThem) {
     bad.practice.levels.clear();
     EXPECT_EQ(validate(bad), "practice.levels is empty; it must have at least one");
     bad = mixed_block();
-    bad.practice.fewest_trials = 21;
+    bad.practice.min_trials = 21;
     EXPECT_EQ(validate(bad), "practice.fewest_trials is 21; it must be from 0 to 20");
     bad = mixed_block();
     bad.catch_trials.one_in = 1;
@@ -211,7 +211,7 @@ TEST(Blocks, SayWhatIsWrongWithThem) {
     bad.task.alternatives = 1;
     EXPECT_EQ(validate(bad), "alternatives is 1; it must be from 2 to 8");
     bad = mixed_block();
-    bad.most_marked = -1;
+    bad.max_marked = -1;
     EXPECT_EQ(validate(bad), "most_marked is -1; it must be from 0 to 10000");
 }
 

@@ -70,7 +70,7 @@ TEST(Counterbalancing, BalancedLatinSquareBalancesPlacesAndNeighbours) {
 }
 
 TEST(Counterbalancing, FullHasEachOrderOnceAndALatinSquareInEachNParticipants) {
-    for (int n = 2; n <= kMostFullyCounterbalanced; ++n) {
+    for (int n = 2; n <= kMaxFullyCounterbalanced; ++n) {
         const int participants = participants_to_balance(Counterbalancing::full, n);
         const Orders orders = orders_of(Counterbalancing::full, n, 1, participants);
         EXPECT_EQ(std::set(orders.begin(), orders.end()).size(), orders.size()) << n;

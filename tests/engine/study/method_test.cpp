@@ -21,8 +21,8 @@ QuestPlus quest_of_two() {
     method.slope = {{Scale::logarithmic, 1.0, 6.0}, 4};
     method.guess = {known(0.5), 1};
     method.lapse = {known(0.02), 1};
-    method.fewest_trials = 5;
-    method.most_trials = 25;
+    method.min_trials = 5;
+    method.max_trials = 25;
     method.threshold_deviation = 0.3;
     return method;
 }
@@ -75,8 +75,8 @@ TEST(Methods, ResumedAtAnyTrialPresentWhatAnUndisturbedRunPresents) {
         const auto unmarked = std::ranges::count_if(
             past, [](const PastMethodTrial &trial) { return !trial.outcome.marked; });
         EXPECT_LT(unmarked, std::ssize(past));
-        EXPECT_LE(unmarked, most_trials(method));
-        EXPECT_GT(unmarked, most_trials(method) / 8);
+        EXPECT_LE(unmarked, max_trials(method));
+        EXPECT_GT(unmarked, max_trials(method) / 8);
     }
 }
 
@@ -238,7 +238,7 @@ TEST(Methods, SayWhatIsWrongWithThem) {
     quest.slope.prior.minimum = 1e-300;
     EXPECT_EQ(error(quest), "slope.minimum is 1e-300; it must be from 1e-06 to 1e+06");
     quest = quest_of_two();
-    quest.fewest_trials = 26;
+    quest.min_trials = 26;
     EXPECT_EQ(error(quest), "fewest_trials is 26; it must be from 1 to 25");
 
     const auto adjusted = [&](Adjustment method) { return validate(Method(method), adjusting); };

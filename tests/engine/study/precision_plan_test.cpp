@@ -89,17 +89,17 @@ TEST(Precision, FindsTheTrialsForAWidth) {
 }
 
 TEST(Precision, GivesEachMethodItsTrials) {
-    EXPECT_EQ(most_trials(with_trials(ConstantStimuli{{1.0, 2.0, 3.0}, 2, 1}, 13)), 18);
+    EXPECT_EQ(max_trials(with_trials(ConstantStimuli{{1.0, 2.0, 3.0}, 2, 1}, 13)), 18);
     Staircases staircases;
     staircases.start_levels = {1.0, 0.0};
     staircases.steps = {{0, 0.1}};
-    EXPECT_EQ(most_trials(with_trials(staircases, 31)), 32);
+    EXPECT_EQ(max_trials(with_trials(staircases, 31)), 32);
     EXPECT_EQ(std::get<Staircases>(with_trials(staircases, 31)).reversals, 0);
     QuestPlus quest;
     quest.threshold_deviation = 1.0;
-    EXPECT_EQ(most_trials(with_trials(quest, 31)), 31);
+    EXPECT_EQ(max_trials(with_trials(quest, 31)), 31);
     EXPECT_EQ(std::get<QuestPlus>(with_trials(quest, 31)).threshold_deviation, 0.0);
-    EXPECT_EQ(most_trials(with_trials(Adjustment{}, 31)), 31);
+    EXPECT_EQ(max_trials(with_trials(Adjustment{}, 31)), 31);
 }
 
 TEST(Precision, SaysWhatIsWrongWithTheQuestion) {

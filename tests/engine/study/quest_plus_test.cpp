@@ -120,8 +120,8 @@ QuestPlus small_quest(Shape shape, Scale scale) {
     method.slope = {{Scale::logarithmic, 1.0, 6.0}, 7};
     method.guess = {known(0.5), 1};
     method.lapse = {{Scale::linear, 0.0, 0.08}, 3};
-    method.fewest_trials = 5;
-    method.most_trials = 40;
+    method.min_trials = 5;
+    method.max_trials = 40;
     return method;
 }
 
@@ -139,7 +139,7 @@ TEST(QuestPlus, ExpectsTheEntropiesOfAPlainReferenceToRoundOff) {
         QuestPlusRun run(method);
         std::vector<AnsweredLevel> trials;
         double largest_difference = 0.0;
-        for (int i = 0; i < method.most_trials; ++i) {
+        for (int i = 0; i < method.max_trials; ++i) {
             const Reference reference = reference_of(method, trials);
             const Eigen::VectorXd expected = run.expected_entropy();
             std::size_t least = 0;
@@ -168,7 +168,7 @@ TEST(QuestPlus, ExpectsTheEntropiesOfAPlainReferenceToRoundOff) {
 
 TEST(QuestPlus, EndsByTheDeviationOfItsThreshold) {
     QuestPlus method = small_quest(Shape::weibull, Scale::logarithmic);
-    method.most_trials = 1000;
+    method.max_trials = 1000;
     method.threshold_deviation = 0.15; // a ratio of 1.16
     QuestPlusRun run(method);
     int trials = 0;
@@ -182,7 +182,7 @@ TEST(QuestPlus, EndsByTheDeviationOfItsThreshold) {
                       proportion_at(truth, trial.level),
                   0.0, false}});
     }
-    EXPECT_GT(trials, method.fewest_trials);
+    EXPECT_GT(trials, method.min_trials);
     EXPECT_GT(before, 0.15);
     EXPECT_LE(run.threshold_deviation(), 0.15);
     EXPECT_NEAR(std::log(run.mean().threshold / 2.0), 0.0, 3.0 * 0.15);
@@ -206,12 +206,12 @@ TEST(QuestPlus, ChoosesFromAUsualGridWithinAMillisecondOrSo) {
     method.slope.points = 15;
     method.lapse.points = 5;
     QuestPlusRun run(method);
-    double least_ns = std::numeric_limits<double>::max();
+    double min_ns = std::numeric_limits<double>::max();
     for (int i = 0; i < 20; ++i) {
-        least_ns = std::min(least_ns, bench::time_ns([&] { EXPECT_TRUE(run.next().has_value()); }));
+        min_ns = std::min(min_ns, bench::time_ns([&] { EXPECT_TRUE(run.next().has_value()); }));
     }
-    std::printf("next level from 40 levels and 3000 functions: %.2f ms\n", 1e-6 * least_ns);
-    EXPECT_LT(least_ns, 50e6); // of 20: a busy machine does not matter
+    std::printf("next level from 40 levels and 3000 functions: %.2f ms\n", 1e-6 * min_ns);
+    EXPECT_LT(min_ns, 50e6); // of 20: a busy machine does not matter
 }
 
 } // namespace

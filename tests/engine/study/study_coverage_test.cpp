@@ -126,7 +126,7 @@ std::vector<Judged> judged_studies(const std::string &name, const Method &method
                 "90 %% level %.1f %%, profile likelihood holds threshold %.1f %%; bias of "
                 "ln threshold %.3f by posterior, %.3f by likelihood, of ln slope %.3f and %.3f; "
                 "width %.2f\n",
-                name.c_str(), most_trials(method), 100.0 * threshold, 100.0 * slope, 100.0 * level,
+                name.c_str(), max_trials(method), 100.0 * threshold, 100.0 * slope, 100.0 * level,
                 100.0 * profile, mean_of_studies(studies, &Judged::posterior_error),
                 mean_of_studies(studies, &Judged::likelihood_error),
                 mean_of_studies(studies, &Judged::posterior_slope_error),
@@ -185,7 +185,7 @@ TEST(StudyCoverage, OfQuestPlus) {
     method.slope = {priors.slope, 10};
     method.guess = {priors.guess, 1};
     method.lapse = {priors.lapse, 3};
-    method.most_trials = 60;
+    method.max_trials = 60;
     static_cast<void>(judged_studies("QUEST+", method, Task{}, priors, 4));
 }
 

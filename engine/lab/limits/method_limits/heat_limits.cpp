@@ -73,7 +73,7 @@ std::optional<double> trips_after_s(const device::DeviceDescription &device, dou
 LimitTrial hot_after(const device::DeviceDescription &device) {
     constexpr double kCurrent_A = 3.0;
     constexpr double kPeriod_s = 1e-3;
-    constexpr double kLongest_s = 600.0;
+    constexpr double kMax_s = 600.0;
     const device::MotorParameters &motor = device.motor[1];
     const Warming warming(motor, device.resistance_tolerance(1), kCurrent_A);
     LimitTrial trial;
@@ -82,21 +82,21 @@ LimitTrial hot_after(const device::DeviceDescription &device) {
                   "s",
                   with_unit(kCurrent_A, "A") + ": winding at " +
                       with_unit(motor.thermal.max_winding_C, "°C") + " by the upper estimate",
-                  last_that_holds({0.0, kLongest_s}, kLimitResolution,
+                  last_that_holds({0.0, kMax_s}, kLimitResolution,
                                   [&](double time_s) {
                                       return warming.winding_C(time_s) <
                                              motor.thermal.max_winding_C;
                                   }),
                   {},
                   {}};
-    trial.reading = [=] { return trips_after_s(device, kCurrent_A, kPeriod_s, kLongest_s); };
+    trial.reading = [=] { return trips_after_s(device, kCurrent_A, kPeriod_s, kMax_s); };
     return trial;
 }
 
 /// The continuous current warms the winding by (R_wh + R_ha) i² R(T).
 LimitTrial hot_in_the_end(const device::DeviceDescription &device) {
     constexpr double kPeriod_s = 1.0; // under a tenth of the winding's time constant of 12 s
-    constexpr double kLongest_s = 20'000.0;
+    constexpr double kMax_s = 20'000.0;
     const device::MotorParameters &motor = device.motor[1];
     const device::ThermalParameters &t = motor.thermal;
     const double rise_K = t.max_winding_C - device::kWarmestAir_C;
@@ -115,7 +115,7 @@ LimitTrial hot_in_the_end(const device::DeviceDescription &device) {
         0.01,
         motor.peak_current_A,
         false,
-        [=](double current_A) { return !trips_after_s(device, current_A, kPeriod_s, kLongest_s); }};
+        [=](double current_A) { return !trips_after_s(device, current_A, kPeriod_s, kMax_s); }};
 }
 
 /// The share of K_DC (13) that remains after e_W has been applied for a time: the current (11)

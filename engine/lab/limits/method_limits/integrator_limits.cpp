@@ -96,8 +96,8 @@ rig::PlantEquations ContactMode::equations() const {
 }
 
 constexpr double kMicro = 1e6;
-constexpr double kShortest_s = 1e-6;
-constexpr double kLongest_s = 1.0; ///< tried where no limit is known
+constexpr double kMinTried_s = 1e-6;
+constexpr double kMaxTried_s = 1.0; ///< tried where no limit is known
 
 /// |R(z)| of the classical fourth-order method.
 double runge_kutta_growth(std::complex<double> z) {
@@ -111,7 +111,7 @@ LimitTrial held_rotor(const char *method, const device::MotorParameters &motor, 
     const double time_s = motor.inductance_H / net_Ohm;
     using State = Eigen::Matrix<double, 1, 1>;
     return {{method, "step above", "µs", setting, kMicro * times_L_over_R * time_s, {}, {}},
-            kMicro * kShortest_s,
+            kMicro * kMinTried_s,
             kMicro * 10.0 * time_s,
             false,
             [=](double step_us) {
@@ -157,7 +157,7 @@ LimitTrial contact_line(const char *method, double predicted_s,
                         const std::function<bool(double)> &holds_for_s) {
     constexpr double kFarBeyond = 10.0;
     return {{method, "step above", "µs", contact_setting(""), kMicro * predicted_s, {}, {}},
-            kMicro * kShortest_s,
+            kMicro * kMinTried_s,
             kMicro * kFarBeyond * predicted_s,
             false,
             [=](double step_us) { return holds_for_s(step_us / kMicro); }};
@@ -165,8 +165,8 @@ LimitTrial contact_line(const char *method, double predicted_s,
 
 LimitTrial no_line(const char *method, const std::function<bool(double)> &holds_for_s) {
     return {{method, "step above", "µs", contact_setting("; tried from 1 µs to 1 s"), {}, {}, {}},
-            kMicro * kShortest_s,
-            kMicro * kLongest_s,
+            kMicro * kMinTried_s,
+            kMicro * kMaxTried_s,
             false,
             [=](double step_us) { return holds_for_s(step_us / kMicro); }};
 }

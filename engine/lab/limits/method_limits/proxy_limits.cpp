@@ -150,10 +150,10 @@ LimitTrial proxy_on_degenerate_triangles() {
 /// sine of the half opening above the edge or corner.
 LimitTrial proxy_in_a_pit(const char *fails, int faces) {
     constexpr double kNarrowest_deg = 1.0;
-    constexpr double kWidest_deg = 179.0;
+    constexpr double kMax_deg = 179.0;
     constexpr double kOff_m = 1e-9;
     return {{kProxy, fails, "°", "pressed in by 2 mm; tried from 179° to 1°", {}, {}, {}},
-            kWidest_deg,
+            kMax_deg,
             kNarrowest_deg,
             false,
             [=](double opening_deg) {

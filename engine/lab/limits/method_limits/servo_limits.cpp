@@ -110,7 +110,7 @@ LimitTrial late_answers(const loops::StabilityCase &which) {
         return late;
     };
     int predicted = 0;
-    while (predicted < simulated::SimulationOptions::kLongestDelay &&
+    while (predicted < simulated::SimulationOptions::kMaxDelay &&
            loops::is_stable(delayed(predicted + 1))) {
         ++predicted;
     }
@@ -122,7 +122,7 @@ LimitTrial late_answers(const loops::StabilityCase &which) {
              {},
              {}},
             0.0,
-            static_cast<double>(simulated::SimulationOptions::kLongestDelay),
+            static_cast<double>(simulated::SimulationOptions::kMaxDelay),
             true,
             [=](double periods) { return motion_decays(delayed(static_cast<int>(periods)), 0); }};
 }

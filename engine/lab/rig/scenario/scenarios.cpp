@@ -255,13 +255,13 @@ Scenario impact_scenario(const ScenarioSetting &setting, const ImpactOptions &op
     compare_drives(made, options.drive);
     made.simulation.hand = options.hand;
     const Vector3 end_m =
-        made.start_m - options.speed_m_per_s * ImpactOptions::kLongest_s * Vector3::UnitY();
+        made.start_m - options.speed_m_per_s * ImpactOptions::kMax_s * Vector3::UnitY();
     const double height_m =
         made.start_m.y() - options.speed_m_per_s * ImpactOptions::kApproach_s - options.lower_m;
     made.normal = Vector3::UnitY();
     made.contact_m = Vector3(made.start_m.x(), height_m, made.start_m.z());
     made.constraint = plane(made.contact_m, made.normal, Sides::one);
-    follow(made, simulated::HandPath({{0.0, made.start_m}, {ImpactOptions::kLongest_s, end_m}}));
+    follow(made, simulated::HandPath({{0.0, made.start_m}, {ImpactOptions::kMax_s, end_m}}));
     return made;
 }
 

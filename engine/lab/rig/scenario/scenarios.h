@@ -124,7 +124,7 @@ struct PressOptions {
 /// A hand that moves straight down at constant speed onto a level wall.
 struct ImpactOptions {
     static constexpr double kApproach_s = 0.1; ///< by then hand and tip move together
-    static constexpr double kLongest_s = 1.0;
+    static constexpr double kMax_s = 1.0;
 
     device::HandParameters hand;
     double speed_m_per_s = 0.1;

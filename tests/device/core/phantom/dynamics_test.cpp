@@ -275,7 +275,7 @@ TEST(ApparentMass, OfThePhantom10DependsOnDirectionAndPlace) {
                               "default pose");
     constexpr double kShare = 0.6; // of the workspace, within reach
     constexpr int kPoints = 9;
-    Vector3 least_g = Vector3::Constant(HUGE_VAL);
+    Vector3 min_g = Vector3::Constant(HUGE_VAL);
     Vector3 greatest_g = Vector3::Zero();
     for (int i = 0; i < kPoints * kPoints * kPoints; ++i) {
         const int row = i / kPoints % kPoints;
@@ -287,10 +287,10 @@ TEST(ApparentMass, OfThePhantom10DependsOnDirectionAndPlace) {
             device.workspace.centre_m + kShare * share.cwiseProduct(device.workspace.size_m));
         ASSERT_TRUE(q_rad);
         const Vector3 mass_g = apparent_mass_g(device, *q_rad);
-        least_g = least_g.cwiseMin(mass_g);
+        min_g = min_g.cwiseMin(mass_g);
         greatest_g = greatest_g.cwiseMax(mass_g);
     }
-    expect_within_half_a_gram(least_g, {47.5, 49.4, 33.8}, "least within 60 % of the workspace");
+    expect_within_half_a_gram(min_g, {47.5, 49.4, 33.8}, "least within 60 % of the workspace");
     expect_within_half_a_gram(greatest_g, {200.6, 116.4, 73.3}, "greatest");
 }
 

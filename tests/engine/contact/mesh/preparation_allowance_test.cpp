@@ -192,7 +192,7 @@ TEST(PreparationAllowance, EstimatesWhatDividingNeeds) {
 }
 
 /// Beyond an allowance go the portions of the threads, and the last item that each looked at.
-std::uint64_t most_beyond(const TriangleSoup &soup, unsigned threads) {
+std::uint64_t max_beyond(const TriangleSoup &soup, unsigned threads) {
     return threads * ((1 << 20) + (kStepsPerPiece + kStepsPerNode) * soup.vertices_m.size());
 }
 
@@ -211,7 +211,7 @@ TEST(PreparationAllowance, BoundsTheWorkForAnySoup) {
                     error_text_of([&] { run_stages(soup, allowance, threads); });
                 refused += error.empty() ? 0 : 1;
                 EXPECT_EQ(error.empty(), allowance.taken() <= kAllowed) << error;
-                EXPECT_LE(allowance.taken(), kAllowed + most_beyond(soup, threads));
+                EXPECT_LE(allowance.taken(), kAllowed + max_beyond(soup, threads));
             }
         }
     }

@@ -168,7 +168,7 @@ TEST_F(StudyConduct, ALostDeviceEndsTheSessionAndItsTrialComesAgain) {
 }
 
 TEST_F(StudyConduct, EndsByTripsAndByTimeJustBeyondTheProtocolsLimits) {
-    protocol_.stopping.most_trips = 2;
+    protocol_.stopping.max_trips = 2;
     Conduct trips = plain_conduct(protocol_, now_);
     trips.present = [this](const PlannedTrial &planned) {
         Trial result = answer_to(protocol_, planned);
@@ -182,11 +182,11 @@ TEST_F(StudyConduct, EndsByTripsAndByTimeJustBeyondTheProtocolsLimits) {
     // If too many are marked with the same trial, and the last block ends, nothing is left to end.
     protocol_.blocks = {{"only", {0, 1}}};
     protocol_.practice = {};
-    for (const int most_marked : {2, 3}) {
-        protocol_.marking.most_marked = most_marked;
-        StudyStore ended = quick_store(new_study("trips_and_marks_" + std::to_string(most_marked)));
+    for (const int max_marked : {2, 3}) {
+        protocol_.marking.max_marked = max_marked;
+        StudyStore ended = quick_store(new_study("trips_and_marks_" + std::to_string(max_marked)));
         EXPECT_EQ(run(ended, "P01", trips),
-                  most_marked == 2 ? SessionEnding::completed : SessionEnding::safety_trip);
+                  max_marked == 2 ? SessionEnding::completed : SessionEnding::safety_trip);
         EXPECT_EQ(ended.contents().trials.size(), 3U);
     }
 

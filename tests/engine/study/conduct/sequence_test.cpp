@@ -142,7 +142,7 @@ TEST(StudySequence, AMarkedTrialIsRepeatedLaterAndOnce) {
 
 TEST(StudySequence, ABlockWithTooManyMarkedTrialsEndsUnfinished) {
     Protocol protocol = small_protocol();
-    protocol.marking.most_marked = 2;
+    protocol.marking.max_marked = 2;
     Sequence sequence(protocol, 1);
     for (int i = 0; i < 3; ++i) {
         ASSERT_TRUE(sequence.ended().empty());

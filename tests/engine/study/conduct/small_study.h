@@ -35,8 +35,8 @@ inline Protocol small_protocol() {
     protocol.catch_trials = {{0.7}, 6};
     protocol.blocks = {{"first", {0, 1}}, {"second", {2, 3}}};
     protocol.counterbalancing = Counterbalancing::full;
-    protocol.marking.most_marked = 50;
-    protocol.stopping.most_trips = 1000;
+    protocol.marking.max_marked = 50;
+    protocol.stopping.max_trips = 1000;
     return protocol;
 }
 

@@ -25,8 +25,8 @@ Protocol short_direction_protocol() {
     Protocol protocol = read_protocol_file(testing::assets() / "protocols" / "direction.toml");
     protocol.blocks = {{"one", {2}}};
     auto &method = std::get<QuestPlus>(protocol.method);
-    method.fewest_trials = 40;
-    method.most_trials = 40;
+    method.min_trials = 40;
+    method.max_trials = 40;
     protocol.practice = {};
     protocol.catch_trials = {};
     return protocol;

@@ -56,10 +56,10 @@ TEST(ConditionTrial, IsTheSameEachTime) {
 
 TEST(ConditionTrial, AnUnstableTuningShakes) {
     Protocol protocol = protocol_of(kPlainProtocol);
-    EXPECT_LT(trial_of(protocol).shaking_m_per_s, kMostShaking_m_per_s);
+    EXPECT_LT(trial_of(protocol).shaking_m_per_s, kMaxShaking_m_per_s);
     protocol.conditions[0].tuning.K_P_V_per_rad = 300.0;
     const StimulusTrial trial = trial_of(protocol);
-    EXPECT_GT(trial.shaking_m_per_s, kMostShaking_m_per_s);
+    EXPECT_GT(trial.shaking_m_per_s, kMaxShaking_m_per_s);
     const ProtocolFindings findings = findings_of(protocol, {trial});
     ASSERT_FALSE(findings.empty());
     EXPECT_EQ(findings[0].severity, Severity::error);
@@ -87,13 +87,13 @@ TEST(ConditionTrial, AHandSlidesWhereTheForceIsNotSquareToTheSurface) {
     Protocol protocol = protocol_of(spot_of_scene);
     protocol.conditions[0].press_N = 3.0;
     const StimulusTrial square = trial_of(protocol);
-    EXPECT_LT(square.delivered.aside_m, kMostSlide_m);
+    EXPECT_LT(square.delivered.aside_m, kMaxSlide_m);
     protocol.conditions[0].tuning.map = control::MotionMap::inverse;
     const StimulusTrial askew = trial_of(protocol);
-    EXPECT_GT(askew.delivered.aside_m, kMostSlide_m);
+    EXPECT_GT(askew.delivered.aside_m, kMaxSlide_m);
     EXPECT_EQ(findings_of(protocol, {askew})[0].severity, Severity::error);
     protocol.conditions[0].hold = Hold::cup;
-    EXPECT_LT(trial_of(protocol).delivered.aside_m, kMostSlide_m);
+    EXPECT_LT(trial_of(protocol).delivered.aside_m, kMaxSlide_m);
 }
 
 TEST(ConditionTrial, APulseAddsItsForceToThePress) {
@@ -118,7 +118,7 @@ TEST(ConditionTrial, ATurnedForcePushesAHandAsideThatIsNotInACup) {
     protocol.conditions[0].press_N = 1.5;
     const StimulusTrial slides = trial_of(protocol);
     EXPECT_EQ(slides.trip, "");
-    EXPECT_GT(slides.delivered.aside_m, kMostSlide_m);
+    EXPECT_GT(slides.delivered.aside_m, kMaxSlide_m);
     EXPECT_EQ(findings_of(protocol, {slides})[0].severity, Severity::error);
     protocol.conditions[0].hold = Hold::cup;
     EXPECT_TRUE(findings_of(protocol, {trial_of(protocol)}).empty());

@@ -321,7 +321,7 @@ TEST(ProtocolCheck, FindsHandsThatSlideFromATurnedForce) {
     protocol.variable = {"turn_deg", LevelMeaning::value, 0.0, "", false};
     const auto findings_with = [&](double turn_deg, Hold hold) {
         protocol.method = ConstantStimuli{{turn_deg}, 1, 10};
-        protocol.practice.most_trials = 0;
+        protocol.practice.max_trials = 0;
         protocol.catch_trials.one_in = 0;
         for (Condition &condition : protocol.conditions) {
             condition.press_N = 1.0;
@@ -395,7 +395,7 @@ TEST(ProtocolCheck, FindsServoRatesThatCannotHaveTheSharedLag) {
 TEST(ProtocolCheck, FindsSessionsThatAreTooLong) {
     Protocol protocol = protocol_of(kPlainProtocol);
     protocol.breaks.between_blocks_s = 0.0;
-    const double trials_s = session_length(protocol).fewest_s;
+    const double trials_s = session_length(protocol).min_s;
     ASSERT_LT(trials_s, 3599.0);
     protocol.breaks.between_blocks_s = 3600.0 - trials_s - 0.5;
     EXPECT_EQ(count(check_session(protocol, session_length(protocol)), Severity::error, "session"),
@@ -415,10 +415,10 @@ TEST(ProtocolCheck, QuestionsCountInTheSession) {
     const SessionLength with = session_length(protocol);
     protocol.questionnaire.clear();
     const SessionLength without = session_length(protocol);
-    EXPECT_DOUBLE_EQ(with.fewest_s - without.fewest_s, 15.0);
-    EXPECT_DOUBLE_EQ(with.most_s - without.most_s, 100.0);
-    EXPECT_EQ(with.fewest_questions_s, 15.0);
-    EXPECT_EQ(with.most_questions_s, 100.0);
+    EXPECT_DOUBLE_EQ(with.min_s - without.min_s, 15.0);
+    EXPECT_DOUBLE_EQ(with.max_s - without.max_s, 100.0);
+    EXPECT_EQ(with.min_questions_s, 15.0);
+    EXPECT_EQ(with.max_questions_s, 100.0);
 }
 
 TEST(ProtocolCheck, FindsHandsWithoutARestAndOrdersOutOfBalance) {
@@ -567,13 +567,13 @@ TEST(ProtocolCheck, TheWarmUpCountsInTheSession) {
     const double most_A = warming_current_A(setting, warming_place_m(protocol, setting)).maxCoeff();
     const double C_J_per_K = 12.0 / 3.1 + 612.0 / 14.0;
     const double heat_W = 0.5 * 2.18 * 1.02 * most_A * most_A;
-    const double least_s = 6.5 * C_J_per_K / (1.09 * heat_W); // R rises by up to 9 %
-    EXPECT_GT(warm_up_s, least_s);
+    const double min_s = 6.5 * C_J_per_K / (1.09 * heat_W); // R rises by up to 9 %
+    EXPECT_GT(warm_up_s, min_s);
     EXPECT_LT(warm_up_s, 1.3 * 6.5 * C_J_per_K / (heat_W - 6.5 / 14.0));
-    EXPECT_DOUBLE_EQ(session_length(protocol, warm_up_s).fewest_s,
-                     session_length(protocol).fewest_s + warm_up_s);
-    EXPECT_DOUBLE_EQ(session_length(protocol, warm_up_s).most_s,
-                     session_length(protocol).most_s + warm_up_s);
+    EXPECT_DOUBLE_EQ(session_length(protocol, warm_up_s).min_s,
+                     session_length(protocol).min_s + warm_up_s);
+    EXPECT_DOUBLE_EQ(session_length(protocol, warm_up_s).max_s,
+                     session_length(protocol).max_s + warm_up_s);
     CheckOptions options;
     options.simulates = false;
     EXPECT_DOUBLE_EQ(check_protocol(protocol, testing::folders(), options).length.warm_up_s,

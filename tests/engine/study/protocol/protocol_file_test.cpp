@@ -40,7 +40,7 @@ TEST(ProtocolFile, ReadsWhatIsThereAndElseTheDefaults) {
     ASSERT_NE(method, nullptr);
     EXPECT_EQ(method->levels, (std::vector{0.1, 0.2, 0.3}));
     EXPECT_EQ(method->blocks, 10);
-    EXPECT_EQ(protocol.practice.fewest_trials, 2);
+    EXPECT_EQ(protocol.practice.min_trials, 2);
     EXPECT_EQ(protocol.catch_trials.one_in, 10);
     ASSERT_EQ(protocol.blocks.size(), 2U);
     EXPECT_EQ(protocol.blocks[1].conditions, std::vector<std::size_t>{1});

@@ -104,7 +104,7 @@ TEST(Levels, ThatCanBePresentedAreThoseOfMethodPracticeAndCatchTrials) {
     protocol.practice.levels = {0.35};
     protocol.catch_trials.levels = {0.4};
     EXPECT_EQ(presentable_levels(protocol), (std::vector{0.1, 0.2, 0.3, 0.35, 0.4}));
-    protocol.practice.most_trials = 0;
+    protocol.practice.max_trials = 0;
     protocol.catch_trials.one_in = 0;
     EXPECT_EQ(presentable_levels(protocol), (std::vector{0.1, 0.2, 0.3}));
 
@@ -204,12 +204,12 @@ TEST(SessionLength, AddsUpTrialsAndBreaks) {
     protocol.breaks = {20, 60.0, 120.0};
     const SessionLength length = session_length(protocol);
     // 30 measured trials, one catch trial to nine of them, in the first block 2 to 4 of practice.
-    EXPECT_EQ(length.blocks[0].fewest_trials, 35);
-    EXPECT_EQ(length.blocks[1].fewest_trials, 33);
-    EXPECT_DOUBLE_EQ(length.fewest_s, (35 + 33) * 6.0 + 2 * 60.0 + 120.0);
+    EXPECT_EQ(length.blocks[0].min_trials, 35);
+    EXPECT_EQ(length.blocks[1].min_trials, 33);
+    EXPECT_DOUBLE_EQ(length.min_s, (35 + 33) * 6.0 + 2 * 60.0 + 120.0);
     EXPECT_DOUBLE_EQ(length.longest_without_break_s, 20 * 7.0);
     protocol.breaks.every_trials = 0;
-    EXPECT_DOUBLE_EQ(session_length(protocol).fewest_s, (35 + 33) * 6.0 + 120.0);
+    EXPECT_DOUBLE_EQ(session_length(protocol).min_s, (35 + 33) * 6.0 + 120.0);
 }
 
 /// Every order of right and wrong answers, played by the method itself, against the bound.
@@ -231,7 +231,7 @@ TEST(SessionLength, NoTrackOfAStaircaseEndsBeforeItsFewestTrials) {
         }
         shortest = std::min(shortest, trials);
     }
-    EXPECT_EQ(fewest_trials(up_down), shortest);
+    EXPECT_EQ(min_trials(up_down), shortest);
 }
 
 } // namespace

@@ -57,12 +57,11 @@ TEST(Questionnaire, AChoiceTakesItsTextsToTheLetter) {
 TEST(Questionnaire, AFreeTextTakesWhatCanBeRead) {
     const QuestionnaireItem item{.name = "remarks", .text = "Anything else?"};
     ASSERT_EQ(validate(item), "");
-    for (const std::string &answer :
-         {std::string(), std::string("two\nlines, \"quoted\"\t;"), std::string("schön – 硬い"),
-          std::string(kLongestAnswer, 'a')}) {
+    for (const std::string &answer : {std::string(), std::string("two\nlines, \"quoted\"\t;"),
+                                      std::string("schön – 硬い"), std::string(kMaxAnswer, 'a')}) {
         EXPECT_EQ(validate_answer(item, answer), "");
     }
-    EXPECT_EQ(validate_answer(item, std::string(kLongestAnswer + 1, 'a')),
+    EXPECT_EQ(validate_answer(item, std::string(kMaxAnswer + 1, 'a')),
               "answer has 10001 bytes; it must have 0 to 10000");
     for (const char control : {'\0', '\r', '\x1b', '\x7f'}) {
         EXPECT_NE(
@@ -80,7 +79,7 @@ TEST(Questionnaire, EveryPossibleAnswerOfAnItemIsOne) {
         }
     }
     EXPECT_EQ(possible_answers(scale(-1, 1)), (std::vector<std::string>{"-1", "0", "1"}));
-    EXPECT_EQ(possible_answers(scale(0, kMostScaleSteps)).size(), 101U);
+    EXPECT_EQ(possible_answers(scale(0, kMaxScaleSteps)).size(), 101U);
     EXPECT_EQ(possible_answers(choice()), choice().choices);
 }
 

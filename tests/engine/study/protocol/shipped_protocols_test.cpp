@@ -28,7 +28,7 @@ TEST_P(ShippedProtocol, HasNoErrorsAndTakesUnderAnHour) {
     for (const ProtocolFinding &finding : checked.findings) {
         EXPECT_EQ(finding.severity, Severity::note) << text_of(finding);
     }
-    EXPECT_LE(checked.length.most_s, 3600.0);
+    EXPECT_LE(checked.length.max_s, 3600.0);
     EXPECT_FALSE(checked.trials.empty());
     EXPECT_NE(testing::contents_of(file).find("docs/study_protocol.md"), std::string::npos);
 }
@@ -53,8 +53,8 @@ TEST(ShippedProtocols, TheVisitorsOneTakesAtMostFiveMinutes) {
     const Protocol protocol = read_protocol_file(file);
     const CheckedProtocol checked =
         check_protocol(protocol, {file.parent_path(), testing::assets()});
-    EXPECT_GE(checked.length.fewest_s, 3.0 * 60.0); // or it would say too little
-    EXPECT_LE(checked.length.most_s, 5.0 * 60.0);
+    EXPECT_GE(checked.length.min_s, 3.0 * 60.0); // or it would say too little
+    EXPECT_LE(checked.length.max_s, 5.0 * 60.0);
     EXPECT_TRUE(protocol.questionnaire.empty());
     EXPECT_EQ(protocol.conditions.size(), 1U);
     EXPECT_EQ(protocol.variable.parameter, "turn_deg");

@@ -209,22 +209,22 @@ TEST(StimulusTrial, FreeSpaceHasTheSharedDROnBothSides) {
     Protocol protocol = cup_protocol(0.0, 0.0);
     protocol.free_space = FreeSpaceTuning{0.8, 800.0};
     protocol.conditions[0].tuning.dR_Ohm = 0.4;
-    double least_free_Ohm = 10.0;
-    double most_free_Ohm = 0.0;
+    double min_free_Ohm = 10.0;
+    double max_free_Ohm = 0.0;
     double least_Ohm = 10.0;
     StimulusCircumstances circumstances;
     circumstances.watch = [&](const servo::ServoSample &sample, StimulusPhase) {
         least_Ohm = std::min(least_Ohm, sample.tuning.dR_Ohm);
         if (!sample.contact.touching) {
-            least_free_Ohm = std::min(least_free_Ohm, sample.tuning.dR_Ohm);
-            most_free_Ohm = std::max(most_free_Ohm, sample.tuning.dR_Ohm);
+            min_free_Ohm = std::min(min_free_Ohm, sample.tuning.dR_Ohm);
+            max_free_Ohm = std::max(max_free_Ohm, sample.tuning.dR_Ohm);
         }
     };
     const StimulusTrial trial = presentation_to_a_hand(protocol, circumstances);
     EXPECT_EQ(trial.failure, StimulusFailure::none) << trial.trip;
     EXPECT_NEAR(least_Ohm, 0.4, 1e-3);
-    EXPECT_NEAR(most_free_Ohm, 0.8, 1e-3);
-    EXPECT_NEAR(least_free_Ohm, 0.8, 1e-3); // e^(−10) of 0.4 Ω is left, 2e-5
+    EXPECT_NEAR(max_free_Ohm, 0.8, 1e-3);
+    EXPECT_NEAR(min_free_Ohm, 0.8, 1e-3); // e^(−10) of 0.4 Ω is left, 2e-5
 }
 
 TEST(StimulusTrial, IsTheSameEachTimeAndAnotherWithAnotherHand) {

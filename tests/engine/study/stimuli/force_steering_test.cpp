@@ -39,8 +39,8 @@ struct SteeredSpring {
 };
 
 SteeredSpring steered(double turn_deg, ForceSteering::Pace pace = ForceSteering::Pace::slow,
-                      double most_work_J = kMuch_J) {
-    return {ForceSteering(kNormal, direction_of(turn_deg), pace, most_work_J, kMuch_N, kTick_s)};
+                      double max_work_J = kMuch_J) {
+    return {ForceSteering(kNormal, direction_of(turn_deg), pace, max_work_J, kMuch_N, kTick_s)};
 }
 
 /// Where a massless hand of stiffness k yields to; it is pressed in by `deep_m`.

@@ -68,7 +68,7 @@ TEST(Stimulus, GlidesBackWhereDROrLambdaDifferAndFromASteeredForce) {
     stimulus.contact.lambda_rad_per_s = stimulus.free_space.lambda_rad_per_s;
     stimulus.contact.dR_Ohm = 0.6;
     EXPECT_EQ(glide_back_s(stimulus), 0.5);
-    stimulus.least_glide_back_s = 0.7;
+    stimulus.min_glide_back_s = 0.7;
     EXPECT_EQ(glide_back_s(stimulus), 0.7);
     stimulus.form = StimulusForm::stroke;
     EXPECT_EQ(glide_back_s(stimulus), 0.0);

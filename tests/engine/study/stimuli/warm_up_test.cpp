@@ -38,7 +38,7 @@ struct Warming {
         return options;
     }
 
-    static constexpr double kLongest_s = 400.0;
+    static constexpr double kMax_s = 400.0;
     inline static const Vector3 kAt_m{0.0, 0.03, 0.0};
 
     device::DeviceDescription device = testing::phantom_1_0();
@@ -81,9 +81,9 @@ TEST_P(WarmUpOfHands, ComesIntoTheBandAndLeavesTheTipInItsPlace) {
     double heated_s = 0.0;
     double rise_K = 0.0;
     double predicted_K = 0.0;
-    Vector3 least_m = Vector3::Constant(1.0);
-    Vector3 most_m = -least_m;
-    while (!warm_up.is_over() && rig.last.time_s - begun_s < Warming::kLongest_s) {
+    Vector3 min_m = Vector3::Constant(1.0);
+    Vector3 max_m = -min_m;
+    while (!warm_up.is_over() && rig.last.time_s - begun_s < Warming::kMax_s) {
         const servo::ServoSample &sample = rig.tick();
         warm_up.update(sample, rig.inputs);
         generated_J = std::max(generated_J, sample.generated_energy_J);
@@ -104,8 +104,8 @@ TEST_P(WarmUpOfHands, ComesIntoTheBandAndLeavesTheTipInItsPlace) {
                 motor.thermal, warming_heat_W(motor, R_Ohm, current_A, kWarmUpPeriod_s), 30.0);
         }
         if (heated_s > 30.0 && heated_s < 31.0) { // a hand comes to rest in a second
-            least_m = least_m.cwiseMin(rig.truth().tip_m);
-            most_m = most_m.cwiseMax(rig.truth().tip_m);
+            min_m = min_m.cwiseMin(rig.truth().tip_m);
+            max_m = max_m.cwiseMax(rig.truth().tip_m);
         }
     }
     ASSERT_FALSE(rig.has_tripped()) << servo::description(rig.last.safety);
@@ -134,10 +134,10 @@ TEST_P(WarmUpOfHands, ComesIntoTheBandAndLeavesTheTipInItsPlace) {
         lightest_kg = std::min(lightest_kg, tip_mass_kg(warming.device, q_rad, Vector3::Unit(j)));
     }
     const double either_m = force_N * kWarmUpPeriod_s * kWarmUpPeriod_s / (8.0 * lightest_kg);
-    EXPECT_LT((most_m - least_m).maxCoeff(), 2.0 * either_m);
+    EXPECT_LT((max_m - min_m).maxCoeff(), 2.0 * either_m);
     std::printf("warm after %.0f s, at most %.1f N, the tip goes %.1f um (at most %.1f), the "
                 "observer saw %.1f mJ; true %.1f %.1f %.1f degC\n",
-                rig.last.time_s - begun_s, force_N, 1e6 * (most_m - least_m).maxCoeff(),
+                rig.last.time_s - begun_s, force_N, 1e6 * (max_m - min_m).maxCoeff(),
                 2e6 * either_m, 1e3 * generated_J, rig.truth().winding_C[0],
                 rig.truth().winding_C[1], rig.truth().winding_C[2]);
 }
@@ -258,7 +258,7 @@ TEST(WarmUp, FailsWithATripAtOnceAndAfterItsLongestTime) {
     EXPECT_TRUE(tripped.inputs.excitation_V.isZero(0.0));
 
     MadeUp never(25.0, 25.0, 25.0); // as if nothing heated
-    never.run(WarmUp::kLongest_s - 1.0);
+    never.run(WarmUp::kMax_s - 1.0);
     EXPECT_EQ(never.warm_up.phase(), WarmUpPhase::heating);
     never.run(2.0);
     EXPECT_EQ(never.warm_up.failure(), WarmUpFailure::too_long);

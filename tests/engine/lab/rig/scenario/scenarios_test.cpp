@@ -16,9 +16,9 @@ namespace springdrive::rig {
 namespace {
 
 /// Long enough for the servo to start up and for the hand to touch.
-constexpr double kLongest_s = 2.5;
+constexpr double kMax_s = 2.5;
 
-double run_s(const Scenario &scenario) { return std::min(scenario.duration_s, kLongest_s); }
+double run_s(const Scenario &scenario) { return std::min(scenario.duration_s, kMax_s); }
 
 TEST(Scenarios, HaveNamesOfTheirOwnAndSayWhatTheyAreFor) {
     std::set<std::string_view> names;
