@@ -17,7 +17,7 @@ namespace springdrive::app {
 /// Asks in the background, so that frames go on.
 class DoctorPopup {
 public:
-    /// A small button beside a error, which asks.
+    /// A small button beside an error, which asks.
     /// @param device  what is to be used, as --device names it
     void offer(const std::string &device, double servo_hz);
 

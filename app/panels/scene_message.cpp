@@ -25,7 +25,7 @@ SceneMessage stopped(const SceneSituation &now) {
 }
 
 SceneMessage record_shown(const SceneSituation &now) {
-    SceneMessage message{"record shown", SceneUrgency::warning,
+    SceneMessage message{"record shown", SceneUrgency::hint,
                          fmt::format("Record: {}. The servo goes on.", now.record)};
     if (!now.scene_of_record.empty()) {
         message.more = fmt::format("Not its scene: it was recorded on {}.", now.scene_of_record);
@@ -83,7 +83,7 @@ std::optional<SceneMessage> message_for(const SceneSituation &now) {
     }
     if (now.is_paused) { // nothing else can happen until it goes on
         return SceneMessage{
-            "paused",   SceneUrgency::warning, "Paused: the device stands still.", {},
+            "paused",   SceneUrgency::hint, "Paused: the device stands still.", {},
             "go on  P", SceneAction::go_on};
     }
     if (waits && (now.is_lent || now.is_released || !now.is_zeroed)) {

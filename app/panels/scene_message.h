@@ -35,12 +35,12 @@ enum class SceneAction : std::uint8_t { none, reset, go_on, show_present, zero, 
 enum class SceneUrgency : std::uint8_t {
     stopped, ///< until somebody acts
     waits,   ///< something is to be done before the device can be felt
-    warning, ///< all is well
+    hint,    ///< all is well
 };
 
 struct SceneMessage {
     const char *name; ///< in reports
-    SceneUrgency urgency = SceneUrgency::warning;
+    SceneUrgency urgency = SceneUrgency::hint;
     std::string text;
     std::string more{};      ///< a second sentence, less prominent; may be empty
     const char *button = ""; ///< its label; empty: there is nothing to press

@@ -41,7 +41,7 @@ ImVec4 colour_of(SceneUrgency urgency) {
         return {0.42F, 0.09F, 0.08F, 0.97F};
     case SceneUrgency::waits:
         return {0.36F, 0.26F, 0.05F, 0.97F};
-    case SceneUrgency::warning:
+    case SceneUrgency::hint:
         break;
     }
     return {0.10F, 0.20F, 0.36F, 0.97F};
@@ -96,7 +96,7 @@ void draw_notice(const Notice &notice, const Rectangle &view, float scale) {
                             ImGuiCond_Always, {1.0F, 1.0F});
     ImGui::SetNextWindowSize({std::min(0.55F * view.size.x, wanted), 0.0F});
     ImGui::PushStyleColor(ImGuiCol_WindowBg,
-                          colour_of(notice.is_bad ? SceneUrgency::stopped : SceneUrgency::warning));
+                          colour_of(notice.is_bad ? SceneUrgency::stopped : SceneUrgency::hint));
     ImGui::Begin("notice", nullptr, kOverlay | ImGuiWindowFlags_NoInputs);
     ui::wrapped(kInk, "{}", notice.text);
     ImGui::End();

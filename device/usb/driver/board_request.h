@@ -12,7 +12,7 @@
 
 namespace springdrive::usb {
 
-/// @param board  its name in a error
+/// @param board  its name in an error
 /// @param what   that is asked for, the same
 /// @throw InputError if the board is not connected, does not know the request, or answers nonsense
 template <class Value>

@@ -36,7 +36,7 @@ void read_table(StrictTomlTable &file, std::string_view name, const Fields &fiel
     }
 }
 
-/// Passes on a error of the values, "KEY is VALUE; it must be …", with the key's file and line;
+/// Passes on an error of the values, "KEY is VALUE; it must be …", with the key's file and line;
 /// KEY may lead into inner tables, "threshold.minimum". Does nothing with an empty one.
 void refuse_as(StrictTomlTable &table, const std::string &error) {
     if (error.empty()) {
