@@ -149,6 +149,9 @@ class FaultInjector {
 public:
     explicit FaultInjector(double ticks_per_s) : ticks_per_s_(ticks_per_s) {}
 
+    /// The first tick at or after that time.
+    [[nodiscard]] std::uint64_t tick_at(double time_s) const;
+
     void add(const Fault &fault);
     void clear();
 
@@ -173,8 +176,6 @@ private:
         bool acts = false;
         bool begins = false;
     };
-    [[nodiscard]] std::uint64_t tick_at(double time_s) const;
-
     double ticks_per_s_;
     std::vector<Scheduled> faults_;
     std::vector<Fault> active_;

@@ -72,7 +72,7 @@ EmulatedBoard::EmulatedBoard(const device::DeviceDescription &description,
         plant_.faults().add(fault);
     }
     power_up();
-    const std::uint64_t longest = loop_at(kMaxStart_s);
+    const std::uint64_t longest = plant_.faults().tick_at(kMaxStart_s);
     while (plant_.loops() < longest && board_->loop().state() == usb::BoardState::starting) {
         run_loop();
     }
@@ -86,12 +86,6 @@ void EmulatedBoard::power_up() {
     board::start(plant_, *board_);
     period_us_ = usb::ReportRate().period_us;
     out_.clear();
-}
-
-std::uint64_t EmulatedBoard::loop_at(double time_s) const {
-    const double loop = std::ceil(time_s * options_.settings.loop_rate_hz - 1e-6);
-    constexpr double kLast = 9e18;
-    return static_cast<std::uint64_t>(std::clamp(loop, 0.0, kLast));
 }
 
 double EmulatedBoard::period_loops() const { return period_s() * options_.settings.loop_rate_hz; }
@@ -258,7 +252,7 @@ bool EmulatedBoard::collect_report() {
 /// Without power there is none, but a period passes.
 void EmulatedBoard::run_to_report() {
     const std::uint64_t begin = plant_.loops();
-    const std::uint64_t longest = loop_at(kMaxReport_s);
+    const std::uint64_t longest = plant_.faults().tick_at(kMaxReport_s);
     do {
         run_loop();
         if (collect_report()) {

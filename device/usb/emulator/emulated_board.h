@@ -108,7 +108,6 @@ public:
     [[nodiscard]] simulated::SimulatedPhantom &phantom() { return plant_.phantom(); }
 
 private:
-    [[nodiscard]] std::uint64_t loop_at(double time_s) const;
     [[nodiscard]] std::uint64_t arrival_loop() const;
     [[nodiscard]] double period_loops() const;
     void power_up();
