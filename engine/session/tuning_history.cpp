@@ -14,8 +14,9 @@ TuningHistory::TuningHistory(const control::Tuning &first, double time_s, Publis
 }
 
 void TuningHistory::go_to(const TuningSlots &slots) {
+    const bool is_new = slots.now() != now();
     slots_ = slots;
-    if (publish_) {
+    if (is_new && publish_) {
         publish_(now());
     }
 }
