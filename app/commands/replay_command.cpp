@@ -60,27 +60,14 @@ void write_row(std::ostream &out, const servo::ServoSample &sample,
     out << '\n';
 }
 
-/// @param see  called with each sample and, if it could be replayed, its replay
-template <typename See>
-void replay_all(record::RecordReader &record, record::Replay &replay, const See &see) {
-    while (record.next()) {
-        for (std::uint32_t row = 0; row < record.rows(); ++row) {
-            const servo::ServoSample sample = record.read_sample(row);
-            see(sample, replay.take(sample));
-        }
-    }
-}
-
 void write_replay_csv(std::ostream &out, record::RecordReader &record, record::Replay &replay) {
     out << "tick,time_s,recorded_e_W1_V,recorded_e_W2_V,recorded_e_W3_V,replayed_e_W1_V,"
            "replayed_e_W2_V,replayed_e_W3_V\n";
-    replay_all(record, replay,
-               [&out](const servo::ServoSample &sample,
-                      const std::optional<record::ReplayedTick> &replayed) {
-                   if (replayed) {
-                       write_row(out, sample, *replayed);
-                   }
-               });
+    record.for_each([&](const servo::ServoSample &sample) {
+        if (const std::optional<record::ReplayedTick> replayed = replay.take(sample)) {
+            write_row(out, sample, *replayed);
+        }
+    });
 }
 
 void report(std::ostream &out, const record::RecordReader &record, const record::Replay &replay) {
@@ -103,7 +90,7 @@ void replay_record(const TypedReplay &typed) {
     const std::optional<control::Tuning> tuning = replayed_tuning(typed);
     record::Replay replay(recorded_device(record), tuning);
     if (typed.csv.empty()) {
-        replay_all(record, replay, [](const auto &, const auto &) {});
+        record.for_each([&](const servo::ServoSample &sample) { replay.take(sample); });
     } else {
         write_output(
             typed.csv, [&](std::ostream &out) { write_replay_csv(out, record, replay); },
@@ -182,8 +169,9 @@ private:
         note_scene(record.header().scene_file, record.header().scene_sha256);
         record::Replay replay(recorded_device(record), tuning_);
         Covered covered;
-        replay_all(record, replay, [&](const servo::ServoSample &sample, const auto &) {
+        record.for_each([&](const servo::ServoSample &sample) {
             covered.take(part.start_s + sample.time_s);
+            replay.take(sample);
         });
         covered_.push_back(covered);
         ticks_ += replay.replayed();

@@ -1,11 +1,7 @@
 // Reads a record file, chunk by chunk, in constant memory.
 //
 //   RecordReader reader("grasp.rec");
-//   while (reader.next()) {
-//       for (std::uint32_t row = 0; row < reader.rows(); ++row) {
-//           const ServoSample sample = reader.read_sample(row);
-//       }
-//   }
+//   reader.for_each([](const ServoSample &sample) { ... });
 //   std::cout << reader.ending().text();
 //
 // Accepts any file. If its writer was killed or it is damaged, it is read up to the first invalid
@@ -21,6 +17,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -49,6 +46,22 @@ public:
 
     [[nodiscard]] const RecordHeader &header() const { return header_; }
     [[nodiscard]] const std::filesystem::path &path() const { return path_; }
+
+    /// Calls take(sample) for each row that is left and take_note(json) for each note, in their
+    /// order. @throw InputError as `read_sample` does
+    template <typename Take>
+    void for_each(
+        Take &&take,
+        const std::function<void(std::string_view)> &take_note = [](std::string_view) {}) {
+        while (next()) {
+            if (is_note_) {
+                take_note(note());
+            }
+            for (std::uint32_t row = 0; row < rows_; ++row) {
+                take(read_sample(row));
+            }
+        }
+    }
 
     /// Advances to the next chunk with rows or a note; false at the end.
     bool next();

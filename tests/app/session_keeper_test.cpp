@@ -50,11 +50,9 @@ protected:
         std::map<double, std::set<std::uint64_t>> found;
         for (const session::RunRecord &record : session::read_run(keeper.folder()).records) {
             record::RecordReader reader(keeper.folder() / record.file);
-            while (reader.next()) {
-                for (std::uint32_t row = 0; row < reader.rows(); ++row) {
-                    found[record.start_s].insert(reader.read_sample(row).tick);
-                }
-            }
+            reader.for_each([&](const servo::ServoSample &sample) {
+                found[record.start_s].insert(sample.tick);
+            });
         }
         return found;
     }
@@ -254,12 +252,9 @@ TEST_F(SessionKeeperTest, TheRecordBeginsAsTheDeviceWasThen) {
     run(0.5);
     keep();
     finish();
-    record::RecordReader past(keeper.folder() / "past.rec");
-    EXPECT_EQ(past.header().delay_periods, 0.0); // at its first tick
-    std::string notes;
-    while (past.next()) {
-        notes += past.is_note() ? past.note() : "";
-    }
+    const std::filesystem::path past = keeper.folder() / "past.rec";
+    EXPECT_EQ(record::RecordReader(past).header().delay_periods, 0.0); // at its first tick
+    const std::string notes = testing::notes_in(past);
     EXPECT_NE(notes.find("\"delay_periods\":1.5"), std::string::npos) << notes;
     EXPECT_EQ(record::RecordReader(keeper.folder() / "record.rec").header().delay_periods, 1.5);
 }

@@ -130,13 +130,10 @@ JudgedRecord judge_record(const std::filesystem::path &file) {
         device::read_device_text(reader.header().device_toml, reader.header().device_file);
     Judge judge(device);
     record::Replay replay(device);
-    while (reader.next()) {
-        for (std::uint32_t row = 0; row < reader.rows(); ++row) {
-            const servo::ServoSample sample = reader.read_sample(row);
-            judge.take(sample);
-            static_cast<void>(replay.take(sample));
-        }
-    }
+    reader.for_each([&](const servo::ServoSample &sample) {
+        judge.take(sample);
+        replay.take(sample);
+    });
     JudgedRecord found = judge.found;
     found.replays = replay.is_identical() && replay.skipped() == 0 &&
                     replay.replayed() == found.rows && reader.ending().why.empty();

@@ -54,12 +54,7 @@ Newest &shared_tick() {
 std::uint64_t contiguous_rows(const std::filesystem::path &file) {
     RecordReader reader(file);
     std::uint64_t rows = 0;
-    while (reader.next()) {
-        for (std::uint32_t i = 0; i < reader.rows(); ++i) {
-            EXPECT_EQ(reader.read_sample(i).tick, rows);
-            ++rows;
-        }
-    }
+    reader.for_each([&](const servo::ServoSample &sample) { EXPECT_EQ(sample.tick, rows++); });
     EXPECT_EQ(reader.ending().missing_ticks, 0U);
     return rows;
 }

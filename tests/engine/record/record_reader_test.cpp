@@ -22,11 +22,7 @@ using testing::write_file;
 
 std::vector<std::string> rows_of(RecordReader &reader) {
     std::vector<std::string> rows;
-    while (reader.next()) {
-        for (std::uint32_t i = 0; i < reader.rows(); ++i) {
-            rows.push_back(row_of(reader.read_sample(i)));
-        }
-    }
+    reader.for_each([&](const servo::ServoSample &sample) { rows.push_back(row_of(sample)); });
     return rows;
 }
 

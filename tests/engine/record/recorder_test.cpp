@@ -25,14 +25,9 @@ servo::ServoSample sample_at(std::uint64_t tick) {
 std::string log_of(const std::filesystem::path &file) {
     RecordReader reader(file);
     std::string log;
-    while (reader.next()) {
-        if (reader.is_note()) {
-            log += "{" + std::string(reader.note()) + "} ";
-        }
-        for (std::uint32_t i = 0; i < reader.rows(); ++i) {
-            log += std::to_string(reader.read_sample(i).tick) + " ";
-        }
-    }
+    reader.for_each(
+        [&](const servo::ServoSample &sample) { log += std::to_string(sample.tick) + " "; },
+        [&](std::string_view note) { log += "{" + std::string(note) + "} "; });
     EXPECT_EQ(reader.ending().why, "");
     return log;
 }

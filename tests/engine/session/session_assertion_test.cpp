@@ -107,13 +107,9 @@ TEST(SessionAssertion, TheWindowContinuesAndTheRecordNamesTheFailure) {
     record::Replay replay(testing::phantom_1_0());
     std::string notes;
     std::uint64_t failed = 0;
-    while (reader.next()) {
-        if (reader.is_note()) {
-            notes += reader.note();
-        }
-        for (std::uint32_t row = 0; row < reader.rows(); ++row) {
-            const servo::ServoSample sample = reader.read_sample(row);
-            static_cast<void>(replay.take(sample));
+    reader.for_each(
+        [&](const servo::ServoSample &sample) {
+            replay.take(sample);
             const bool has_failed = sample.safety.cause == servo::TripCause::assertion;
             EXPECT_TRUE(has_failed || failed == 0);
             failed += has_failed ? 1 : 0;
@@ -121,8 +117,8 @@ TEST(SessionAssertion, TheWindowContinuesAndTheRecordNamesTheFailure) {
                 ASSERT_TRUE(sample.command.e_W_V.isZero(0.0));
                 ASSERT_TRUE(sample.command.cancelled_resistance_Ohm.isZero(0.0));
             }
-        }
-    }
+        },
+        [&](std::string_view note) { notes += note; });
     EXPECT_EQ(reader.ending().unusable_bytes, 0U);
     EXPECT_EQ(reader.ending().missing_ticks, 0U);
     EXPECT_EQ(reader.ending().rows, session.servo().statistics().ticks());
@@ -136,15 +132,6 @@ TEST(SessionAssertion, TheWindowContinuesAndTheRecordNamesTheFailure) {
     std::filesystem::remove_all(folder);
 }
 
-/// The notes of a record.
-std::string notes_in(const std::filesystem::path &file) {
-    std::string notes;
-    for (record::RecordReader reader(file); reader.next();) {
-        notes += reader.is_note() ? reader.note() : "";
-    }
-    return notes;
-}
-
 TEST(SessionAssertion, RecordsStartedLaterOrEndedEarlyNameTheFailure) {
     const std::filesystem::path folder = testing::fresh_folder("late_assertion");
     MistakenSession mistaken(true);
@@ -155,11 +142,11 @@ TEST(SessionAssertion, RecordsStartedLaterOrEndedEarlyNameTheFailure) {
     mistaken.device->arm();
     session.servo().servo().advance(1);
     session.stop();
-    EXPECT_NE(notes_in(folder / "before.rec").find("assertion_failed"), std::string::npos);
+    EXPECT_NE(testing::notes_in(folder / "before.rec").find("assertion_failed"), std::string::npos);
     session.start_recording(folder / "after.rec");
     session.advance(testing::kFrame_s);
     session.stop();
-    EXPECT_NE(notes_in(folder / "after.rec").find("assertion_failed"), std::string::npos);
+    EXPECT_NE(testing::notes_in(folder / "after.rec").find("assertion_failed"), std::string::npos);
     std::filesystem::remove_all(folder);
 }
 

@@ -16,19 +16,12 @@
 namespace springdrive::session {
 namespace {
 
+using testing::notes_in;
 using testing::premium;
 using testing::run;
 using testing::run_into_contact;
 using testing::run_until;
 using testing::scripted;
-
-std::string notes_of(const std::filesystem::path &file) {
-    std::string notes;
-    for (record::RecordReader record(file); record.next();) {
-        notes += record.is_note() ? record.note() : "";
-    }
-    return notes;
-}
 
 bool exchange_to_the_end(Session &session, const DeviceChoice &choice) {
     session.exchange_device(choice);
@@ -125,8 +118,8 @@ TEST(SessionDevice, TheRecordContinuesInANewFileForTheOtherDevice) {
     EXPECT_EQ(record::RecordReader(expected[1]).header().device_toml,
               testing::contents_of(premium().file));
     EXPECT_EQ(record::RecordReader(expected[2]).header().device_name, "PHANTOM 1.0");
-    EXPECT_NE(notes_of(expected[0]).find("exchanged"), std::string::npos);
-    EXPECT_NE(notes_of(expected[1]).find("touch.rec"), std::string::npos);
+    EXPECT_NE(notes_in(expected[0]).find("exchanged"), std::string::npos);
+    EXPECT_NE(notes_in(expected[1]).find("touch.rec"), std::string::npos);
     std::string warnings;
     for (const std::string &warning : session.warnings().take_new()) {
         warnings += warning;
@@ -178,7 +171,7 @@ TEST(SessionDevice, AnotherRateContinuesInTheSameFileWithANote) {
     EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running);
     session.stop();
     ASSERT_EQ(session.recording().parts().size(), 1U);
-    const std::string notes = notes_of(options.record);
+    const std::string notes = notes_in(options.record);
     const nlohmann::json note = nlohmann::json::parse(notes);
     EXPECT_EQ(note.at("servo_hz"), 4000.0);
     EXPECT_EQ(note.at("from_tick"), next);

@@ -1,6 +1,7 @@
 // Sessions in lockstep on the project's scenes, for tests of exchanges.
 #pragma once
 
+#include "engine/record/record_reader.h"
 #include "engine/scene/scripted_touch.h"
 #include "engine/session/session.h"
 #include "tests/support/devices.h"
@@ -8,8 +9,10 @@
 
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <thread>
 
 namespace springdrive::testing {
@@ -94,6 +97,14 @@ inline bool run_until_loaded(session::Session &session) {
     }
     return run_until(
         session, [&] { return session.latest().scene_id == session.scenes().id(); }, 1.0);
+}
+
+/// The notes of a record, one after another.
+inline std::string notes_in(const std::filesystem::path &file) {
+    std::string notes;
+    record::RecordReader(file).for_each([](const servo::ServoSample &) {},
+                                        [&](std::string_view note) { notes += note; });
+    return notes;
 }
 
 } // namespace springdrive::testing

@@ -2,7 +2,6 @@
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "engine/lab/loops/hand_family.h"
-#include "engine/record/record_reader.h"
 #include "tests/engine/session/session_fixture.h"
 
 #include <gtest/gtest.h>
@@ -18,16 +17,6 @@ using testing::run;
 using testing::run_into_contact;
 using testing::run_until;
 using testing::scripted;
-
-std::vector<nlohmann::json> json_notes_of(const std::filesystem::path &file) {
-    std::vector<nlohmann::json> notes;
-    for (record::RecordReader record(file); record.next();) {
-        if (record.is_note()) {
-            notes.push_back(nlohmann::json::parse(record.note()));
-        }
-    }
-    return notes;
-}
 
 /// Without a scripted hand.
 SessionOptions held(const std::string &scene = "plate") {
@@ -60,10 +49,9 @@ TEST(SessionPlant, ADelayIsTheDevicesAndTheObservers) {
         EXPECT_EQ(session.device().device().delay_periods(), 1.5);
     }
     session.stop();
-    const std::vector<nlohmann::json> notes = json_notes_of(options.record);
-    ASSERT_EQ(notes.size(), 1U);
-    EXPECT_EQ(notes[0].at("delay_periods"), 1.5);
-    EXPECT_EQ(notes[0].at("from_tick"), next);
+    const nlohmann::json note = nlohmann::json::parse(testing::notes_in(options.record)); // one
+    EXPECT_EQ(note.at("delay_periods"), 1.5);
+    EXPECT_EQ(note.at("from_tick"), next);
     std::filesystem::remove_all(folder);
 }
 
