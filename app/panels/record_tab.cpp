@@ -139,12 +139,12 @@ void draw_tuning_of_record(session::Session &session, TuningEditor &editor,
 }
 
 void draw_facts(session::Session &session, const OpenedRecord &opened) {
-    const session::LoadedRecord &record = opened.playback().record();
+    const session::Record &record = opened.playback().record();
     ui::wrapped(kFaintInk, "{}, {:g} Hz, {:.1f} s from {}", record.header.device_name,
                 record.header.servo_hz, record.all.last_s - record.all.first_s,
                 record.header.started_utc);
     ui::explain(record.ending);
-    const session::RecordedScene then = record.scene_of(opened.playback().sample());
+    const session::RunScene then = opened.playback().scene();
     const std::filesystem::path scene = then.file;
     if (!scene.empty() && then.sha256 != session.scenes().now().sha256) {
         ui::wrapped(kWarning, "recorded on {}, not on the scene that is shown",
@@ -159,24 +159,25 @@ void draw_facts(session::Session &session, const OpenedRecord &opened) {
 }
 
 void draw_loaded_part(OpenedRecord &opened) {
-    const session::LoadedRecord &record = opened.playback().record();
+    const session::Record &record = opened.playback().record();
     if (!record.is_partial()) {
         return;
     }
-    ui::wrapped(kWarning, "in memory: {:.1f} to {:.1f} s of {:.1f} to {:.1f} s",
-                record.loaded.first_s, record.loaded.last_s, record.all.first_s, record.all.last_s);
-    const double length_s = record.loaded.last_s - record.loaded.first_s;
+    const session::RowTimes loaded = record.times();
+    ui::wrapped(kWarning, "in memory: {:.1f} to {:.1f} s of {:.1f} to {:.1f} s", loaded.first_s,
+                loaded.last_s, record.all.first_s, record.all.last_s);
+    const double length_s = loaded.last_s - loaded.first_s;
     {
-        const ui::Disabled at_begin(record.loaded.first_s <= record.all.first_s);
+        const ui::Disabled at_begin(loaded.first_s <= record.all.first_s);
         if (ui::small_button("earlier")) {
-            opened.open_from(record.loaded.first_s - length_s);
+            opened.open_from(loaded.first_s - length_s);
             return;
         }
     }
     ImGui::SameLine();
-    const ui::Disabled at_end(record.loaded.last_s >= record.all.last_s);
+    const ui::Disabled at_end(loaded.last_s >= record.all.last_s);
     if (ui::small_button("later")) {
-        opened.open_from(record.loaded.last_s);
+        opened.open_from(loaded.last_s);
     }
 }
 
@@ -266,7 +267,7 @@ void draw_record_controls(OpenedRecord &opened, const Rectangle &view, float sca
     draw_playback_speed(playback);
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1.0F);
-    const session::RowTimes &times = playback.record().loaded;
+    const session::RowTimes times = playback.record().times();
     double position_s = playback.position_s();
     if (ui::slider_with_number("##position", position_s, times.first_s, times.last_s, "%.3f s")) {
         playback.seek(position_s);

@@ -161,9 +161,8 @@ SceneSituation situation_of(const session::Session &session, const OpenedRecord 
     now.touching = session.latest().contact.touching;
     now.can_move_hand = session.hand().is_simulated() && !session.hand().follows_path();
     if (opened.is_shown()) {
-        const session::LoadedRecord &record = opened.playback().record();
-        now.record = record.file.filename().string();
-        const session::RecordedScene then = record.scene_of(opened.playback().sample());
+        now.record = opened.playback().record().file.filename().string();
+        const session::RunScene then = opened.playback().scene();
         if (then.sha256 != session.scenes().now().sha256) {
             now.scene_of_record = in_quotes(std::filesystem::path(then.file).filename().string());
         }

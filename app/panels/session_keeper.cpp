@@ -25,11 +25,6 @@ std::chrono::sys_seconds now() {
     return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
 }
 
-struct PastFile {
-    std::filesystem::path file;
-    session::PastRecord past;
-};
-
 } // namespace
 
 SessionKeeper::SessionKeeper(std::filesystem::path parent)
@@ -105,21 +100,22 @@ void SessionKeeper::write_uncovered(const session::Session &session) {
         error_ = fmt::format("{}: {} ticks are in no record: they were no longer in memory",
                              folder_->path().string(), begin - covered_to_row_);
     }
-    auto files = std::make_shared<std::vector<PastFile>>();
-    for (session::PastRecord &past : session.past()) {
-        past.from_row = std::max(past.from_row, covered_to_row_);
-        if (past.from_row >= past.to_row) {
+    auto records = std::make_shared<std::vector<session::Record>>();
+    for (session::Record &past : session.past()) {
+        past.rows.from = std::max(past.rows.from, covered_to_row_);
+        if (past.rows.from >= past.rows.to) {
             continue;
         }
         const std::filesystem::path name = name_of_new("past");
-        being_written_.push_back({name, past.device, past.start_s, past.from_row});
-        files->push_back({folder_->path() / name, std::move(past)});
+        being_written_.push_back({name, past.ran_on, past.start_s, past.rows.from});
+        past.file = folder_->path() / name;
+        records->push_back(std::move(past));
     }
     note_recording(session);
-    if (!files->empty()) {
-        writing_.start([files](BackgroundTalk &talk) {
-            for (const PastFile &each : *files) {
-                session::write_past(each.file, each.past, talk);
+    if (!records->empty()) {
+        writing_.start([records](BackgroundTalk &talk) {
+            for (const session::Record &each : *records) {
+                session::write_record(each.file, each, talk);
             }
             return true;
         });
@@ -152,11 +148,11 @@ void SessionKeeper::note_recording(const session::Session &session) {
         file = file.parent_path() == folder_->path() ? file.filename()
                                                      : std::filesystem::absolute(file);
         if (std::ranges::find(records_, file, &Kept::file) == records_.end()) {
-            const std::vector<session::PastRecord> past = session.past();
+            const std::vector<session::Record> past = session.past();
             if (past.empty() || past.back().start_s != session.servo().history().start_s()) {
                 return; // there is no tick of this device yet
             }
-            records_.push_back({file, past.back().device, past.back().start_s, end});
+            records_.push_back({file, past.back().ran_on, past.back().start_s, end});
         }
         covered_to_row_ = end;
         was_recording_ = true;
@@ -213,7 +209,7 @@ session::RunFacts SessionKeeper::facts(const session::Session &session, const Ev
     std::vector<Kept> records = records_;
     records.insert(records.end(), being_written_.begin(), being_written_.end());
     std::ranges::stable_sort(records, {}, &Kept::from_row);
-    const std::vector<session::PastRecord> past = session.past();
+    const std::vector<session::Record> past = session.past();
     std::vector<double> began_s; // of each device: no two begin at the same time
     for (const Kept &kept : records) {
         if (began_s.empty() || began_s.back() != kept.start_s) {
@@ -223,7 +219,7 @@ session::RunFacts SessionKeeper::facts(const session::Session &session, const Ev
         facts.records.push_back({kept.file, kept.start_s, facts.devices.size() - 1});
     }
     if (!past.empty() && !began_s.empty() && began_s.back() == past.back().start_s) {
-        facts.devices.back() = past.back().device; // as it is now
+        facts.devices.back() = past.back().ran_on; // as it is now
     }
     return facts;
 }

@@ -601,14 +601,6 @@ PlotSettings without_first(PlotSettings settings) {
     return settings;
 }
 
-std::optional<std::uint64_t> row_shown_at(const record::ChannelStore &store, double time_s) {
-    const std::uint64_t row = store.row_at(time_s);
-    if (row == store.end() || time_s < store.time_s(store.begin())) {
-        return std::nullopt;
-    }
-    return row;
-}
-
 void draw_sample(Canvas &canvas, const SamplePlace &place, const Stroke &stroke, PlotKind kind) {
     const auto at = [&place](float share) {
         return ImVec2{place.left.x + share * place.length, place.left.y};

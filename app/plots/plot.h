@@ -122,9 +122,4 @@ PlotArea draw_axes(Canvas &canvas, const Rectangle &where, const Axis &x, const 
 /// The same plot without its first channel.
 [[nodiscard]] PlotSettings without_first(PlotSettings settings);
 
-/// The row whose values are shown at a time: the first one that is not before it. Nothing before
-/// the oldest kept row, or after the newest.
-[[nodiscard]] std::optional<std::uint64_t> row_shown_at(const record::ChannelStore &store,
-                                                        double time_s);
-
 } // namespace springdrive::app

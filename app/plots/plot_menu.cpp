@@ -231,7 +231,7 @@ std::string values_under_cursors(std::size_t channel, const std::array<double, 2
                                  const record::ChannelStore &store, bool in_si) {
     const ShownUnit unit = shown_unit(channel, in_si);
     const auto value_at = [&](double time_s) {
-        const std::optional<std::uint64_t> row = row_shown_at(store, time_s);
+        const std::optional<std::uint64_t> row = store.row_shown_at(time_s);
         return row ? store.value(channel, *row) * unit.per_si
                    : std::numeric_limits<double>::quiet_NaN();
     };

@@ -109,7 +109,7 @@ std::optional<std::size_t> cursor_under_mouse(const Plot &plot, const PlotPanelS
 std::string values_text(const Plot &plot, const PlotSource &source) {
     const double time_s = plot.area.x_at(ImGui::GetIO().MousePos.x) + source.zero_s;
     const record::ChannelStore &store = source.store;
-    const std::optional<std::uint64_t> row = row_shown_at(store, time_s);
+    const std::optional<std::uint64_t> row = store.row_shown_at(time_s);
     if (!row) {
         return "";
     }

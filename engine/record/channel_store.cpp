@@ -275,6 +275,14 @@ std::uint64_t ChannelStore::row_at(double time_s) const {
     return begin_ + chunks_before * kRowsPerChunk + rows_before;
 }
 
+std::optional<std::uint64_t> ChannelStore::row_shown_at(double time_s) const {
+    const std::uint64_t row = row_at(time_s);
+    if (row == end() || (row == begin_ && this->time_s(row) > time_s)) {
+        return std::nullopt;
+    }
+    return this->time_s(row) > time_s ? row - 1 : row;
+}
+
 ChannelStore::Extremes ChannelStore::extremes(std::size_t channel, std::uint64_t from,
                                               std::uint64_t to) const {
     SPRINGDRIVE_ASSERT(channel < channels_ && holds(from, to));

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -58,6 +59,9 @@ public:
 
     /// The first kept row at or after that time; end() if there is none.
     [[nodiscard]] std::uint64_t row_at(double time_s) const;
+    /// The row whose values are shown at a time: the first one at that time, or else the last one
+    /// before it. None before the oldest kept row and after the newest.
+    [[nodiscard]] std::optional<std::uint64_t> row_shown_at(double time_s) const;
 
     /// Ignores NaN. Apart from up to 126 rows at its ends and the open chunk, a range is read in
     /// blocks of 64 rows or whole chunks.

@@ -20,7 +20,7 @@ constexpr std::uint64_t kRowsAnsweredFirst = 20'000;
 void RecordPlayback::open(const std::filesystem::path &file, double from_s) {
     error_.clear();
     loading_.start([file, from_s](BackgroundTalk &talk) {
-        return std::make_shared<const LoadedRecord>(load_record(file, from_s, kMaxBytes, talk));
+        return std::make_shared<const Record>(load_record(file, from_s, kMaxBytes, talk));
     });
 }
 
@@ -32,14 +32,21 @@ void RecordPlayback::close() {
     position_s_ = 0.0;
 }
 
-const LoadedRecord &RecordPlayback::record() const {
+const Record &RecordPlayback::record() const {
     SPRINGDRIVE_ASSERT(record_ != nullptr);
     return *record_;
 }
 
+RunScene RecordPlayback::scene() const {
+    const auto noted = scenes_.find(sample().scene_id);
+    return noted != scenes_.end()
+               ? noted->second
+               : RunScene{record().header.scene_file, record().header.scene_sha256};
+}
+
 void RecordPlayback::seek(double time_s) {
     if (is_open() && !std::isnan(time_s)) {
-        const RowTimes &times = record_->loaded;
+        const RowTimes times = record_->times();
         position_s_ = std::clamp(time_s, times.first_s, times.last_s);
     }
 }
@@ -68,7 +75,7 @@ void RecordPlayback::play(bool on) {
     if (!is_playing_) {
         return;
     }
-    const RowTimes &times = record_->loaded;
+    const RowTimes times = record_->times();
     if (speed_ > 0.0 && position_s_ >= times.last_s) {
         position_s_ = times.first_s;
     } else if (speed_ < 0.0 && position_s_ <= times.first_s) {
@@ -85,10 +92,11 @@ void RecordPlayback::advance(double frame_s) {
 
 void RecordPlayback::take_record() {
     try {
-        if (std::optional<Record> loaded = loading_.take()) {
+        if (std::optional<SharedRecord> loaded = loading_.take()) {
             drop_record();
             record_ = std::move(*loaded);
-            position_s_ = record_->loaded.first_s;
+            position_s_ = record_->times().first_s;
+            scenes_ = noted_scenes(*record_);
             is_playing_ = false;
         }
     } catch (const std::exception &error) {
@@ -101,7 +109,7 @@ void RecordPlayback::move(double frame_s) {
         return;
     }
     seek(position_s_ + speed_ * frame_s);
-    const RowTimes &times = record_->loaded;
+    const RowTimes times = record_->times();
     const bool is_at_end =
         speed_ > 0.0 ? position_s_ >= times.last_s : speed_ < 0.0 && position_s_ <= times.first_s;
     is_playing_ = !is_at_end;
@@ -113,7 +121,7 @@ void RecordPlayback::drop_record() {
     drop_answer();
     failed_.reset();
     if (record_) {
-        release_record_.let_go(std::make_unique<Record>(std::move(record_)));
+        release_record_.let_go(std::make_unique<SharedRecord>(std::move(record_)));
         record_.reset();
     }
 }
@@ -180,7 +188,7 @@ void RecordPlayback::go_on_answering() {
     if (has_begun && answer_->is_complete) {
         return;
     }
-    const RowRange all{record_->store.begin(), record_->store.end()};
+    const RowRange all = record_->rows;
     const RowRange rows = has_begun ? all : rows_to_answer_first();
     running_tuning_ = *asked_;
     running_completes_ = has_begun;

@@ -11,13 +11,14 @@
 #include "base/background_release.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/servo_sample.h"
-#include "engine/session/loaded_record.h"
+#include "engine/session/record.h"
 #include "engine/session/what_if.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -54,7 +55,7 @@ public:
 
     /// File, header, device, rows, notes and times. It is valid until `close`, or an `advance` that
     /// takes over the next record.
-    [[nodiscard]] const LoadedRecord &record() const;
+    [[nodiscard]] const Record &record() const;
     [[nodiscard]] const record::ChannelStore &store() const { return record().store; }
 
     /// The playhead, by the servo's time [s]: between the times of the first and last loaded row.
@@ -75,8 +76,12 @@ public:
     void advance(double frame_s);
 
     /// The row at the playhead: the last one until then.
-    [[nodiscard]] std::uint64_t row() const { return record().row_shown_at(position_s_); }
+    [[nodiscard]] std::uint64_t row() const {
+        return store().row_shown_at(position_s_).value_or(store().begin());
+    }
     [[nodiscard]] servo::ServoSample sample() const { return sample_at(store(), row()); }
+    /// The scene on which that row was recorded.
+    [[nodiscard]] RunScene scene() const;
 
     /// Computes the record again with this tuning, now and whenever another record is opened;
     /// without effect if it is the one last asked for, or not valid. The newest request counts, but
@@ -105,7 +110,7 @@ public:
     [[nodiscard]] std::optional<servo::ServoSample> answered_sample() const;
 
 private:
-    using Record = std::shared_ptr<const LoadedRecord>;
+    using SharedRecord = std::shared_ptr<const Record>;
 
     struct Answer {
         control::Tuning tuning;
@@ -123,7 +128,8 @@ private:
     void drop_record();
     void drop_answer();
 
-    Record record_;
+    SharedRecord record_;
+    std::map<std::uint32_t, RunScene> scenes_; ///< noted in the record
     std::string error_;
     double position_s_ = 0.0;
     double speed_ = 1.0;
@@ -135,9 +141,9 @@ private:
     control::Tuning running_tuning_; ///< of the running computation
     bool running_completes_ = false; ///< whether it is that of all rows
 
-    BackgroundRelease<Record> release_record_;
+    BackgroundRelease<SharedRecord> release_record_;
     BackgroundRelease<Answer> release_answer_;
-    Background<Record> loading_;
+    Background<SharedRecord> loading_;
     Background<std::unique_ptr<Answer>> answering_; ///< last members, so that they are joined first
 };
 

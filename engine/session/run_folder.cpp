@@ -5,14 +5,10 @@
 #include "base/input_file.h"
 #include "base/new_file.h"
 #include "engine/control/tuning_file.h"
-#include "engine/record/record_writer.h"
 #include "engine/session/run_folder_texts.h"
-#include "engine/session/telemetry_history.h"
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
 #include <fstream>
 #include <iterator>
@@ -95,51 +91,6 @@ void check_room_in(const fs::path &folder) {
     }
 }
 
-/// The rows of the past, with the notes between them.
-class PastRows {
-public:
-    PastRows(const PastRecord &past, BackgroundTalk &talk)
-        : past_(past), talk_(talk),
-          begin_(std::clamp(past.from_row, past.store.begin(), past.store.end())),
-          end_(std::clamp(past.to_row, begin_, past.store.end())) {}
-
-    [[nodiscard]] std::uint64_t count() const { return end_ - begin_; }
-
-    [[nodiscard]] record::RecordHeader header() const {
-        record::RecordHeader header = past_.header;
-        if (count() > 0) {
-            const servo::ServoSample first = sample_at(past_.store, begin_);
-            header.tuning = first.tuning;
-            header.global_alpha_rad2_per_m2 = first.global_alpha_rad2_per_m2;
-        }
-        return header;
-    }
-
-    void write_to(record::RecordWriter &writer, const std::string &name) const {
-        auto note = past_.notes.begin();
-        for (std::uint64_t row = begin_; row < end_; ++row) {
-            for (; note != past_.notes.end() && note->before_row <= row; ++note) {
-                writer.note(note->json);
-            }
-            if ((row - begin_) % record::ChannelStore::kRowsPerChunk == 0) {
-                talk_.report("writing " + name,
-                             static_cast<double>(row - begin_) / static_cast<double>(count()));
-            }
-            writer.write(sample_at(past_.store, row));
-        }
-        for (; note != past_.notes.end(); ++note) {
-            writer.note(note->json);
-        }
-        writer.close();
-    }
-
-private:
-    const PastRecord &past_;
-    BackgroundTalk &talk_;
-    std::uint64_t begin_;
-    std::uint64_t end_;
-};
-
 } // namespace
 
 RunFolder RunFolder::create(const fs::path &parent) {
@@ -197,26 +148,6 @@ RunFacts read_run(const fs::path &folder) {
     }
     facts.notes = text_if_any(folder / "notes.txt").value_or("");
     return facts;
-}
-
-void write_past(const fs::path &file, const PastRecord &past, BackgroundTalk &talk) {
-    const PastRows rows(past, talk);
-    record::RecordWriter writer(file, rows.header());
-    std::error_code ignored;
-    try {
-        rows.write_to(writer, file.filename().string());
-    } catch (const InputError &) {
-        fs::remove(file, ignored);
-        if (writer.is_open()) { // not the disk, but a note
-            throw;
-        }
-        throw InputError(fmt::format("{}: cannot be written completely, but only {} of {} ticks; "
-                                     "is the disk full? Nothing of it is kept",
-                                     file.string(), writer.rows_in_file(), rows.count()));
-    } catch (...) {
-        fs::remove(file, ignored);
-        throw;
-    }
 }
 
 } // namespace springdrive::session

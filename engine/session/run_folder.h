@@ -15,38 +15,17 @@
 // while those in a record begin with its device. `RunRecord::start_s` is the difference.
 #pragma once
 
-#include "base/background.h"
-#include "device/simulated/simulation_options.h"
-#include "engine/record/channel_store.h"
-#include "engine/record/record_header.h"
+#include "engine/session/record.h"
 #include "engine/session/tuning_history.h"
 
 #include <chrono>
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace springdrive::session {
-
-/// A device on which the session ran.
-struct RunDevice {
-    std::string name;
-    std::string file;       ///< as it was typed
-    std::string toml;       ///< the file's complete text
-    std::uint64_t seed = 0; ///< see SimulationOptions
-    simulated::PlantEffects effects;
-    bool observes_resistance = true;
-};
-
-struct RunScene {
-    std::string file;   ///< empty: none
-    std::string sha256; ///< of the file, lower-case hex
-    std::uint64_t triangles = 0;
-};
 
 struct RunRecord {
     std::filesystem::path file; ///< a bare name is in the folder; as read, all others are absolute
@@ -106,29 +85,5 @@ private:
 /// records hold it for each tick. Records are not opened: they may be missing, too.
 /// @throw InputError in one line naming the file and what is wrong with it.
 [[nodiscard]] RunFacts read_run(const std::filesystem::path &folder);
-
-/// An event of a record.
-struct PastNote {
-    std::uint64_t before_row = 0; ///< of the store
-    std::string json;
-};
-
-/// The ticks of one device that are still in memory.
-struct PastRecord {
-    record::ChannelStore store; ///< a snapshot of all channels
-    std::uint64_t from_row = 0; ///< dropped ones are left out
-    /// By `record_header`, as at the first row. Tuning and global α are taken from that row.
-    record::RecordHeader header;
-    std::vector<PastNote> notes; ///< in the order of their rows
-    std::uint64_t to_row = std::numeric_limits<std::uint64_t>::max(); ///< exclusive
-    double start_s = 0.0;                                             ///< see RunRecord
-    RunDevice device{};
-};
-
-/// Writes a record of the past; without rows, it has only the notes. Takes seconds: call it on a
-/// background thread. The snapshot's memory stays in use for as long.
-/// @throw InputError if the file exists or cannot be written, Cancelled if it was cancelled; no
-///        file is left behind, and an existing one is as it was.
-void write_past(const std::filesystem::path &file, const PastRecord &past, BackgroundTalk &talk);
 
 } // namespace springdrive::session

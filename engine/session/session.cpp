@@ -9,7 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <memory>
 #include <utility>
 
 namespace springdrive::session {
@@ -163,15 +163,18 @@ void Session::start_recording(const std::filesystem::path &file, FilePolicy poli
 /// Of all that is recorded of the present device.
 void Session::note(std::string json) {
     recording_->note(json);
-    past_.back().device = device_of_run();
+    past_.back().ran_on = device_of_run();
     past_.back().notes.push_back(
-        {{servo_->history().store().end(), std::move(json)}, header_of_record()});
+        {servo_->history().store().end(), std::move(json),
+         std::make_shared<const record::RecordHeader>(header_of_record())});
 }
 
 void Session::begin_past() {
-    const TelemetryHistory &history = servo_->history();
-    past_.push_back(
-        {history.store().end(), history.start_s(), device_of_run(), header_of_record(), {}});
+    past_.push_back({header_of_record(), models_->ground().device});
+    Record &record = past_.back();
+    record.rows.from = servo_->history().store().end();
+    record.start_s = servo_->history().start_s();
+    record.ran_on = device_of_run();
 }
 
 RunDevice Session::device_of_run() const {
@@ -185,35 +188,21 @@ RunDevice Session::device_of_run() const {
 
 void Session::forget_old_past() {
     const std::uint64_t begin = servo_->history().store().begin();
-    while (past_.size() > 1 && past_[1].from_row <= begin) {
+    while (past_.size() > 1 && past_[1].rows.from <= begin) {
         past_.pop_front();
     }
-    Past &oldest = past_.front();
-    const auto kept = std::ranges::find_if(
-        oldest.notes, [&](const Past::Note &noted) { return noted.note.before_row > begin; });
-    if (kept != oldest.notes.begin()) {
-        oldest.header = std::move(std::prev(kept)->header);
-        oldest.notes.erase(oldest.notes.begin(), kept);
-    }
+    past_.front().drop_before(begin);
 }
 
-std::vector<PastRecord> Session::past() const {
+std::vector<Record> Session::past() const {
     const record::ChannelStore &store = servo_->history().store();
-    std::vector<PastRecord> records;
+    std::vector<Record> records;
     for (std::size_t i = 0; i < past_.size(); ++i) {
-        const Past &past = past_[i];
-        PastRecord record{store, std::max(past.from_row, store.begin()), past.header, {}};
-        record.to_row = i + 1 < past_.size() ? past_[i + 1].from_row : store.end();
-        record.start_s = past.start_s;
-        record.device = past.device;
-        for (const Past::Note &noted : past.notes) {
-            if (noted.note.before_row <= record.from_row) {
-                record.header = noted.header;
-            } else {
-                record.notes.push_back(noted.note);
-            }
-        }
-        if (record.from_row < record.to_row) {
+        Record record = past_[i];
+        record.rows.to = i + 1 < past_.size() ? past_[i + 1].rows.from : store.end();
+        record.drop_before(store.begin());
+        if (record.rows.from < record.rows.to) {
+            record.store = store;
             records.push_back(std::move(record));
         }
     }
@@ -262,7 +251,7 @@ void Session::show(const LoadedScene &before) {
 void Session::observe_resistance(bool on) {
     options_.observes_resistance = on;
     observe_as_wanted();
-    past_.back().device = device_of_run();
+    past_.back().ran_on = device_of_run();
 }
 
 void Session::observe_as_wanted() {

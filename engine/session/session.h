@@ -10,8 +10,8 @@
 
 #include "device/core/calibration.h"
 #include "device/factory/device_factory.h"
+#include "engine/session/record.h"
 #include "engine/session/recording.h"
-#include "engine/session/run_folder.h"
 #include "engine/session/scene_models.h"
 #include "engine/session/scenes.h"
 #include "engine/session/servo_run.h"
@@ -93,8 +93,8 @@ public:
     void start_recording(const std::filesystem::path &file, FilePolicy policy = Existing::keep);
 
     /// What recordings would hold of the ticks that are still in memory: one for each device on
-    /// which they ran, the present one last. See write_past.
-    [[nodiscard]] std::vector<PastRecord> past() const;
+    /// which they ran, the present one last.
+    [[nodiscard]] std::vector<Record> past() const;
 
     /// Whether R̂ follows the windings' resistances. They are observed by currents that inductances
     /// smooth: a simulation without inductance (--model auto may choose one) is not observed.
@@ -209,20 +209,6 @@ private:
     struct Prepared; ///< an opened device with all that is needed to start on it
     class Loan;      ///< of the device
 
-    /// What was noted of a device's ticks.
-    struct Past {
-        struct Note {
-            PastNote note;
-            record::RecordHeader header; ///< of a record that begins after it
-        };
-
-        std::uint64_t from_row = 0; ///< of the history
-        double start_s = 0.0;       ///< the history's time at which the device's was 0
-        RunDevice device;
-        record::RecordHeader header;
-        std::vector<Note> notes;
-    };
-
     [[nodiscard]] Prepared prepare(const DeviceChoice &choice, const std::string &text,
                                    control::Tuning &tuning) const;
     void show(const LoadedScene &before);
@@ -270,7 +256,7 @@ private:
     std::unique_ptr<TuningHistory> tuning_;
     std::unique_ptr<Recording> recording_;
     std::unique_ptr<Prepared> next_device_;
-    std::deque<Past> past_; ///< of each device with ticks in memory
+    std::deque<Record> past_; ///< of each device with ticks in memory, without their store
     SimulatedHand hand_;
     bool has_started_ = false;
     bool reported_stall_ = false;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <vector>
 
 namespace springdrive::session {
 
@@ -198,18 +199,19 @@ void WhatIf::take_force(const record::ReplayedTick &tick, servo::ServoSample &an
     servo::note_rendered_error(answer);
 }
 
-record::ChannelStore what_if(const LoadedRecord &record, const control::Tuning &tuning,
+record::ChannelStore what_if(const Record &record, const control::Tuning &tuning,
                              const RowRange &rows) {
     TelemetryHistory answer = history_for(record.device.geometry, record.header);
     if (rows.from == rows.to) {
         return std::move(answer).take();
     }
     WhatIf tuned(record.device, record.header.delay_periods, tuning);
+    const std::vector<DelayChange> delays = delays_of(record);
     const std::uint64_t first = record.store.row_at(record.store.time_s(rows.from) - kLeadIn_s);
     for (std::uint64_t row = first; row < rows.to; ++row) {
         stop_if_given_up();
         const servo::ServoSample recorded = sample_at(record.store, row);
-        tuned.set_delay(record.delay_periods_at(recorded.tick));
+        tuned.set_delay(delay_periods_at(recorded.tick, delays));
         const servo::ServoSample sample = tuned.of(recorded);
         answer.follow_rate(sample);
         if (row < rows.from) {

@@ -16,7 +16,7 @@
 #include "device/core/haptic_device.h"
 #include "device/core/split_delay.h"
 #include "engine/record/replay.h"
-#include "engine/session/loaded_record.h"
+#include "engine/session/record.h"
 
 #include <cstdint>
 #include <deque>
@@ -79,17 +79,11 @@ private:
     PredictedCurrents currents_;
 };
 
-/// Rows of a record.
-struct RowRange {
-    std::uint64_t from = 0;
-    std::uint64_t to = 0; ///< exclusive
-};
-
 /// The rows of a range with another tuning: of the same times as in the record, but numbered from
 /// the range's first. The rows before it are used as far as they matter. Any thread.
 /// @pre the range is in the store
 /// @throw Cancelled soon after this thread's work was cancelled
-[[nodiscard]] record::ChannelStore what_if(const LoadedRecord &record,
-                                           const control::Tuning &tuning, const RowRange &rows);
+[[nodiscard]] record::ChannelStore what_if(const Record &record, const control::Tuning &tuning,
+                                           const RowRange &rows);
 
 } // namespace springdrive::session

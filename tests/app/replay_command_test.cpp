@@ -86,7 +86,9 @@ public:
         folder = session::RunFolder::create(parent);
         note_device();
         BackgroundTalk talk;
-        session::write_past(folder->path() / "past.rec", {store(), first_row_, header(), {}}, talk);
+        session::write_record(
+            folder->path() / "past.rec",
+            {header(), session.description(), store(), {first_row_, store().end()}}, talk);
         facts.records = {{folder->path() / "past.rec", start_s_, 0}};
         session.start_recording(folder->path() / "record.rec");
         note_record();

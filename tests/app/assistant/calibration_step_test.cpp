@@ -120,7 +120,7 @@ TEST(CalibrationStep, MeasuresTheMotorsWhichAreInUseAtOnceAndAfterwards) {
     EXPECT_EQ(stored->made_at_s, known.made_at_s);
 
     // A record of now has it, to the last bit.
-    const session::PastRecord now = walker.session.past().back();
+    const session::Record now = walker.session.past().back();
     const device::DeviceDescription recorded =
         device::read_device_text(now.header.device_toml, "of the record");
     ASSERT_TRUE(recorded.calibration);

@@ -500,18 +500,5 @@ TEST_F(PlotTest, AxesKeepToTheirPlaceHoweverSmallItIs) {
     }
 }
 
-// --- rows ---
-
-TEST(RowShownAt, IsNoneBeforeTheOldestAndAfterTheNewest) {
-    EXPECT_FALSE(row_shown_at(MadeUpStore().store(), 0.0));
-    MadeUpStore made;
-    made.add(100);
-    EXPECT_FALSE(row_shown_at(made.store(), -1e-6));
-    EXPECT_EQ(row_shown_at(made.store(), 0.0), 0U);
-    EXPECT_EQ(row_shown_at(made.store(), 0.0405), 41U);
-    EXPECT_EQ(row_shown_at(made.store(), 0.099), 99U);
-    EXPECT_FALSE(row_shown_at(made.store(), 0.0991));
-}
-
 } // namespace
 } // namespace springdrive::app

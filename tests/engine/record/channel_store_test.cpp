@@ -201,6 +201,13 @@ void expect_same_row_at(const ChannelStore &store, const AllRows &all, double ti
         ++expected;
     }
     ASSERT_EQ(store.row_at(time_s), expected) << time_s << " s";
+    const bool is_of_the_row = expected < store.end() && all.times_s[expected] == time_s;
+    const std::uint64_t before = is_of_the_row ? expected : expected - 1;
+    ASSERT_EQ(store.row_shown_at(time_s),
+              expected == store.end() || (expected == store.begin() && !is_of_the_row)
+                  ? std::nullopt
+                  : std::optional(before))
+        << time_s << " s";
 }
 
 void expect_same_rows_at(const ChannelStore &store, const AllRows &all, std::mt19937_64 &random) {

@@ -4,7 +4,7 @@
 #include "device/core/device_file.h"
 #include "engine/lab/rig/servo_rig.h"
 #include "engine/record/record_writer.h"
-#include "engine/session/loaded_record.h"
+#include "engine/session/record.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/surfaces.h"
@@ -84,16 +84,15 @@ inline void write_samples(const std::filesystem::path &file,
 }
 
 /// The same without a file.
-inline session::LoadedRecord in_memory(const std::vector<servo::ServoSample> &samples,
-                                       const record::RecordHeader &header = header_of()) {
+inline session::Record in_memory(const std::vector<servo::ServoSample> &samples,
+                                 const record::RecordHeader &header = header_of()) {
     const device::DeviceDescription device = device::read_device_text(header.device_toml, "test");
     session::TelemetryHistory rows = session::history_for(device.geometry, header);
     for (const servo::ServoSample &sample : samples) {
         rows.follow_rate(sample);
         rows.add(sample);
     }
-    const session::RowTimes times{samples.front().time_s, samples.back().time_s};
-    return {"in memory", header, device, std::move(rows).take(), times, times, {}};
+    return {header, device, std::move(rows).take(), {0, samples.size()}};
 }
 
 } // namespace springdrive::testing

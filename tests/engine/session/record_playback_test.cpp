@@ -1,4 +1,4 @@
-// Covers engine/session/record_playback.cpp and loaded_record.cpp: every row of a record, whatever
+// Covers engine/session/record_playback.cpp and record.cpp: every row of a record, whatever
 // the file is; the playhead; answers that arrive, and what ends in the middle.
 #include "engine/session/record_playback.h"
 
@@ -50,8 +50,8 @@ const Samples &pressed() {
     return samples;
 }
 
-LoadedRecord record_from(const std::filesystem::path &file, double from_s = -kForever,
-                         std::size_t max_bytes = kAmple) {
+Record record_from(const std::filesystem::path &file, double from_s = -kForever,
+                   std::size_t max_bytes = kAmple) {
     BackgroundTalk talk;
     return load_record(file, from_s, max_bytes, talk);
 }
@@ -93,7 +93,7 @@ protected:
 };
 
 TEST_F(Playback, HasAllBitsOfEveryRow) {
-    const LoadedRecord record = record_from(record_of(pressed()));
+    const Record record = record_from(record_of(pressed()));
     ASSERT_EQ(record.store.end() - record.store.begin(), pressed().size());
     TelemetryHistory history(record.device.geometry, testing::kRecorded_hz);
     for (std::size_t i = 0; i < pressed().size(); ++i) {
@@ -121,7 +121,7 @@ TEST_F(Playback, DerivedChannelsFollowTheRate) {
         samples.push_back(pressed()[1500 + i]);
         samples.back().time_s = 1000.0 + t_s;
     }
-    const LoadedRecord record = record_from(record_of(samples));
+    const Record record = record_from(record_of(samples));
     TelemetryHistory history(record.device.geometry, testing::kRecorded_hz);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         history.set_rate(i < 200 ? 1000.0 : 4000.0);
@@ -175,7 +175,7 @@ TEST_F(Playback, ATruncatedRecordIsShownUpToItsEnd) {
     const std::string whole = testing::contents_of(record_of(made_up(200)));
     for (const std::size_t cut : {1U, 1000U, 20'000U}) {
         testing::write_file(folder / "cut.rec", whole.substr(0, whole.size() - cut));
-        const LoadedRecord record = record_from(folder / "cut.rec");
+        const Record record = record_from(folder / "cut.rec");
         EXPECT_LT(record.store.end(), 200U);
         EXPECT_EQ(record.store.end() % 20, 0U); // whole chunks
         EXPECT_NE(record.ending.find("cannot be used"), std::string::npos) << record.ending;
@@ -221,7 +221,7 @@ TEST_F(Playback, RowsWhoseTimeDoesNotIncreaseAreLeftOut) {
     samples[70].time_s = kForever;
     samples[80].tick = std::numeric_limits<std::uint64_t>::max();
     samples[81].measurement_number = std::uint64_t{1} << 60U;
-    const LoadedRecord record = record_from(record_of(samples));
+    const Record record = record_from(record_of(samples));
     EXPECT_EQ(record.store.end(), 94U);
     EXPECT_NE(record.ending.find("left out: 6 rows"), std::string::npos) << record.ending;
     for (std::uint64_t row = 1; row < record.store.end(); ++row) {
@@ -251,15 +251,15 @@ TEST_F(Playback, ARandomRecordDoesNoHarm) {
 TEST_F(Playback, ARecordThatDoesNotFitIsLoadedInPart) {
     const std::filesystem::path file = record_of(pressed(), "long.rec", 2500);
     constexpr std::size_t kLittle = std::size_t{2} << 20; // bytes
-    const LoadedRecord begin = record_from(file, -kForever, kLittle);
+    const Record begin = record_from(file, -kForever, kLittle);
     EXPECT_TRUE(begin.is_partial());
     EXPECT_LT(begin.store.bytes(), 2 * kLittle);
-    EXPECT_EQ(begin.loaded.first_s, 0.0);
-    EXPECT_LT(begin.loaded.last_s, 2.5);
+    EXPECT_EQ(begin.times().first_s, 0.0);
+    EXPECT_LT(begin.times().last_s, 2.5);
     EXPECT_EQ(begin.all.last_s, pressed().back().time_s); // the total length is known
     EXPECT_EQ(begin.ending, "3000 rows, 1 note");
-    const LoadedRecord later = record_from(file, 0.5, kLittle);
-    EXPECT_EQ(later.loaded.first_s, 0.5);
+    const Record later = record_from(file, 0.5, kLittle);
+    EXPECT_EQ(later.times().first_s, 0.5);
     EXPECT_EQ(sample_at(later.store, later.store.begin()).tick, 500U);
     EXPECT_TRUE(record_from(file, 2.9).is_partial());
     EXPECT_NE(error_about(file, 100.0).find("has no rows from 100 s on; it ends at 2.999 s"),

@@ -1,4 +1,4 @@
-// Covers engine/session/run_folder.cpp and run_folder_texts.cpp.
+// Covers engine/session/run_folder.cpp and run_folder_texts.cpp, and write_record of record.cpp.
 #include "engine/session/run_folder.h"
 
 #include "base/input_error.h"
@@ -423,8 +423,6 @@ TEST_F(ReadRun, RefusesWhatIsNoFolderOfARun) {
 /// Rows of random bits, of which the first are of another device.
 class PastRecordTest : public ::testing::Test {
 protected:
-    PastRecordTest() { past.header = record::record_header(testing::kServo_hz); }
-
     void add(std::size_t rows) {
         TelemetryHistory history(testing::phantom_1_0().geometry, testing::kServo_hz);
         for (servo::ServoSample &sample :
@@ -436,44 +434,40 @@ protected:
                            history.row_of(sample));
             added.push_back(testing::row_of(sample));
         }
+        past.rows.to = past.store.end();
     }
     [[nodiscard]] std::string error(BackgroundTalk &&talk = {}) {
-        return error_text_of([&] { write_past(file, past, talk); });
+        return error_text_of([&] { write_record(file, past, talk); });
     }
 
     std::vector<std::string> added; ///< as rows of a record
     std::filesystem::path folder = fresh_folder("past_record");
     std::filesystem::path file = folder / "past.rec";
-    PastRecord past{
-        record::ChannelStore(channels().size(), TelemetryHistory::kMaxBytes), 0, {}, {}};
+    Record past{record::record_header(testing::kServo_hz), testing::phantom_1_0(),
+                record::ChannelStore(channels().size(), TelemetryHistory::kMaxBytes)};
 };
 
 /// Rows and notes of a record, one after another.
 std::vector<std::string> contents_of_record(const std::filesystem::path &file) {
     std::vector<std::string> contents;
     record::RecordReader reader(file);
-    while (reader.next()) {
-        if (reader.is_note()) {
-            contents.emplace_back(reader.note());
-        }
-        for (std::uint32_t row = 0; row < reader.rows(); ++row) {
-            contents.push_back(testing::row_of(reader.read_sample(row)));
-        }
-    }
+    reader.for_each(
+        [&](const servo::ServoSample &sample) { contents.push_back(testing::row_of(sample)); },
+        [&](std::string_view note) { contents.emplace_back(note); });
     EXPECT_EQ(reader.ending().why, "");
     return contents;
 }
 
 TEST_F(PastRecordTest, HoldsEveryBitAndEachNoteInItsPlace) {
     add(2500);
-    past.from_row = 100;
+    past.rows.from = 100;
     past.notes = {{3, "\"before\""},
                   {100, "\"first\""},
                   {2000, "\"a\""},
                   {2000, "\"b\""},
                   {2500, "\"last\""}};
     BackgroundTalk talk;
-    write_past(file, past, talk);
+    write_record(file, past, talk);
     std::vector<std::string> expected;
     auto note = past.notes.begin();
     for (std::uint64_t row = 100; row <= 2500; ++row) {
@@ -496,8 +490,9 @@ TEST_F(PastRecordTest, BeginsWithTheFirstRowThatIsStillKept) {
     past.store = record::ChannelStore(channels().size(), 1); // two chunks
     add(6000);
     ASSERT_GT(past.store.begin(), 3000U);
+    past.drop_before(past.store.begin());
     BackgroundTalk talk;
-    write_past(file, past, talk);
+    write_record(file, past, talk);
     const std::vector<std::string> rows = contents_of_record(file);
     ASSERT_EQ(rows.size(), past.store.end() - past.store.begin());
     EXPECT_TRUE(rows.front() == added[past.store.begin()]);
@@ -509,7 +504,7 @@ TEST_F(PastRecordTest, WithoutRowsIsARecordOfItsNotes) {
     EXPECT_EQ(error(), "");
     EXPECT_EQ(contents_of_record(file), std::vector<std::string>{"{}"});
     add(10);
-    past.from_row = 1000; // of a device that has not yet run
+    past.rows = {10, 10}; // of a device that has not yet run
     file = folder / "another.rec";
     EXPECT_EQ(error(), "");
     EXPECT_EQ(contents_of_record(file), std::vector<std::string>{"{}"});
@@ -519,12 +514,12 @@ TEST_F(PastRecordTest, LeavesNothingBehindIfItIsCancelled) {
     add(3000);
     BackgroundTalk talk;
     talk.is_cancelled = true;
-    EXPECT_THROW(write_past(file, past, talk), Cancelled);
+    EXPECT_THROW(write_record(file, past, talk), Cancelled);
     EXPECT_TRUE(std::filesystem::is_empty(folder));
     Background<bool> writing;
     writing.start([past = past, file = file](BackgroundTalk &own) {
         for (;;) { // until it is cancelled in the middle of one
-            write_past(file, past, own);
+            write_record(file, past, own);
             std::filesystem::remove(file);
         }
         return true;

@@ -169,12 +169,8 @@ TEST(Session, ARecordHoldsEveryTickAndEveryScene) {
     EXPECT_EQ(record.header().scene_sha256, sha256_of_file(options.scene));
     std::uint64_t next = 0;
     std::string notes;
-    while (record.next()) {
-        notes += record.is_note() ? record.note() : "";
-        for (std::uint32_t row = 0; row < record.rows(); ++row) {
-            EXPECT_EQ(record.read_sample(row).tick, next++);
-        }
-    }
+    record.for_each([&](const servo::ServoSample &sample) { EXPECT_EQ(sample.tick, next++); },
+                    [&](std::string_view note) { notes += note; });
     EXPECT_EQ(next, ticks);
     EXPECT_NE(notes.find("sphere.gltf"), std::string::npos);
     EXPECT_NE(notes.find(sha256_of_file(testing::assets() / "scenes/sphere.gltf")),
@@ -286,10 +282,10 @@ TEST(Session, ForgetsWhatWasNotedOfTicksThatAreGone) {
     // A header takes more than 10 KiB, and fewer than 40 of the notes are of ticks in memory.
     EXPECT_LT(in_use() - before, 40 * 10 * 1024.0);
 
-    const std::vector<PastRecord> past = session.past();
+    const std::vector<Record> past = session.past();
     ASSERT_EQ(past.size(), 1U);
     const record::ChannelStore &store = session.servo().history().store();
-    EXPECT_EQ(past[0].from_row, store.begin());
+    EXPECT_EQ(past[0].rows.from, store.begin());
     ASSERT_GT(past[0].notes.size(), 5U);
     EXPECT_LT(past[0].notes.size(), 40U);
     EXPECT_GT(past[0].notes.front().before_row, store.begin());

@@ -333,7 +333,7 @@ TEST(WhatIf, RandomRowsDoNoHarm) {
 }
 
 TEST(WhatIf, APartOfARecordIsAsInTheWhole) {
-    const LoadedRecord record = testing::in_memory(Press{}.samples());
+    const Record record = testing::in_memory(Press{}.samples());
     control::Tuning other;
     other.lambda_rad_per_s = 150.0;
     other.dR_Ohm = 0.1;
@@ -355,7 +355,7 @@ TEST(WhatIf, APartOfARecordIsAsInTheWhole) {
 }
 
 TEST(WhatIf, EndsSoonWhenCancelled) {
-    const LoadedRecord record = testing::in_memory(Press{}.samples());
+    const Record record = testing::in_memory(Press{}.samples());
     const std::atomic<bool> is_cancelled = true;
     const StopScope by(&is_cancelled);
     EXPECT_THROW(static_cast<void>(what_if(record, {}, {0, record.store.end()})), Cancelled);
@@ -391,21 +391,20 @@ TEST(WhatIf, FollowsDelayAndSceneThatChangeWithinARecord) {
     session.stop();
 
     BackgroundTalk talk;
-    LoadedRecord record =
-        load_record(options.record, 0.0, std::numeric_limits<std::size_t>::max(), talk);
+    Record record = load_record(options.record, 0.0, std::numeric_limits<std::size_t>::max(), talk);
     const servo::ServoSample first = sample_at(record.store, record.store.begin());
     const servo::ServoSample last = sample_at(record.store, record.store.end() - 1);
-    EXPECT_EQ(record.delay_periods_at(first.tick), 0.0);
-    EXPECT_EQ(record.delay_periods_at(last.tick), 2.6);
-    EXPECT_TRUE(record.scene_of(first).file.ends_with("plate.gltf"));
-    EXPECT_TRUE(record.scene_of(last).file.ends_with("sphere.gltf"));
+    EXPECT_EQ(delay_periods_at(first.tick, delays_of(record)), 0.0);
+    EXPECT_EQ(delay_periods_at(last.tick, delays_of(record)), 2.6);
+    EXPECT_TRUE(record.header.scene_file.ends_with("plate.gltf"));
+    EXPECT_FALSE(noted_scenes(record).contains(first.scene_id));
+    EXPECT_TRUE(noted_scenes(record)[last.scene_id].file.ends_with("sphere.gltf"));
 
-    const RowRange all{record.store.begin(), record.store.end()};
     const double followed_A =
-        difference_A(record.store, what_if(record, first.tuning, all), from_tick);
-    record.delays.clear();
+        difference_A(record.store, what_if(record, first.tuning, record.rows), from_tick);
+    record.notes.clear();
     const double ignored_A =
-        difference_A(record.store, what_if(record, first.tuning, all), from_tick);
+        difference_A(record.store, what_if(record, first.tuning, record.rows), from_tick);
     EXPECT_LT(followed_A, current_of_a_count_A(record.device));
     EXPECT_LT(followed_A, 0.8 * ignored_A);
     std::filesystem::remove_all(folder);
