@@ -89,14 +89,14 @@ TEST(LegendText, SaysWhatTheFirstChannelIsFor) {
 
 // --- cursors ---
 
-TEST(ValuesUnderCursors, AreThoseOfTheNextTickAndTheirDifference) {
+TEST(ValuesUnderCursors, AreThoseOfTheTickBeforeAndTheirDifference) {
     MadeUpStore made;
     for (int row = 0; row < 100; ++row) {
         made["force_N"] = row;
         made.add();
     }
     EXPECT_EQ(values_under_cursors(channel("force_N"), {0.010, 0.0305}, made.store(), false),
-              " A 10  B 31  Δ 21 N");
+              " A 10  B 30  Δ 20 N");
     made["tip_x_m"] = 0.25;
     made.add();
     EXPECT_EQ(values_under_cursors(channel("tip_x_m"), {0.1, 0.1}, made.store(), false),
