@@ -20,18 +20,10 @@ using study_screen::ParticipantPicture;
 using study_screen::SittingFrame;
 using study_screen::SittingState;
 
-Window::Wish hidden() {
-    Window::Wish wish;
-    wish.size = {640, 400};
-    wish.is_hidden = true;
-    return wish;
-}
-
 } // namespace
 
 VisitorWindow::VisitorWindow(const VisitorWindowOptions &options, session::Session &session)
-    : session_(session), hidden_("springdrive", hidden()), window_(hidden_, options.window),
-      requests_(options.reports) {}
+    : session_(session), window_(options.window), requests_(options.reports) {}
 
 void VisitorWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) {
     window_.show_scene(scene, spot, session_.description().workspace);
@@ -77,23 +69,19 @@ void VisitorWindow::report(const ParticipantPicture &picture, const SittingState
 }
 
 SittingFrame VisitorWindow::show(const ParticipantPicture &picture, const SittingState &state) {
-    requests_.begin_frame(hidden_.has_waiting_input());
+    requests_.begin_frame(false);
     session_.advance(kFrame_s);
     print_new_warnings(session_);
-    hidden_.begin_frame();
-    static_cast<void>(hidden_.take_keys());
-    static_cast<void>(hidden_.take_dropped_files());
     window_.show(picture);
     report(picture, state);
-    hidden_.end_frame();
     if (window_.take_emergency_stop()) {
         session_.emergency_stop();
     }
     SittingFrame frame{window_.take_inputs(session_.servo()), {}};
     obey_staff(frame.inputs);
-    frame.orders.stops = is_asked_to_end_ || hidden_.is_closing() || asked_to_end();
-    const Window::Size size = window_.framebuffer();
-    requests_.end_frame(size.width, size.height, hidden_.scale(), session_.latest());
+    frame.orders.stops = is_asked_to_end_ || asked_to_end();
+    const GlWindow::Size size = window_.framebuffer();
+    requests_.end_frame(size.width, size.height, 1.0F, session_.latest());
     return frame;
 }
 

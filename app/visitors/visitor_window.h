@@ -5,7 +5,6 @@
 #include "app/study/sitting/sitting_frame.h"
 #include "app/study/sitting/sitting_state.h"
 #include "app/window/report_requests.h"
-#include "app/window/window.h"
 #include "engine/session/session.h"
 
 #include <set>
@@ -38,7 +37,6 @@ private:
                 const study_screen::SittingState &state) const;
 
     session::Session &session_;
-    Window hidden_; ///< whose context draws
     study_screen::ParticipantWindow window_;
     ReportRequests requests_;
     std::set<std::string> held_keys_; ///< ctrl and alt

@@ -1,6 +1,5 @@
 #include "app/window/window.h"
 
-#include "app/host/software_renderer.h"
 #include "app/widgets/look.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"
@@ -31,14 +30,8 @@ constexpr Window::Size kDefaultSize{1280, 720};
 
 constexpr float kKioskScale = 1.6F; ///< of a picture of the default size
 
-/// The last error of GLFW.
-std::string &glfw_error() {
-    static std::string error;
-    return error;
-}
-
-void on_glfw_error(int code, const char *text) {
-    glfw_error() = std::string(text) + " (GLFW " + std::to_string(code) + ")";
+bool chooses_size(const Window::Wish &wish) {
+    return wish.size.width <= 0 || wish.size.height <= 0;
 }
 
 float display_scale(GLFWwindow *window) {
@@ -65,38 +58,15 @@ bool names(int key, int scancode, std::string_view letter) {
 } // namespace
 
 Window::Window(const std::string &title, const Wish &wish)
-    : frame_s_(wish.frame_s), is_unseen_(wish.is_unseen), is_kiosk_(wish.is_kiosk),
+    : GlWindow(title, chooses_size(wish) ? kDefaultSize : wish.size, wish.is_kiosk),
+      frame_s_(wish.frame_s), is_unseen_(wish.is_unseen), is_kiosk_(wish.is_kiosk),
       text_size_(static_cast<float>(wish.text_size)) {
-    glfwSetErrorCallback(on_glfw_error);
-    if (glfwInit() == GLFW_FALSE) {
-        throw InputError(
-            "no display: " + glfw_error() +
-            "; start it from a desktop, or with xvfb-run on a virtual display, as ./app/run does");
-    }
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
-    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
-    glfwWindowHint(GLFW_SAMPLES, 0); // the scene has its own, see MultisampledTarget
-    glfwWindowHint(GLFW_AUTO_ICONIFY, is_kiosk_ ? GLFW_FALSE : GLFW_TRUE);
-    const bool chooses_size = wish.size.width <= 0 || wish.size.height <= 0;
-    const Size size = chooses_size ? kDefaultSize : wish.size;
-    window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
-    if (window_ == nullptr) {
-        const std::string why = glfw_error();
-        glfwTerminate();
-        throw InputError("no window with OpenGL 3.3: " + why +
-                         "; install the graphics driver, or libgl1-mesa-dri for software OpenGL");
-    }
-    glfwSetWindowUserPointer(window_, this);
-    glfwSetWindowSizeLimits(window_, 640, 400, GLFW_DONT_CARE, GLFW_DONT_CARE);
-    glfwMakeContextCurrent(window_);
-    glfwSwapInterval(1);
-    if (!wish.is_hidden) {
-        glfwShowWindow(window_);
-    }
-    start_scale_ = wish.scale > 0.0 ? static_cast<float>(wish.scale) : display_scale(window_);
+    glfwSetWindowUserPointer(glfw(), this);
+    glfwSetWindowSizeLimits(glfw(), 640, 400, GLFW_DONT_CARE, GLFW_DONT_CARE);
+    glfwMakeContextCurrent(glfw());
+    glfwSwapInterval(wish.swaps_at_once ? 0 : 1);
+    glfwShowWindow(glfw());
+    start_scale_ = wish.scale > 0.0 ? static_cast<float>(wish.scale) : display_scale(glfw());
     scale_ = start_scale_ * text_size_;
 
     IMGUI_CHECKVERSION();
@@ -105,12 +75,12 @@ Window::Window(const std::string &title, const Wish &wish)
     choose_font();
     usable_scale_ = scale_;
     apply_look(scale_);
-    if (chooses_size && wish.remembered.width > 0) {
+    if (chooses_size(wish) && wish.remembered.width > 0) {
         resize_within_screen(wish.remembered.width, wish.remembered.height);
-    } else if (chooses_size && start_scale_ > 1.0F) { // a high-density screen
+    } else if (chooses_size(wish) && start_scale_ > 1.0F) { // a high-density screen
         return_to_default_size();
     }
-    ImGui_ImplGlfw_InitForOpenGL(window_, false);
+    ImGui_ImplGlfw_InitForOpenGL(glfw(), false);
     listen();
     ImGui_ImplOpenGL3_Init("#version 330 core");
     if (is_kiosk_) {
@@ -124,18 +94,16 @@ Window::~Window() {
     ImGui_ImplOpenGL3_Shutdown();
     ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext();
-    glfwDestroyWindow(window_);
-    glfwTerminate();
 }
 
 void Window::listen() {
-    glfwSetKeyCallback(window_, on_key);
-    glfwSetCharCallback(window_, on_letter);
-    glfwSetMouseButtonCallback(window_, on_mouse_button);
-    glfwSetDropCallback(window_, on_drop);
-    glfwSetScrollCallback(window_, ImGui_ImplGlfw_ScrollCallback);
-    glfwSetWindowFocusCallback(window_, ImGui_ImplGlfw_WindowFocusCallback);
-    glfwSetCursorEnterCallback(window_, ImGui_ImplGlfw_CursorEnterCallback);
+    glfwSetKeyCallback(glfw(), on_key);
+    glfwSetCharCallback(glfw(), on_letter);
+    glfwSetMouseButtonCallback(glfw(), on_mouse_button);
+    glfwSetDropCallback(glfw(), on_drop);
+    glfwSetScrollCallback(glfw(), ImGui_ImplGlfw_ScrollCallback);
+    glfwSetWindowFocusCallback(glfw(), ImGui_ImplGlfw_WindowFocusCallback);
+    glfwSetCursorEnterCallback(glfw(), ImGui_ImplGlfw_CursorEnterCallback);
 }
 
 /// All widgets can be reached by keys. The space bar stops the device: Enter presses buttons, too.
@@ -153,7 +121,7 @@ void Window::resize_within_screen(int width, int height) {
     if (GLFWmonitor *monitor = glfwGetPrimaryMonitor(); monitor != nullptr) {
         glfwGetMonitorWorkarea(monitor, &left, &top, &max_width, &max_height);
     }
-    glfwSetWindowSize(window_, std::min(width, max_width), std::min(height, max_height));
+    glfwSetWindowSize(glfw(), std::min(width, max_width), std::min(height, max_height));
 }
 
 void Window::return_to_default_size() {
@@ -232,16 +200,9 @@ void Window::choose_font() {
     large_text_ = {only, only};
 }
 
-bool Window::draws_in_software() {
-    const auto *renderer = reinterpret_cast<const char *>(glGetString(GL_RENDERER));
-    return renderer != nullptr && is_software_renderer(renderer);
-}
-
 bool Window::is_closing() const {
-    return !is_kiosk_ && glfwWindowShouldClose(window_) != GLFW_FALSE;
+    return !is_kiosk_ && glfwWindowShouldClose(glfw()) != GLFW_FALSE;
 }
-
-bool Window::has_focus() const { return glfwGetWindowAttrib(window_, GLFW_FOCUSED) != GLFW_FALSE; }
 
 void Window::begin_frame() {
     glfwPollEvents();
@@ -284,19 +245,7 @@ void Window::end_frame() {
         glReadPixels(0, 0, pixels.width, pixels.height, GL_RGB, GL_UNSIGNED_BYTE,
                      last_frame_.data());
     }
-    glfwSwapBuffers(window_);
-}
-
-Window::Size Window::framebuffer() const {
-    Size pixels;
-    glfwGetFramebufferSize(window_, &pixels.width, &pixels.height);
-    return pixels;
-}
-
-Window::Size Window::size() const {
-    Size units;
-    glfwGetWindowSize(window_, &units.width, &units.height);
-    return units;
+    glfwSwapBuffers(glfw());
 }
 
 bool Window::take_emergency_stop() { return std::exchange(emergency_stop_, false); }
@@ -384,20 +333,18 @@ void Window::note_key(const KeyDown &pressed) {
     }
 }
 
-bool Window::is_full_screen() const { return glfwGetWindowMonitor(window_) != nullptr; }
-
 void Window::toggle_full_screen() {
     auto &[x, y, width, height] = before_full_screen_;
     if (is_full_screen()) {
-        glfwSetWindowMonitor(window_, nullptr, x, y, width, height, GLFW_DONT_CARE);
+        glfwSetWindowMonitor(glfw(), nullptr, x, y, width, height, GLFW_DONT_CARE);
         return;
     }
     GLFWmonitor *monitor = glfwGetPrimaryMonitor();
     const GLFWvidmode *mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
     if (mode != nullptr) {
-        glfwGetWindowPos(window_, &x, &y);
-        glfwGetWindowSize(window_, &width, &height);
-        glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, GLFW_DONT_CARE);
+        glfwGetWindowPos(glfw(), &x, &y);
+        glfwGetWindowSize(glfw(), &width, &height);
+        glfwSetWindowMonitor(glfw(), monitor, 0, 0, mode->width, mode->height, GLFW_DONT_CARE);
     }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/widgets/rectangle.h"
+#include "app/window/gl_window.h"
 #include "app/window/input_queue.h"
 
 #include <array>
@@ -10,7 +11,6 @@
 #include <string>
 #include <vector>
 
-struct GLFWwindow;
 struct ImFont;
 
 namespace springdrive::app {
@@ -25,13 +25,9 @@ struct KeyPress {
     bool is_repeated = false; ///< held down
 };
 
-class Window {
+/// Its context is current while there is no other one's.
+class Window : public GlWindow {
 public:
-    struct Size {
-        int width = 0;
-        int height = 0;
-    };
-
     /// What is wanted of a new window.
     struct Wish {
         Size size;              ///< in pixels; 0 × 0 for 1280 × 720 times the scale
@@ -41,8 +37,8 @@ public:
         double frame_s = 0.0;   ///< between two frames, for Dear ImGui; 0: by the clock
         /// Fills the screen for good, cannot be closed, and has text by the screen's size.
         bool is_kiosk = false;
-        /// Never shown: it owns what the windows share that are shown.
-        bool is_hidden = false;
+        /// Does not wait for the display: another window does, in the same frame.
+        bool swaps_at_once = false;
         /// Shown, but nobody looks: frames that are not kept are computed, but not drawn.
         bool is_unseen = false;
     };
@@ -60,10 +56,6 @@ public:
     Window &operator=(const Window &) = delete;
 
     [[nodiscard]] bool is_closing() const; ///< never of a kiosk
-    [[nodiscard]] bool has_focus() const;  ///< whether keys arrive here
-
-    /// Whether the processor does what a graphics card would do.
-    [[nodiscard]] static bool draws_in_software();
 
     /// Polls events and begins an ImGui frame.
     void begin_frame();
@@ -76,7 +68,6 @@ public:
 
     /// Fills the screen, or returns to the former size.
     void toggle_full_screen();
-    [[nodiscard]] bool is_full_screen() const;
 
     /// Of the present one: that of a first run. Not while it fills the screen.
     void return_to_default_size();
@@ -94,8 +85,6 @@ public:
     /// Clears the whole framebuffer, before the caller's drawing.
     void clear();
 
-    [[nodiscard]] Size framebuffer() const; ///< pixels to draw on
-    [[nodiscard]] Size size() const;        ///< in ImGui's and the mouse's units
     /// Of text and panels; smaller than requested if the window is too small for that.
     [[nodiscard]] float scale() const { return usable_scale_; }
     [[nodiscard]] const LargeText &large_text() const { return large_text_; }
@@ -118,9 +107,6 @@ public:
     /// @param part  of the window, in its units; empty: all of it
     void write_screenshot(std::ostream &out, const Rectangle &part = {}) const;
 
-    /// For a second window, whose context shares objects with this one.
-    [[nodiscard]] GLFWwindow *glfw() const { return window_; }
-
     /// Why text may be missing letters; empty when the font was found.
     [[nodiscard]] const std::string &font_warning() const { return font_warning_; }
 
@@ -138,7 +124,6 @@ private:
     void resize_within_screen(int width, int height);
     void fit_scale_to_window();
 
-    GLFWwindow *window_ = nullptr;
     double frame_s_ = 0.0;
     bool is_unseen_ = false;
     bool is_kiosk_ = false;

@@ -26,10 +26,11 @@ constexpr float kStimuliShare = 0.5F;  ///< of the window's height, while they a
 StudyWindow::StudyWindow(const StudyWindowOptions &options, session::Session &session,
                          study::StudyStore &store, const study::Protocol &protocol)
     : session_(session), store_(store), protocol_(protocol),
-      window_("springdrive: experimenter", {options.size, {}, options.scale}),
-      renderer_(Window::draws_in_software() ? 0 : 4),
-      participant_window_(window_, options.participant), fit_(protocol),
-      requests_(options.reports) {}
+      window_(
+          "springdrive: experimenter",
+          {.size = options.size, .remembered = {}, .scale = options.scale, .swaps_at_once = true}),
+      renderer_(Window::draws_in_software() ? 0 : 4), participant_window_(options.participant),
+      fit_(protocol), requests_(options.reports) {}
 
 std::vector<study::Setting> StudyWindow::facts() const {
     const Window::Size pixels = participant_window_.framebuffer();

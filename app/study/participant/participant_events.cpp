@@ -107,14 +107,6 @@ ParticipantEvents::ParticipantEvents(GLFWwindow *window) : window_(window) {
     glfwSetWindowCloseCallback(window, on_close);
 }
 
-ParticipantEvents::~ParticipantEvents() {
-    glfwSetKeyCallback(window_, nullptr);
-    glfwSetCharCallback(window_, nullptr);
-    glfwSetMouseButtonCallback(window_, nullptr);
-    glfwSetWindowCloseCallback(window_, nullptr);
-    glfwSetWindowUserPointer(window_, nullptr);
-}
-
 void ParticipantEvents::shows(const ParticipantPicture &picture, const ParticipantLayout &layout) {
     layout_ = &layout;
     takes_text_ = picture.has_text_field;

@@ -14,7 +14,7 @@ namespace springdrive::app::study_screen {
 class ParticipantEvents {
 public:
     explicit ParticipantEvents(GLFWwindow *window);
-    ~ParticipantEvents();
+    ~ParticipantEvents() = default;
     ParticipantEvents(const ParticipantEvents &) = delete;
     ParticipantEvents &operator=(const ParticipantEvents &) = delete;
 

@@ -194,6 +194,13 @@ void ParticipantView::draw_page() {
     vertices_ += static_cast<std::size_t>(ImGui::GetDrawData()->TotalVtxCount);
 }
 
+void ParticipantView::copy_to_window() const {
+    const auto [width, height] = std::pair(target_->width, target_->height);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, target_->framebuffer.name());
+    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+}
+
 std::vector<std::uint8_t> ParticipantView::pixels() const {
     if (!target_) {
         return {};

@@ -14,8 +14,8 @@
 
 namespace springdrive::app::study_screen {
 
-/// Must be used with the main window's context current; its texture may be drawn by a context that
-/// shares objects with it. What it draws depends on nothing but picture, size, scene and spot.
+/// Must be used with one and the same context current. What it draws depends on nothing but
+/// picture, size, scene and spot.
 class ParticipantView {
 public:
     /// @param samples  per pixel of the scene, as for `Renderer`
@@ -37,8 +37,8 @@ public:
     [[nodiscard]] const ParticipantLayout &layout() const { return layout_; }
     /// Vertices of all but the scene that have been drawn so far.
     [[nodiscard]] std::size_t vertices() const { return vertices_; }
-    /// Bottom row first; name 0 before the first picture.
-    [[nodiscard]] GLuint texture() const { return target_ ? target_->texture.name() : 0; }
+    /// Of the last picture, to the bottom left of framebuffer 0. @pre there is one
+    void copy_to_window() const;
 
     /// The last picture: RGB, top row first. Waits for the drawing.
     [[nodiscard]] std::vector<std::uint8_t> pixels() const;

@@ -1,9 +1,7 @@
 #include "app/study/participant/participant_window.h"
 
-#include "app/study/participant/embedded_shaders.h"
 #include "app/study/participant/input_times.h"
 #include "app/study/participant/monitors.h"
-#include "base/input_error.h"
 
 #include <epoxy/gl.h>
 // epoxy must come before GLFW, which would bring in another OpenGL header.
@@ -37,20 +35,6 @@ private:
     GLFWwindow *before_;
 };
 
-/// What one context has been told to do, for the other to wait for. Does not block.
-class Fence {
-public:
-    Fence() : sync_(glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0)) { glFlush(); }
-    ~Fence() { glDeleteSync(sync_); }
-    Fence(const Fence &) = delete;
-    Fence &operator=(const Fence &) = delete;
-
-    void wait() const { glWaitSync(sync_, 0, GL_TIMEOUT_IGNORED); }
-
-private:
-    GLsync sync_;
-};
-
 void fill(GLFWwindow *window, GLFWmonitor *monitor) {
     if (const GLFWvidmode *const mode = glfwGetVideoMode(monitor); mode != nullptr) {
         glfwSetWindowMonitor(window, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
@@ -75,11 +59,11 @@ double frame_s_on(GLFWmonitor *monitor) {
     return 1.0 / (rate_Hz >= 50 && rate_Hz <= 240 ? rate_Hz : kUsualRate_Hz);
 }
 
-/// Each event is noted as it arrives: in both windows, also in the midst of the wait.
+/// Each event is noted as it arrives: in all windows, also in the midst of the wait.
 void take_events_until(double until_s) {
-    while (steady_clock_s() < until_s) {
+    do {
         glfwWaitEventsTimeout(std::max(0.0, until_s - steady_clock_s()));
-    }
+    } while (steady_clock_s() < until_s);
 }
 
 /// Empty for a window.
@@ -93,48 +77,23 @@ std::string chosen_monitor(const ParticipantWindow::Wish &wish) {
 
 } // namespace
 
-/// Objects of the window's context, which it does not share.
-struct ParticipantWindow::Presenter {
-    Program program{"picture", shaders::fullscreen_vert, shaders::picture_frag};
-    VertexArray no_vertices;
-};
-
-ParticipantWindow::ParticipantWindow(Window &main, const Wish &wish)
-    : main_(main), view_(Window::draws_in_software() ? 0 : 4), size_(wish.size),
-      monitor_(chosen_monitor(wish)) {
-    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
-    glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE); // it stays when the experimenter clicks
-    window_ = glfwCreateWindow(size_.width, size_.height, "springdrive", nullptr, main.glfw());
-    if (window_ == nullptr) {
-        const char *why = nullptr;
-        glfwGetError(&why);
-        throw InputError("no window for the participant: " + std::string(why ? why : "") +
-                         "; install the graphics driver, or libgl1-mesa-dri for software OpenGL");
-    }
-    events_ = std::make_unique<ParticipantEvents>(window_);
-    glfwSetInputMode(window_, GLFW_CURSOR, GLFW_CURSOR_HIDDEN);
+ParticipantWindow::ParticipantWindow(const Wish &wish)
+    : GlWindow("springdrive", wish.size, true), size_(wish.size), monitor_(chosen_monitor(wish)),
+      events_(glfw()) {
+    glfwSetInputMode(glfw(), GLFW_CURSOR, GLFW_CURSOR_HIDDEN);
     if (GLFWmonitor *const monitor = monitor_named(monitor_); monitor != nullptr) {
-        fill(window_, monitor);
+        fill(glfw(), monitor);
     }
-    frame_s_ = frame_s_on(glfwGetWindowMonitor(window_));
-    glfwShowWindow(window_);
-    {
-        const CurrentContext current(window_);
-        glfwSwapInterval(1);
-        presenter_ = std::make_unique<Presenter>();
-        check_gl("setting up the participant's window");
-    }
-    glfwSwapInterval(0); // of the main window
+    frame_s_ = frame_s_on(glfwGetWindowMonitor(glfw()));
+    glfwShowWindow(glfw());
+    const CurrentContext current(glfw());
+    glfwSwapInterval(1);
+    view_.emplace(draws_in_software() ? 0 : 4);
 }
 
 ParticipantWindow::~ParticipantWindow() {
-    {
-        const CurrentContext current(window_);
-        presenter_.reset();
-    }
-    events_.reset();
-    glfwDestroyWindow(window_);
-    glfwSwapInterval(1);
+    const CurrentContext current(glfw());
+    view_.reset();
 }
 
 std::vector<std::string> ParticipantWindow::monitors() {
@@ -153,11 +112,11 @@ void ParticipantWindow::follow_monitor() {
     }
     next_look_s_ = steady_clock_s() + kBetweenLooks_s;
     GLFWmonitor *const monitor = monitor_named(monitor_);
-    if (monitor != nullptr && !fills(window_, monitor)) {
-        fill(window_, monitor);
+    if (monitor != nullptr && !fills(glfw(), monitor)) {
+        fill(glfw(), monitor);
         frame_s_ = frame_s_on(monitor);
     } else if (monitor == nullptr && is_full_screen()) {
-        glfwSetWindowMonitor(window_, nullptr, 0, 0, size_.width, size_.height, GLFW_DONT_CARE);
+        glfwSetWindowMonitor(glfw(), nullptr, 0, 0, size_.width, size_.height, GLFW_DONT_CARE);
     }
 }
 
@@ -169,56 +128,35 @@ std::vector<ParticipantInput> ParticipantWindow::take_inputs(const session::Serv
 
 void ParticipantWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &spot,
                                    const device::Workspace &workspace) {
-    view_.set_scene(scene, {spot.point_m, spot.normal},
-                    workspace.centre_m.y() - 0.5 * workspace.size_m.y());
+    const CurrentContext current(glfw());
+    view_->set_scene(scene, {spot.point_m, spot.normal},
+                     workspace.centre_m.y() - 0.5 * workspace.size_m.y());
 }
 
 void ParticipantWindow::show(const ParticipantPicture &picture) {
+    const CurrentContext current(glfw());
     follow_monitor();
-    const Window::Size pixels = framebuffer();
-    if (pixels.width > 0 && pixels.height > 0) { // not of a window without a screen
-        view_.draw(picture, pixels.width, pixels.height);
+    const Size pixels = framebuffer();
+    const bool has_pixels = pixels.width > 0 && pixels.height > 0; // not without a screen
+    if (has_pixels) {
+        view_->draw(picture, pixels.width, pixels.height);
     }
-    events_->shows(picture, view_.layout());
-    glfwSetInputMode(window_, GLFW_CURSOR,
+    events_.shows(picture, view_->layout());
+    glfwSetInputMode(glfw(), GLFW_CURSOR,
                      picture.choices_take_clicks ? GLFW_CURSOR_NORMAL : GLFW_CURSOR_HIDDEN);
-    const Fence drawn;
-    const auto present = [&]() {
-        const CurrentContext current(window_);
-        drawn.wait();
-        glViewport(0, 0, pixels.width, pixels.height);
-        presenter_->program.use();
-        presenter_->program.set("picture", 0);
-        glActiveTexture(GL_TEXTURE0);
-        glBindTexture(GL_TEXTURE_2D, view_.texture());
-        glBindVertexArray(presenter_->no_vertices.name());
-        draw_arrays(GL_TRIANGLES, 3);
-        auto taken = std::make_unique<Fence>();
-        glfwSwapBuffers(window_);
-        return taken;
-    };
+    glFlush(); // it is drawn in the meantime
     take_events_until(paced_clock_s_ + frame_s_ - kBeforeSwap_s);
-    // The next picture must not be drawn into this one while it is being shown.
-    present()->wait();
+    if (has_pixels) {
+        view_->copy_to_window();
+    }
+    glfwSwapBuffers(glfw());
     if (steady_clock_s() < paced_clock_s_ + kWaitingShare * frame_s_) { // the swap has not waited
         take_events_until(paced_clock_s_ + frame_s_);
     }
     paced_clock_s_ = steady_clock_s();
 }
 
-bool ParticipantWindow::has_focus() const {
-    return glfwGetWindowAttrib(window_, GLFW_FOCUSED) != GLFW_FALSE;
-}
-
-void ParticipantWindow::take_focus() { glfwFocusWindow(window_); }
-
-Window::Size ParticipantWindow::framebuffer() const {
-    Window::Size pixels;
-    glfwGetFramebufferSize(window_, &pixels.width, &pixels.height);
-    return pixels;
-}
-
-bool ParticipantWindow::is_full_screen() const { return glfwGetWindowMonitor(window_) != nullptr; }
+void ParticipantWindow::take_focus() { glfwFocusWindow(glfw()); }
 
 bool ParticipantWindow::has_lost_monitor() const { return !monitor_.empty() && !is_full_screen(); }
 

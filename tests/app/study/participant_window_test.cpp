@@ -1,12 +1,14 @@
-// Covers app/study/participant/participant_window.cpp, participant_events.cpp: both windows on one
-// virtual display. There is no window manager: both are at the top left, this one above the main
-// one.
+// Covers app/study/participant/participant_window.cpp, participant_events.cpp and
+// app/window/gl_window.cpp: both windows on one virtual display. There is no window manager: both
+// are at the top left, this one above the main one.
 #include "app/study/participant/participant_window.h"
+#include "app/window/window.h"
 #include "base/input_error.h"
 #include "tests/app/study/participant_pictures.h"
 #include "tests/support/pressed_keys.h"
 #include "tests/support/virtual_display.h"
 
+#include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 #include <imgui.h>
 
@@ -25,9 +27,10 @@ class ParticipantsWindow : public ::testing::Test {
 protected:
     ParticipantsWindow() {
         setenv("DISPLAY", display_.name().c_str(), 1);
-        main_ = std::make_unique<Window>("main", Window::Wish{{640, 400}, {}, 0.0, 1.0, false});
-        window_ = std::make_unique<ParticipantWindow>(
-            *main_, ParticipantWindow::Wish{{}, true, {640, 360}});
+        main_ = std::make_unique<Window>(
+            "main", Window::Wish{.size = {640, 400}, .remembered = {}, .swaps_at_once = true});
+        window_ =
+            std::make_unique<ParticipantWindow>(ParticipantWindow::Wish{{}, true, {640, 360}});
         keys_ = std::make_unique<testing::PressedKeys>(display_.name());
         show(3);
         window_->take_focus();
@@ -130,12 +133,14 @@ TEST_F(ParticipantsWindow, ReportsClicksOnChoicesOrMouseButtonsAsThePictureSays)
 }
 
 TEST_F(ParticipantsWindow, LeavesTheMainWindowItsOwnKeysAndContext) {
-    GLFWwindow *const main = main_->glfw();
-    ASSERT_NE(main, nullptr);
+    GLFWwindow *const current = glfwGetCurrentContext();
+    ASSERT_NE(current, nullptr);
     keys_->tap("h");
     show(2);
     EXPECT_TRUE(main_->take_keys().empty());
-    window_.reset(); // without a window manager, the focus then goes back to the pointer's window
+    window_.reset();
+    EXPECT_EQ(glfwGetCurrentContext(), current);
+    // Without a window manager, the focus then goes back to the pointer's window.
     keys_->click(600, 390);
     main_->begin_frame();
     ImGui::Begin("panel");
@@ -150,8 +155,8 @@ TEST_F(ParticipantsWindow, SaysWhichMonitorsThereAre) {
     EXPECT_NE(there[0].find("1: "), std::string::npos);
     EXPECT_NE(there[0].find("800×600"), std::string::npos);
     window_.reset();
-    EXPECT_THROW(ParticipantWindow(*main_, {"2", false, {640, 360}}), InputError);
-    const ParticipantWindow full(*main_, {"1", false, {640, 360}});
+    EXPECT_THROW(ParticipantWindow({"2", false, {640, 360}}), InputError);
+    const ParticipantWindow full({"1", false, {640, 360}});
     EXPECT_TRUE(full.is_full_screen());
     EXPECT_FALSE(full.has_lost_monitor());
     EXPECT_EQ(full.framebuffer().width, 800);

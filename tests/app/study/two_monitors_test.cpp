@@ -1,6 +1,7 @@
 // Covers the monitors of app/study/participant/participant_window.cpp: two of different size, one
 // of which goes away and comes back.
 #include "app/study/participant/participant_window.h"
+#include "app/window/window.h"
 #include "tests/support/files.h"
 #include "tests/support/virtual_display.h"
 
@@ -116,10 +117,10 @@ TEST(TwoMonitors, AreToldApartAndFollowedWhenOneGoesAndComesBack) {
     }
     setenv("DISPLAY", monitors->display().name().c_str(), 1);
     monitors->plug(1, 2560, 1440);
-    Window main("main", Window::Wish{{640, 400}, {}, 0.0, 1.0, false});
+    Window main("main", Window::Wish{.size = {640, 400}, .remembered = {}, .swaps_at_once = true});
     EXPECT_EQ(ParticipantWindow::monitors(),
               (std::vector<std::string>{"1: DUMMY0 1024×768", "2: DUMMY1 2560×1440"}));
-    ParticipantWindow window(main, {"", false, {640, 360}}); // the second by itself
+    ParticipantWindow window({"", false, {640, 360}}); // the second by itself
     show_for(1.0, main, window);
     EXPECT_EQ(window.monitor(), "DUMMY1");
     EXPECT_TRUE(window.is_full_screen());
