@@ -3,8 +3,8 @@
 #include "app/commands/output_files.h"
 #include "app/commands/typed_session.h"
 #include "app/host/ending_signal.h"
+#include "app/stage/frame_loop.h"
 #include "app/stage/open_session.h"
-#include "app/window/frame_pace.h"
 #include "base/input_error.h"
 #include "engine/session/session_report.h"
 
@@ -25,21 +25,17 @@ struct TypedRecord {
     Existing existing = Existing::keep;
 };
 
-/// Until the time is over, termination is requested, or the record cannot continue.
-void play(session::Session &session, bool lockstep, double seconds) {
-    FramePace pace;
-    for (int frame = 0; !asked_to_end() && session.recording().is_running(); ++frame) {
-        const double elapsed_s = lockstep ? frame * kFrame_s : pace.elapsed_s();
-        if (elapsed_s >= seconds - 1e-9) {
-            return;
-        }
-        session.advance(kFrame_s);
-        print_new_warnings(session);
-        if (!lockstep) {
-            pace.wait();
-        }
+/// Until termination is requested, or the record cannot continue.
+class Recorded : public Activity {
+public:
+    explicit Recorded(const session::Session &session) : session_(session) {}
+    [[nodiscard]] bool is_over() const override {
+        return asked_to_end() || !session_.recording().is_running();
     }
-}
+
+private:
+    const session::Session &session_;
+};
 
 void run(const TypedRecord &typed) {
     check_range("--seconds", typed.seconds, 1e-3, kMax_s);
@@ -54,7 +50,8 @@ void run(const TypedRecord &typed) {
     note_ending_signals();
     session.start();
     print_new_warnings(session);
-    play(session, options.lockstep, typed.seconds);
+    Recorded activity(session);
+    run_frames(activity, session, {.seconds = typed.seconds, .is_paced = !options.lockstep});
     session.stop();
     if (typed.json != "-") {
         session::write_session_report(std::cout, session);

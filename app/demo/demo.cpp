@@ -6,7 +6,6 @@
 #include "app/host/output.h"
 #include "app/host/software_renderer.h"
 #include "app/stage/open_session.h"
-#include "app/window/frame_pace.h"
 #include "base/print.h"
 #include "engine/session/session_report.h"
 
@@ -15,32 +14,6 @@
 namespace springdrive::app {
 
 namespace {
-
-/// Until the window is closed, the frames are over, nobody asks for more, or termination is
-/// requested.
-void play(const DemoOptions &options, session::Session &session, Screen &screen) {
-    FramePace pace;
-    const bool lockstep = options.session.lockstep;
-    for (int frame = 0; !asked_to_end() && !screen.window().is_closing(); ++frame) {
-        if (options.is_stepped() && !screen.waits_for_request()) {
-            return;
-        }
-        const double elapsed_s = lockstep ? frame * kFrame_s : pace.elapsed_s();
-        if ((options.frames > 0 && frame >= options.frames) ||
-            (options.seconds > 0.0 && elapsed_s >= options.seconds - 1e-9)) {
-            return;
-        }
-        session.advance(kFrame_s);
-        print_new_warnings(session);
-        screen.draw_frame();
-        if (screen.kiosk() != nullptr && screen.kiosk()->ending() != exhibit::KioskEnding::none) {
-            return;
-        }
-        if (!lockstep) {
-            pace.wait();
-        }
-    }
-}
 
 void print_frames(const servo::DurationHistogram &frames) {
     print(std::cout, "window: {} frames, median {:.1f} ms, 99 % {:.1f} ms, longest {:.1f} ms\n",
@@ -88,7 +61,12 @@ int run_demo(const DemoOptions &options) {
     });
     session.start();
     print_new_warnings(session);
-    play(options, session, screen);
+    const servo::DurationHistogram frames = run_frames(screen, session,
+                                                       {.frames = options.frames,
+                                                        .seconds = options.seconds,
+                                                        .reports = options.reports,
+                                                        .only_reported = options.is_stepped(),
+                                                        .is_paced = !options.session.lockstep});
     exhibit::end_well_without_display({});
     session.stop();
     const bool starts_again = finish_kiosk(screen);
@@ -103,7 +81,7 @@ int run_demo(const DemoOptions &options) {
     }
     if (options.unattended()) {
         session::write_session_report(std::cout, session);
-        print_frames(screen.frame_durations());
+        print_frames(frames);
         print_load(screen.frame_load());
         if (!options.screenshot.empty()) {
             std::cout << "screenshot: " << options.screenshot.string() << '\n';

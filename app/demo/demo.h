@@ -1,4 +1,4 @@
-// The demo: a session, its window and the frame loop.
+// The demo: a session and its window.
 #pragma once
 
 #include "app/demo/demo_options.h"

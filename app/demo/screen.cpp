@@ -6,7 +6,6 @@
 #include "app/host/output.h"
 #include "app/view/pick.h"
 #include "app/widgets/widgets.h"
-#include "app/window/frame_pace.h"
 #include "base/error_text.h"
 #include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
@@ -84,7 +83,7 @@ Window::Wish wish_of(const DemoOptions &options, const Settings &settings) {
 Screen::Screen(const DemoOptions &options, session::Session &session)
     : habits_(options.settings), window_("springdrive", wish_of(options, habits_.settings())),
       session_(session), renderer_(Window::draws_in_software() ? 0 : kSamples), editor_(session),
-      keeps_frames_(!options.screenshot.empty()), requests_(options.reports) {
+      keeps_frames_(!options.screenshot.empty()) {
     habits_.update(window_); // its panels
     scene_panel_.files = offered_scenes(options.session.scene);
     scene_panel_.plant.draw_assistant_offer = [this] { offer_assistant(session_, assistant_); };
@@ -278,14 +277,12 @@ void Screen::escape() {
     }
 }
 
-bool Screen::waits_for_request() {
-    while (!requests_.wait() && !requests_.has_ended() && !asked_to_end()) {
-    }
-    return !requests_.has_ended();
+bool Screen::is_over() const {
+    return asked_to_end() || window_.is_closing() ||
+           (kiosk_ && kiosk_->ending() != exhibit::KioskEnding::none);
 }
 
-void Screen::draw_frame() {
-    requests_.begin_frame(window_.has_waiting_input());
+void Screen::draw() {
     window_.begin_frame();
     const auto [view, state] = draw_contents();
     const std::optional<std::filesystem::path> picture = keeper_.take_picture();
@@ -303,8 +300,6 @@ void Screen::draw_frame() {
                 Existing::keep);
         }));
     }
-    const Window::Size size = window_.size();
-    requests_.end_frame(size.width, size.height, window_.scale(), session_.latest());
 }
 
 void Screen::write_pictures(const std::optional<std::filesystem::path> &of_session) {
@@ -442,19 +437,7 @@ void Screen::print(const std::vector<std::string> &warnings) const {
 }
 
 void Screen::draw_scene(const Rectangle &view, const ViewState &state) {
-    const Window::Size pixels = window_.framebuffer();
-    const Window::Size size = window_.size();
-    const float pixel_scale =
-        static_cast<float>(pixels.width) / static_cast<float>(std::max(1, size.width));
-    ViewportPixels viewport;
-    viewport.x = static_cast<int>(view.corner.x * pixel_scale);
-    viewport.y = pixels.height - static_cast<int>((view.corner.y + view.size.y) * pixel_scale);
-    viewport.width = static_cast<int>(view.size.x * pixel_scale);
-    viewport.height = static_cast<int>(view.size.y * pixel_scale);
-    if (viewport.width > 0 && viewport.height > 0) {
-        renderer_.draw(view_control_.camera(), viewport, state, pixel_scale * window_.scale(),
-                       window_.is_drawn());
-    }
+    view_control_.draw(renderer_, state, view, window_);
     ui::enter_at({view.corner, {0.0F, 0.0F}}, "marks", "drawing", renderer_.marks_text());
 }
 

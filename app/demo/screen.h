@@ -15,12 +15,11 @@
 #include "app/panels/tuning_editor.h"
 #include "app/panels/window_habits.h"
 #include "app/plots/plot_panel.h"
+#include "app/stage/frame_loop.h"
 #include "app/stage/hand_lift.h"
 #include "app/stage/view_control.h"
 #include "app/view/renderer.h"
-#include "app/window/report_requests.h"
 #include "app/window/window.h"
-#include "engine/servo/duration_histogram.h"
 #include "engine/session/session.h"
 
 #include <cstdint>
@@ -30,17 +29,18 @@
 
 namespace springdrive::app {
 
-class Screen {
+class Screen : public Activity {
 public:
     /// @param session  must outlive it
     /// @throw InputError if no window can be opened
     Screen(const DemoOptions &options, session::Session &session);
 
-    void draw_frame();
-
-    /// Waits until a request asks for frames, or the program is asked to end. False once nobody can
-    /// ask any more.
-    [[nodiscard]] bool waits_for_request();
+    /// When the window is closed, the exhibit has ended, or termination is requested.
+    [[nodiscard]] bool is_over() const override;
+    void draw() override;
+    [[nodiscard]] ReportedWindow reported() const override {
+        return {window_.size(), window_.scale(), window_.has_waiting_input()};
+    }
 
     /// Once the session has stopped: completes the folder in which it is kept.
     /// @return why that was not possible; else empty
@@ -51,10 +51,6 @@ public:
     /// Null unless this is a kiosk.
     [[nodiscard]] exhibit::Kiosk *kiosk() { return kiosk_ ? &*kiosk_ : nullptr; }
 
-    /// See ReportRequests.
-    [[nodiscard]] const servo::DurationHistogram &frame_durations() const {
-        return requests_.durations();
-    }
     /// Of the view.
     [[nodiscard]] const FrameLoad &frame_load() const { return renderer_.load(); }
 
@@ -127,7 +123,6 @@ private:
     std::uint32_t shown_scene_ = 0;
     std::filesystem::path noted_record_; ///< the last that was noted among recent files
     bool keeps_frames_;
-    ReportRequests requests_;
 };
 
 } // namespace springdrive::app

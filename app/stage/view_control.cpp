@@ -3,6 +3,7 @@
 #include "app/view/framing.h"
 #include "app/view/linkage_solids.h"
 #include "app/view/pick.h"
+#include "app/view/renderer.h"
 #include "app/widgets/widgets.h"
 #include "engine/scene/scripted_touch.h"
 
@@ -143,6 +144,18 @@ void ViewControl::report(const session::Session &session, const ViewState &state
                   {static_cast<float>(part.bottom_right.x_px) - left,
                    static_cast<float>(part.bottom_right.y_px) - top}},
                  "device and scene", "drawing", "");
+}
+
+void ViewControl::draw(Renderer &renderer, const ViewState &state, const Rectangle &view,
+                       const Window &window) const {
+    const float scale = window.pixel_scale();
+    const auto pixel = [&](float units) { return static_cast<int>(units * scale); };
+    const ViewportPixels viewport{pixel(view.corner.x),
+                                  window.framebuffer().height - pixel(view.corner.y + view.size.y),
+                                  pixel(view.size.x), pixel(view.size.y)};
+    if (viewport.width > 0 && viewport.height > 0) {
+        renderer.draw(camera_, viewport, state, scale * window.scale(), window.is_drawn());
+    }
 }
 
 } // namespace springdrive::app

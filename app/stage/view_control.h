@@ -6,6 +6,7 @@
 #include "app/view/camera.h"
 #include "app/view/view_state.h"
 #include "app/widgets/rectangle.h"
+#include "app/window/window.h"
 #include "engine/session/session.h"
 
 #include <functional>
@@ -13,6 +14,8 @@
 #include <string_view>
 
 namespace springdrive::app {
+
+class Renderer;
 
 /// What is seen at a pixel of the view.
 struct SeenAt {
@@ -67,6 +70,10 @@ public:
     /// Enters into the window's report which part of the window device and scene take.
     void report(const session::Session &session, const ViewState &state,
                 const Rectangle &view) const;
+
+    /// The scene in that part of the window.
+    void draw(Renderer &renderer, const ViewState &state, const Rectangle &view,
+              const Window &window) const;
 
     [[nodiscard]] const Camera &camera() const { return camera_; }
     [[nodiscard]] bool holds_hand() const { return mouse_.holds_hand(); }

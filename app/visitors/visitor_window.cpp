@@ -1,9 +1,7 @@
 #include "app/visitors/visitor_window.h"
 
 #include "app/host/ending_signal.h"
-#include "app/stage/open_session.h"
 #include "app/widgets/widgets.h"
-#include "app/window/frame_pace.h"
 #include "base/error_text.h"
 
 #include <fmt/core.h>
@@ -21,9 +19,6 @@ using study_screen::SittingFrame;
 using study_screen::SittingState;
 
 } // namespace
-
-VisitorWindow::VisitorWindow(const VisitorWindowOptions &options, session::Session &session)
-    : session_(session), window_(options.window), requests_(options.reports) {}
 
 void VisitorWindow::show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) {
     window_.show_scene(scene, spot, session_.description().workspace);
@@ -69,9 +64,6 @@ void VisitorWindow::report(const ParticipantPicture &picture, const SittingState
 }
 
 SittingFrame VisitorWindow::show(const ParticipantPicture &picture, const SittingState &state) {
-    requests_.begin_frame(false);
-    session_.advance(kFrame_s);
-    print_new_warnings(session_);
     window_.show(picture);
     report(picture, state);
     if (window_.take_emergency_stop()) {
@@ -80,8 +72,6 @@ SittingFrame VisitorWindow::show(const ParticipantPicture &picture, const Sittin
     SittingFrame frame{window_.take_inputs(session_.servo()), {}};
     obey_staff(frame.inputs);
     frame.orders.stops = is_asked_to_end_ || asked_to_end();
-    const GlWindow::Size size = window_.framebuffer();
-    requests_.end_frame(size.width, size.height, 1.0F, session_.latest());
     return frame;
 }
 

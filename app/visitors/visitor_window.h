@@ -1,10 +1,10 @@
 // The one window of the visitors' task: the participant's, on whatever screen visitors have.
 #pragma once
 
+#include "app/stage/frame_loop.h"
 #include "app/study/participant/participant_window.h"
 #include "app/study/sitting/sitting_frame.h"
 #include "app/study/sitting/sitting_state.h"
-#include "app/window/report_requests.h"
 #include "engine/session/session.h"
 
 #include <set>
@@ -13,21 +13,18 @@
 
 namespace springdrive::app::visitors {
 
-struct VisitorWindowOptions {
-    study_screen::ParticipantWindow::Wish window;
-    bool reports = false; ///< answers requests on standard input, see ReportRequests
-};
-
 /// Ctrl+Alt+Q, a signal and the end of the display ask to end; Ctrl+Alt+Z says that the device is
 /// held in its zero pose.
 class VisitorWindow {
 public:
     /// @param session  must outlive it. @throw InputError if no window can be opened
-    VisitorWindow(const VisitorWindowOptions &options, session::Session &session);
+    VisitorWindow(const study_screen::ParticipantWindow::Wish &wish, session::Session &session)
+        : session_(session), window_(wish) {}
 
-    /// Shows this for a frame, and advances the session by it.
+    /// Shows this for a frame.
     study_screen::SittingFrame show(const study_screen::ParticipantPicture &picture,
                                     const study_screen::SittingState &state);
+    [[nodiscard]] ReportedWindow reported() const { return {window_.framebuffer()}; }
     /// See ShowsScene.
     void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot);
 
@@ -38,7 +35,6 @@ private:
 
     session::Session &session_;
     study_screen::ParticipantWindow window_;
-    ReportRequests requests_;
     std::set<std::string> held_keys_; ///< ctrl and alt
     bool is_asked_to_end_ = false;
 };

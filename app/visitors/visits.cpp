@@ -15,9 +15,9 @@ namespace springdrive::app::visitors {
 namespace {
 
 using study_screen::AnswerChoice;
-using study_screen::Course;
 using study_screen::OwnCurve;
 using study_screen::ParticipantPicture;
+using study_screen::Resumable;
 using study_screen::SittingFrame;
 using study_screen::SittingStep;
 
@@ -66,8 +66,7 @@ study_screen::Frames::Next Visits::show(ParticipantPicture picture, SittingStep 
     return frames_.show(std::move(picture));
 }
 
-void Visits::resume(const study_screen::ShowsFrame &show_frame) {
-    SittingFrame frame = show_frame();
+void Visits::resume(SittingFrame frame) {
     if (frame.orders.stops) {
         session_.keep_released(true);
         frames_.end();
@@ -84,7 +83,7 @@ study::SimulatedParticipant Visits::made_up_visitor() const {
     return visitor;
 }
 
-Course<Visitor> Visits::wait_for_visitor() {
+Resumable<Visitor> Visits::wait_for_visitor() {
     ParticipantPicture picture;
     picture.heading = "Can you feel it?";
     picture.choices_take_clicks = true;
@@ -115,7 +114,7 @@ Course<Visitor> Visits::wait_for_visitor() {
     }
 }
 
-Course<VisitEnd> Visits::sit(study::StudyStore &store, Visitor visitor) {
+Resumable<VisitEnd> Visits::sit(study::StudyStore &store, Visitor visitor) {
     study_screen::SittingPlan plan{plan_.protocol, plan_.setting, plan_.folders, kVisitor};
     plan.offers_practice_again = false; // nobody has the time
     plan.keeps_records = false;
@@ -133,7 +132,7 @@ Course<VisitEnd> Visits::sit(study::StudyStore &store, Visitor visitor) {
         state_ = sitting.state();
         SittingFrame frame =
             co_await frames_.show(visit.for_visitors(sitting.picture(), state_.step));
-        sitting.resume([&] { return visit.for_sitting(std::move(frame), state_); });
+        sitting.resume(visit.for_sitting(std::move(frame), state_));
     }
     if (sitting.ending() == study::SessionEnding::failed) {
         throw InputError("the device has failed for good: " +
@@ -146,7 +145,7 @@ Course<VisitEnd> Visits::sit(study::StudyStore &store, Visitor visitor) {
 
 /// The trials that a made-up visitor was not shown with, answered at once: the curve grows.
 /// @return whether to its end
-Course<bool> Visits::reckon_rest(study::StudyStore &store) {
+Resumable<bool> Visits::reckon_rest(study::StudyStore &store) {
     study::Protocol protocol = plan_.protocol;
     protocol.practice = {};
     study::Session session;
@@ -179,7 +178,7 @@ Course<bool> Visits::reckon_rest(study::StudyStore &store) {
     co_return true;
 }
 
-Course<> Visits::show_curve(const study::StudyContents &visit, Visitor visitor) {
+Resumable<> Visits::show_curve(const study::StudyContents &visit, Visitor visitor) {
     ParticipantPicture picture;
     picture.curve = curve_of(plan_.protocol, result_of_visit(plan_.protocol, visit));
     picture.heading = result_heading(*picture.curve, visitor);
@@ -199,7 +198,7 @@ Course<> Visits::show_curve(const study::StudyContents &visit, Visitor visitor) 
     }
 }
 
-Course<> Visits::visits() {
+Resumable<> Visits::visits() {
     while (true) {
         const Visitor visitor = co_await wait_for_visitor();
         ++begun_;
@@ -218,6 +217,6 @@ Course<> Visits::visits() {
     }
 }
 
-Course<> Visits::course() { co_await frames_.until_end(visits()); }
+Resumable<> Visits::whole() { co_await frames_.until_end(visits()); }
 
 } // namespace springdrive::app::visitors

@@ -8,7 +8,7 @@
 // a visitor is in any file.
 #pragma once
 
-#include "app/study/sitting/course.h"
+#include "app/study/sitting/resumable.h"
 #include "app/study/sitting/trial_presenter.h"
 #include "app/visitors/unattended_visit.h"
 #include "engine/session/session.h"
@@ -48,27 +48,27 @@ public:
     Visits(VisitsPlan plan, session::Session &session, study_screen::ShowsScene show_scene);
 
     // As of a Sitting.
-    void start() { frames_.start(course()); }
+    void start() { frames_.start(whole()); }
     [[nodiscard]] const study_screen::ParticipantPicture &picture() const {
         return frames_.picture();
     }
     [[nodiscard]] const study_screen::SittingState &state() const { return state_; }
     /// Until a frame says that everything is to end.
     [[nodiscard]] bool is_over() const { return frames_.is_over(); }
-    /// @throw InputError from the window, or if the device has failed for good
-    void resume(const study_screen::ShowsFrame &show_frame);
+    /// @throw InputError if the device has failed for good
+    void resume(study_screen::SittingFrame frame);
 
     /// Visits that were begun.
     [[nodiscard]] int begun() const { return begun_; }
 
 private:
-    [[nodiscard]] study_screen::Course<> course();
-    [[nodiscard]] study_screen::Course<> visits();
-    [[nodiscard]] study_screen::Course<Visitor> wait_for_visitor();
-    [[nodiscard]] study_screen::Course<VisitEnd> sit(study::StudyStore &store, Visitor visitor);
-    [[nodiscard]] study_screen::Course<bool> reckon_rest(study::StudyStore &store);
-    [[nodiscard]] study_screen::Course<> show_curve(const study::StudyContents &visit,
-                                                    Visitor visitor);
+    [[nodiscard]] study_screen::Resumable<> whole();
+    [[nodiscard]] study_screen::Resumable<> visits();
+    [[nodiscard]] study_screen::Resumable<Visitor> wait_for_visitor();
+    [[nodiscard]] study_screen::Resumable<VisitEnd> sit(study::StudyStore &store, Visitor visitor);
+    [[nodiscard]] study_screen::Resumable<bool> reckon_rest(study::StudyStore &store);
+    [[nodiscard]] study_screen::Resumable<> show_curve(const study::StudyContents &visit,
+                                                       Visitor visitor);
     /// A picture of ours.
     [[nodiscard]] study_screen::Frames::Next show(study_screen::ParticipantPicture picture,
                                                   study_screen::SittingStep step);

@@ -7,6 +7,8 @@
 // epoxy must come before GLFW, which would bring in another OpenGL header.
 #include <GLFW/glfw3.h>
 
+#include <algorithm>
+
 namespace springdrive::app {
 
 namespace {
@@ -77,6 +79,10 @@ GlWindow::Size GlWindow::size() const {
     Size units;
     glfwGetWindowSize(window_, &units.width, &units.height);
     return units;
+}
+
+float GlWindow::pixel_scale() const {
+    return static_cast<float>(framebuffer().width) / static_cast<float>(std::max(1, size().width));
 }
 
 } // namespace springdrive::app

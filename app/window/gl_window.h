@@ -13,6 +13,8 @@ public:
     struct Size {
         int width = 0;
         int height = 0;
+
+        friend bool operator==(const Size &, const Size &) = default;
     };
 
     /// Not shown yet, and its context not current.
@@ -30,6 +32,8 @@ public:
     [[nodiscard]] bool is_full_screen() const;
     [[nodiscard]] Size framebuffer() const; ///< pixels to draw on
     [[nodiscard]] Size size() const;        ///< in the mouse's units
+    /// Pixels in one of those units.
+    [[nodiscard]] float pixel_scale() const;
 
 protected:
     [[nodiscard]] GLFWwindow *glfw() const { return window_; }

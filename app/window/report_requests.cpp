@@ -1,5 +1,6 @@
 #include "app/window/report_requests.h"
 
+#include "app/host/ending_signal.h"
 #include "app/widgets/widgets.h"
 
 #include <array>
@@ -23,21 +24,19 @@ constexpr std::size_t kMaxLine = 1000;
 
 bool ReportRequests::wait() {
     constexpr int kWait_ms = 100; // a signal to end may have come just before
-    take_in(asked_ > 0 ? 0 : kWait_ms);
-    return asked_ > 0;
+    while (asked_ == 0 && !has_ended_ && !asked_to_end()) {
+        take_in(kWait_ms);
+    }
+    return asked_ > 0 || !has_ended_;
 }
 
-void ReportRequests::begin_frame(bool has_input) {
+void ReportRequests::begin_frame(const ReportedWindow &window) {
     begun_ = std::chrono::steady_clock::now();
     if (are_read_) {
         take_in(0);
     }
-    frames_ = asked_ > 0 && !has_input ? frames_ + 1 : 0;
+    frames_ = asked_ > 0 && !window.has_waiting_input ? frames_ + 1 : 0;
     ui::report().begin(asked_ > 0 && frames_ >= kFrames);
-}
-
-double ReportRequests::frame_s() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
 }
 
 void ReportRequests::take_in(int wait_ms) {
@@ -62,15 +61,16 @@ void ReportRequests::take_in(int wait_ms) {
     }
 }
 
-void ReportRequests::end_frame(int width, int height, float scale,
-                               const servo::ServoSample &latest) {
+void ReportRequests::end_frame(const ReportedWindow &window, const servo::ServoSample &latest) {
     ++frame_;
-    durations_.add(frame_s());
+    durations_.add(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count());
     if (!ui::report().is_wanted()) {
         return;
     }
-    const std::string line =
-        json_line(ui::report(), facts_of(frame_, width, height, scale, durations_), latest);
+    const WindowFacts facts =
+        facts_of(frame_, window.size.width, window.size.height, window.scale, durations_);
+    const std::string line = json_line(ui::report(), facts, latest);
     for (; asked_ > 0; --asked_) {
         std::cout << line << '\n';
     }

@@ -3,6 +3,7 @@
 // shows the consequences of all input events up to the request.
 #pragma once
 
+#include "app/window/gl_window.h"
 #include "engine/servo/duration_histogram.h"
 #include "engine/servo/servo_sample.h"
 
@@ -13,30 +14,29 @@
 
 namespace springdrive::app {
 
+/// The window whose frames are reported.
+struct ReportedWindow {
+    GlWindow::Size size;
+    float scale = 1.0F;             ///< of text and panels
+    bool has_waiting_input = false; ///< for a later frame
+};
+
 class ReportRequests {
 public:
     /// @param are_read  else there are none
     explicit ReportRequests(bool are_read) : are_read_(are_read) {}
 
-    /// Waits for a request, at most a tenth of a second, unless there is one already.
-    /// @return whether frames are asked for
+    /// Waits until a request asks for frames, or the program is asked to end. False once nobody can
+    /// ask any more.
     [[nodiscard]] bool wait();
-
-    /// Whether nobody can ask any more.
-    [[nodiscard]] bool has_ended() const { return has_ended_ && asked_ == 0; }
 
     /// Before a frame takes its events, so that the answer follows all that came before it. Reads
     /// what is there, without waiting, and reports an error of anything but a request on standard
     /// error. `ui::report()` is wanted afterwards if the frame will be reported.
-    /// @param has_input  events still wait for a frame
-    void begin_frame(bool has_input);
-
-    /// Since the frame began.
-    [[nodiscard]] double frame_s() const;
+    void begin_frame(const ReportedWindow &window);
 
     /// After the frame; prints an answer for each request if it was due.
-    /// @param width  and the others: see WindowFacts
-    void end_frame(int width, int height, float scale, const servo::ServoSample &latest);
+    void end_frame(const ReportedWindow &window, const servo::ServoSample &latest);
 
     /// Time to compute, draw and show a frame; a display with vertical synchronisation adds its
     /// wait.

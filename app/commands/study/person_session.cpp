@@ -4,6 +4,7 @@
 #include "app/host/user_folder.h"
 #include "app/stage/open_session.h"
 #include "app/study/sitting/person_checks.h"
+#include "app/study/sitting/sitting_activity.h"
 #include "base/input_error.h"
 #include "engine/session/session_report.h"
 #include "engine/study/protocol/presented.h"
@@ -37,7 +38,7 @@ void say_what_it_is(const session::Session &session) {
 
 } // namespace
 
-void TypedSitting::add_to(Command &command) {
+void TypedSitting::add_device_to(Command &command) {
     add_device_option(command, device);
     command.add_flag("--at-zero", starts_at_zero,
                      "the device on USB is held in its zero pose at the start: upper arm level, "
@@ -45,6 +46,10 @@ void TypedSitting::add_to(Command &command) {
     emulation.add_to(command, "emulated board");
     command.add_option("--cpu", cpu, "the processor to which the servo thread is bound")
         .type_name("N");
+}
+
+void TypedSitting::add_to(Command &command) {
+    add_device_to(command);
     command
         .add_option("--participant-screen", window.participant.monitor,
                     "the participant's monitor, by number or a part of its name [the second; a "
@@ -73,7 +78,7 @@ void TypedSitting::add_to(Command &command) {
     command.add_flag("--lockstep", is_in_lockstep,
                      "run the servo by frame time instead of the clock, which is repeatable; not "
                      "on USB");
-    command.add_flag("--report", window.reports,
+    command.add_flag("--report", reports,
                      "for each line \"report\" on standard input, write what the experimenter's "
                      "window shows as a line of JSON");
 }
@@ -125,7 +130,8 @@ void run_person_session(study::StudyStore &store, const study::Protocol &protoco
         session, [&window](const scene::Scene &scene, const scene::TouchSpot &spot) {
             window.show_scene(scene, spot);
         });
-    study_screen::show_to_end(sitting, window);
+    study_screen::SittingActivity activity(sitting, window);
+    run_frames(activity, session, {.reports = typed.reports});
     session.stop();
 }
 

@@ -23,8 +23,10 @@ struct TypedSitting {
     bool keeps_records = true;
     bool plays_noise = true;
     study_screen::StudyWindowOptions window;
+    bool reports = false; ///< answers requests on standard input, see ReportRequests
 
     void add_to(Command &command);
+    void add_device_to(Command &command); ///< what `add_to` begins with
 };
 
 /// With the protocol's device and the first condition's scene, tuning and servo.

@@ -6,6 +6,7 @@
 #include "app/host/asset_folder.h"
 #include "app/host/ending_signal.h"
 #include "app/stage/open_session.h"
+#include "app/study/sitting/sitting_activity.h"
 #include "app/visitors/curve_of_answers.h"
 #include "app/visitors/visitor_window.h"
 #include "app/visitors/visits.h"
@@ -57,21 +58,20 @@ void try_typed(const TypedTry &typed) {
         throw InputError("--observer simulated: nobody is there to hold the device on USB; leave "
                          "out one of the two");
     }
-    visitors::VisitorWindowOptions options;
-    options.window = typed.sitting.window.participant;
-    options.window.is_window = typed.is_window;
-    if (options.window.monitor.empty()) {
-        options.window.monitor = "1";
+    study_screen::ParticipantWindow::Wish wish = typed.sitting.window.participant;
+    wish.is_window = typed.is_window;
+    if (wish.monitor.empty()) {
+        wish.monitor = "1";
     }
-    options.reports = typed.sitting.window.reports;
-    visitors::VisitorWindow window(options, session);
+    visitors::VisitorWindow window(wish, session);
     session.start();
     print_new_warnings(session);
     visitors::Visits visits(std::move(plan), session,
                             [&window](const scene::Scene &scene, const scene::TouchSpot &spot) {
                                 window.show_scene(scene, spot);
                             });
-    study_screen::show_to_end(visits, window);
+    study_screen::SittingActivity activity(visits, window);
+    run_frames(activity, session, {.reports = typed.sitting.reports});
     session.stop();
     std::cerr << fmt::format("springdrive: {} visit{} begun; nothing of them was stored\n",
                              visits.begun(), visits.begun() == 1 ? "" : "s");
@@ -90,13 +90,7 @@ void add_study_try_command(Command &study) {
                     "can_you_feel_it]")
         .type_name("FILE");
     TypedSitting &sitting = typed->sitting;
-    add_device_option(command, sitting.device);
-    command.add_flag("--at-zero", sitting.starts_at_zero,
-                     "the device on USB is held in its zero pose at the start: upper arm level, "
-                     "forearm hanging, tip at the origin");
-    sitting.emulation.add_to(command, "emulated board");
-    command.add_option("--cpu", sitting.cpu, "the processor to which the servo thread is bound")
-        .type_name("N");
+    sitting.add_device_to(command);
     command
         .add_option("--observer", typed->observer,
                     "made-up visitors only, one after the other, for whoever looks [visitors]")
@@ -116,7 +110,7 @@ void add_study_try_command(Command &study) {
     command.add_flag("--lockstep", sitting.is_in_lockstep,
                      "run the servo by frame time instead of the clock, which is repeatable; not "
                      "on USB");
-    command.add_flag("--report", sitting.window.reports,
+    command.add_flag("--report", sitting.reports,
                      "for each line \"report\" on standard input, write what the window shows as a "
                      "line of JSON");
     command.footer("A visitor who is gone for 40 s is followed by the next one. Ctrl+Alt+Q ends "

@@ -1,7 +1,6 @@
 #include "app/study/experimenter/study_window.h"
 
 #include "app/host/ending_signal.h"
-#include "app/stage/open_session.h"
 #include "app/study/experimenter/experimenter_view.h"
 #include "app/study/participant/input_times.h"
 #include "app/study/participant/monitors.h"
@@ -30,7 +29,7 @@ StudyWindow::StudyWindow(const StudyWindowOptions &options, session::Session &se
           "springdrive: experimenter",
           {.size = options.size, .remembered = {}, .scale = options.scale, .swaps_at_once = true}),
       renderer_(Window::draws_in_software() ? 0 : 4), participant_window_(options.participant),
-      fit_(protocol), requests_(options.reports) {}
+      fit_(protocol), frame_end_s_(steady_clock_s()) {}
 
 std::vector<study::Setting> StudyWindow::facts() const {
     const Window::Size pixels = participant_window_.framebuffer();
@@ -92,16 +91,7 @@ void StudyWindow::draw_view(const Rectangle &place) {
     const Rectangle free{{place.corner.x + margin.x, place.corner.y + margin.y},
                          {place.size.x - 2.0F * margin.x, place.size.y - 2.0F * margin.y}};
     view_control_.update(session_, state, place, free, false);
-    const Window::Size pixels = window_.framebuffer();
-    const float pixel_scale =
-        static_cast<float>(pixels.width) / static_cast<float>(std::max(1, window_.size().width));
-    const auto pixel = [&](float units) { return static_cast<int>(units * pixel_scale); };
-    const ViewportPixels viewport{pixel(place.corner.x),
-                                  pixels.height - pixel(place.corner.y + place.size.y),
-                                  pixel(place.size.x), pixel(place.size.y)};
-    if (viewport.width > 0 && viewport.height > 0) {
-        renderer_.draw(view_control_.camera(), viewport, state, pixel_scale * window_.scale());
-    }
+    view_control_.draw(renderer_, state, place, window_);
 }
 
 void StudyWindow::draw_experimenter(const SittingState &state, ExperimenterActs &acts) {
@@ -144,9 +134,6 @@ void StudyWindow::report_participant(const SittingState &state, const Participan
 }
 
 SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingState &state) {
-    requests_.begin_frame(window_.has_waiting_input());
-    session_.advance(kFrame_s);
-    print_new_warnings(session_);
     window_.begin_frame();
     window_.clear();
     static_cast<void>(window_.take_keys());
@@ -171,12 +158,11 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
     }
     SittingFrame frame{participant_window_.take_inputs(session_.servo()), acts.orders};
     frame.orders.stops = frame.orders.stops || window_.is_closing() || asked_to_end();
-    longest_frame_s_ = std::max(longest_frame_s_, requests_.frame_s());
+    const double now_s = steady_clock_s();
+    longest_frame_s_ = std::max(longest_frame_s_, now_s - std::exchange(frame_end_s_, now_s));
     if (ui::report().is_wanted()) {
         report_participant(state, picture);
     }
-    const Window::Size size = window_.size();
-    requests_.end_frame(size.width, size.height, window_.scale(), session_.latest());
     return frame;
 }
 

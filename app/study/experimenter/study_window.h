@@ -2,6 +2,7 @@
 // participant's.
 #pragma once
 
+#include "app/stage/frame_loop.h"
 #include "app/stage/view_control.h"
 #include "app/study/experimenter/experimenter_panel.h"
 #include "app/study/experimenter/live_fit.h"
@@ -9,8 +10,6 @@
 #include "app/study/sitting/sitting_frame.h"
 #include "app/study/sitting/sitting_state.h"
 #include "app/view/renderer.h"
-#include "app/window/frame_pace.h"
-#include "app/window/report_requests.h"
 #include "app/window/window.h"
 #include "engine/session/session.h"
 #include "engine/study/store/study_store.h"
@@ -22,9 +21,8 @@ namespace springdrive::app::study_screen {
 
 struct StudyWindowOptions {
     ParticipantWindow::Wish participant;
-    Window::Size size;    ///< of the experimenter's; 0 × 0 for its own
-    double scale = 0.0;   ///< of text and panels; 0 for the display's
-    bool reports = false; ///< answers requests on standard input, see ReportRequests
+    Window::Size size;  ///< of the experimenter's; 0 × 0 for its own
+    double scale = 0.0; ///< of text and panels; 0 for the display's
 };
 
 class StudyWindow {
@@ -34,11 +32,15 @@ public:
     StudyWindow(const StudyWindowOptions &options, session::Session &session,
                 study::StudyStore &store, const study::Protocol &protocol);
 
-    /// Shows this for a frame, and advances the session by it.
+    /// Shows this for a frame.
     /// @throw InputError if there are no letters for it
     SittingFrame show(const ParticipantPicture &picture, const SittingState &state);
     /// See ShowsScene.
     void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot);
+
+    [[nodiscard]] ReportedWindow reported() const {
+        return {window_.size(), window_.scale(), window_.has_waiting_input()};
+    }
 
     /// What a session should keep of its screens.
     [[nodiscard]] std::vector<study::Setting> facts() const;
@@ -60,7 +62,7 @@ private:
     ParticipantWindow participant_window_;
     ExperimenterPanelState panel_;
     LiveFit fit_;
-    ReportRequests requests_;
+    double frame_end_s_ = 0.0;     ///< of the last one, by the steady clock
     double longest_frame_s_ = 0.0; ///< since the last report
     std::size_t fitted_trials_ = 0;
     std::uint32_t shown_scene_ = 0;

@@ -40,7 +40,7 @@ private:
 };
 
 /// A break has a shortest time.
-Course<> Sitting::rest(double seconds) {
+Resumable<> Sitting::rest(double seconds) {
     state_.step = SittingStep::in_break;
     since_break_ = 0;
     ParticipantPicture picture;
@@ -59,7 +59,7 @@ Course<> Sitting::rest(double seconds) {
 }
 
 /// Until the participant wants to go on, and not sooner than after so long.
-Course<> Sitting::take_break(double seconds) {
+Resumable<> Sitting::take_break(double seconds) {
     co_await rest(seconds);
     ParticipantPicture picture;
     picture.heading = plan_.protocol.texts.pause;
@@ -68,14 +68,14 @@ Course<> Sitting::take_break(double seconds) {
 }
 
 /// The same, before another block.
-Course<> Sitting::begin_block() {
+Resumable<> Sitting::begin_block() {
     co_await rest(plan_.protocol.breaks.between_blocks_s);
     ParticipantPicture picture;
     picture.text = plan_.protocol.texts.block_begins;
     co_await show_until_key(SittingStep::block_begins, picture);
 }
 
-Course<> Sitting::wait_while_paused() {
+Resumable<> Sitting::wait_while_paused() {
     while (orders_.is_paused) {
         state_.step = SittingStep::paused;
         ParticipantPicture picture;
@@ -85,7 +85,7 @@ Course<> Sitting::wait_while_paused() {
 }
 
 /// What is said before a trial.
-Course<> Sitting::introduce(const study::PlannedTrial &planned) {
+Resumable<> Sitting::introduce(const study::PlannedTrial &planned) {
     const study::Texts &texts = plan_.protocol.texts;
     const bool is_practice = planned.is_practice;
     ParticipantPicture picture;
@@ -111,7 +111,7 @@ Course<> Sitting::introduce(const study::PlannedTrial &planned) {
 }
 
 /// With two answer keys the participant may practise again, as often as it takes.
-Course<> Sitting::end_practice() {
+Resumable<> Sitting::end_practice() {
     const study::Texts &texts = plan_.protocol.texts;
     const study::ResponseWays &ways = plan_.protocol.responses;
     ParticipantPicture picture;
@@ -144,7 +144,7 @@ Course<> Sitting::end_practice() {
 
 /// The same trials as before. They are not of the sequence, and only notes tell of them, and of
 /// stops in them.
-Course<> Sitting::practise_again() {
+Resumable<> Sitting::practise_again() {
     presented_again_ = 0;
     for (const study::PlannedTrial &planned : practised_) {
         co_await make_ready(planned);
@@ -170,7 +170,7 @@ void Sitting::note_practice() {
 /// Before the first trial, and whenever they have cooled below the band. A device that is stopped
 /// or lost meanwhile is for make_ready.
 /// @return whether there was anything to do
-Course<bool> Sitting::warm_up() {
+Resumable<bool> Sitting::warm_up() {
     const study::WindingBand &band = plan_.protocol.windings;
     if (!study::WarmUp::is_needed(band, study::estimated_windings_C(session_.latest()))) {
         co_return false;
@@ -204,7 +204,7 @@ Course<bool> Sitting::warm_up() {
 }
 
 /// Before the first trial of the session.
-Course<> Sitting::begin() {
+Resumable<> Sitting::begin() {
     co_await ask_questions(study::QuestionnaireTime::before);
     if (noise_) {
         ParticipantPicture picture;
@@ -216,7 +216,7 @@ Course<> Sitting::begin() {
 }
 
 /// The device is not touched any more. @return how the session ends
-Course<study::SessionEnding> Sitting::ask_after_last() {
+Resumable<study::SessionEnding> Sitting::ask_after_last() {
     has_trials_left_ = false;
     session_.keep_released(true);
     end_noise();
@@ -230,7 +230,7 @@ Course<study::SessionEnding> Sitting::ask_after_last() {
     co_return ending_.value_or(study::SessionEnding::completed);
 }
 
-Course<> Sitting::say_goodbye() {
+Resumable<> Sitting::say_goodbye() {
     ParticipantPicture picture;
     picture.heading = plan_.protocol.texts.end;
     state_.progress = 1.0;
@@ -238,7 +238,7 @@ Course<> Sitting::say_goodbye() {
 }
 
 /// To a participant who leaves before the end: for some seconds, or until a key.
-Course<> Sitting::let_go() {
+Resumable<> Sitting::let_go() {
     ParticipantPicture picture;
     picture.heading = plan_.protocol.texts.done_early;
     state_.step = SittingStep::over;
@@ -257,7 +257,7 @@ std::vector<study::QuestionnaireItem> Sitting::open_questions(study::Questionnai
 }
 
 /// One after the other; each answer is on the disk before the next question.
-Course<> Sitting::ask_questions(study::QuestionnaireTime when) {
+Resumable<> Sitting::ask_questions(study::QuestionnaireTime when) {
     const std::vector<study::QuestionnaireItem> open = open_questions(when);
     for (const study::QuestionnaireItem &item : open) {
         state_.step = SittingStep::questionnaire;
@@ -270,7 +270,7 @@ Course<> Sitting::ask_questions(study::QuestionnaireTime when) {
 }
 
 /// Nothing if the participant would rather not say.
-Course<std::optional<std::string>> Sitting::answer_to(const study::QuestionnaireItem &item) {
+Resumable<std::optional<std::string>> Sitting::answer_to(const study::QuestionnaireItem &item) {
     const std::vector<QuestionChoice> choices = choices_of(item, plan_.protocol.texts);
     ParticipantPicture picture = picture_of(item, plan_.protocol.texts);
     while (true) {

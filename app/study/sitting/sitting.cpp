@@ -50,6 +50,12 @@ Sitting::Sitting(study::StudyStore &store, SittingPlan plan, session::Session &s
     require_device_of_before();
 }
 
+Sitting::~Sitting() {
+    if (begun_.id != 0 && !stored_ending_) {
+        study::end_as_failed(store_, begun_.id);
+    }
+}
+
 /// Trials choose the levels of those after them: a person's must not go on with a rehearsal's.
 void Sitting::require_device_of_before() const {
     const study::DeviceKind now = kind_of(session_.device_choice().kind);
@@ -72,13 +78,6 @@ Frames::Next Sitting::show(ParticipantPicture picture) {
     return frames_.show(std::move(picture));
 }
 
-Course<> Sitting::show_for(double seconds, const ParticipantPicture &picture) {
-    const double until_s = session_.servo().now_s() + seconds;
-    while (session_.servo().now_s() < until_s) {
-        static_cast<void>(co_await show(picture));
-    }
-}
-
 bool Sitting::is_answer_key(const std::vector<ParticipantInput> &inputs) const {
     return std::ranges::any_of(inputs, [this](const ParticipantInput &input) {
         const bool is_gesture = plan_.protocol.responses.device == study::ResponseDevice::gesture;
@@ -88,7 +87,7 @@ bool Sitting::is_answer_key(const std::vector<ParticipantInput> &inputs) const {
     });
 }
 
-Course<> Sitting::show_until_key(SittingStep step, const ParticipantPicture &picture) {
+Resumable<> Sitting::show_until_key(SittingStep step, const ParticipantPicture &picture) {
     state_.step = step;
     SittingFrame frame;
     while (!is_answer_key(frame.inputs)) {
@@ -101,7 +100,7 @@ void Sitting::note(const std::string &kind, const std::string &text) {
 }
 
 /// Until the motors run.
-Course<> Sitting::make_ready(const study::PlannedTrial &planned) {
+Resumable<> Sitting::make_ready(const study::PlannedTrial &planned) {
     co_await presenter_.set_up(planned);
     presenter_.lead_to_start();
     stops_.begin_calm();
@@ -144,7 +143,7 @@ Course<> Sitting::make_ready(const study::PlannedTrial &planned) {
 }
 
 /// Feedback, which in the practice tells right from wrong. What is not stored does not come again.
-Course<> Sitting::tell_of(const study::Trial &trial, bool is_stored) {
+Resumable<> Sitting::tell_of(const study::Trial &trial, bool is_stored) {
     const study::Texts &texts = plan_.protocol.texts;
     const std::optional<bool> is_right = study::is_correct(plan_.protocol.task, trial);
     state_.marks = trial.marks;
@@ -169,11 +168,11 @@ Course<> Sitting::tell_of(const study::Trial &trial, bool is_stored) {
         co_return;
     }
     state_.step = SittingStep::after_response;
-    co_await show_for(kFeedback_s, picture);
+    co_await presenter_.wait(kFeedback_s, picture);
 }
 
 /// A stop in it is stored with it.
-Course<std::optional<study::Trial>> Sitting::present_watched() {
+Resumable<std::optional<study::Trial>> Sitting::present_watched() {
     stops_.begin_trial();
     std::optional<study::Trial> trial = co_await presenter_.present();
     stops_.end_trial(trial && !trial->safety_events.empty());
@@ -181,7 +180,7 @@ Course<std::optional<study::Trial>> Sitting::present_watched() {
 }
 
 /// Fills `presented_`.
-Course<> Sitting::present(const study::PlannedTrial &planned) {
+Resumable<> Sitting::present(const study::PlannedTrial &planned) {
     co_await introduce(planned);
     std::optional<study::Trial> trial;
     while (!trial) { // if the device is lost, the trial begins anew when it is back
@@ -276,13 +275,13 @@ void Sitting::note_trials() {
 }
 
 /// What is shown before the first trial, and between two.
-Course<> Sitting::before_next() {
+Resumable<> Sitting::before_next() {
     if (!std::exchange(has_begun_, true)) {
         co_await begin();
     } else if (has_presented_) {
         state_.step = SittingStep::after_response;
         const ParticipantPicture nothing;
-        co_await show_for(plan_.protocol.timing.between_trials_s, nothing);
+        co_await presenter_.wait(plan_.protocol.timing.between_trials_s, nothing);
     }
 }
 
@@ -313,11 +312,11 @@ void Sitting::start() {
     begun_.id = store_.begin(begun_);
     state_.participant = plan_.participant;
     state_.session = begun_.id;
-    run([this] { frames_.start(course()); });
+    frames_.start(whole());
 }
 
 /// Until the participant is through, or something ends it. @return how
-Course<study::SessionEnding> Sitting::trials() {
+Resumable<study::SessionEnding> Sitting::trials() {
     study::RunningSession running(store_, plan_.protocol, begun_);
     while (const std::optional<study::PlannedTrial> planned = running.next()) {
         if (!ending_) {
@@ -342,17 +341,18 @@ Course<study::SessionEnding> Sitting::trials() {
     co_return co_await ask_after_last();
 }
 
-Course<> Sitting::course() {
-    stored_ending_ = co_await trials();
-    store_.end(begun_.id, stored_ending_, study::utc_now());
+Resumable<> Sitting::whole() {
+    const study::SessionEnding ending = co_await trials();
+    store_.end(begun_.id, ending, study::utc_now());
+    stored_ending_ = ending;
     const std::optional<study::SessionEnding> wished = std::exchange(ending_, std::nullopt);
     has_trials_left_ = false;
     session_.keep_released(true);
     end_noise();
-    if (stored_ending_ == study::SessionEnding::completed && !wished) {
+    if (ending == study::SessionEnding::completed && !wished) {
         co_await frames_.until_end(say_goodbye());
-    } else if (stored_ending_ == study::SessionEnding::left || !wished ||
-               stored_ending_ == study::SessionEnding::safety_trip) {
+    } else if (ending == study::SessionEnding::left || !wished ||
+               ending == study::SessionEnding::safety_trip) {
         co_await frames_.until_end(let_go()); // by the participant's wish, or by a stopping rule
     }
 }
@@ -369,35 +369,22 @@ std::optional<study::SessionEnding> Sitting::ending_after_frame() const {
     return std::nullopt;
 }
 
-void Sitting::resume(const ShowsFrame &show_frame) {
-    run([&] {
-        SittingFrame frame = show_frame();
-        stops_.watch();
-        const ExperimenterOrders &orders = frame.orders;
-        orders_.is_paused = orders.is_paused;
-        orders_.repeats = orders_.repeats || orders.repeats;
-        orders_.skips_to_break = orders_.skips_to_break || orders.skips_to_break;
-        if (orders.resets_device && !orders.stops && !orders.participant_leaves) {
-            stops_.let_go_on();
-        }
-        ending_ = orders.stops                ? study::SessionEnding::stopped
-                  : orders.participant_leaves ? study::SessionEnding::left
-                                              : ending_after_frame();
-        if (ending_) {
-            frames_.end();
-        } else {
-            frames_.resume(std::move(frame));
-        }
-    });
-}
-
-/// An error ends the session.
-void Sitting::run(const std::function<void()> &part) {
-    try {
-        part();
-    } catch (const InputError &) {
-        study::end_as_failed(store_, begun_.id);
-        throw;
+void Sitting::resume(SittingFrame frame) {
+    stops_.watch();
+    const ExperimenterOrders &orders = frame.orders;
+    orders_.is_paused = orders.is_paused;
+    orders_.repeats = orders_.repeats || orders.repeats;
+    orders_.skips_to_break = orders_.skips_to_break || orders.skips_to_break;
+    if (orders.resets_device && !orders.stops && !orders.participant_leaves) {
+        stops_.let_go_on();
+    }
+    ending_ = orders.stops                ? study::SessionEnding::stopped
+              : orders.participant_leaves ? study::SessionEnding::left
+                                          : ending_after_frame();
+    if (ending_) {
+        frames_.end();
+    } else {
+        frames_.resume(std::move(frame));
     }
 }
 

@@ -6,8 +6,8 @@
 // servo's part of a trial for trial_presenter.h.
 #pragma once
 
-#include "app/study/sitting/course.h"
 #include "app/study/sitting/device_stops.h"
+#include "app/study/sitting/resumable.h"
 #include "app/study/sitting/sitting_state.h"
 #include "app/study/sitting/trial_presenter.h"
 #include "app/study/sound/masking_noise.h"
@@ -18,7 +18,6 @@
 #include "engine/study/store/study_store.h"
 
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +43,10 @@ public:
     ///        whose former sessions were on another kind of device
     Sitting(study::StudyStore &store, SittingPlan plan, session::Session &session,
             ShowsScene show_scene);
+    /// A session that has not come to its end, by an error, is stored as failed.
+    ~Sitting();
+    Sitting(const Sitting &) = delete;
+    Sitting &operator=(const Sitting &) = delete;
 
     /// Begins the session. @throw InputError if the masking noise cannot be played: there is then
     /// no session; and as `resume` does
@@ -53,53 +56,51 @@ public:
     [[nodiscard]] const ParticipantPicture &picture() const { return frames_.picture(); }
     [[nodiscard]] const SittingState &state() const { return state_; }
 
-    /// Has that frame shown, and goes on after it. @throw InputError from the window or the store,
-    ///        for a scene, or for windings that cannot be warmed: the session is then ended as
-    ///        failed, if possible
-    void resume(const ShowsFrame &show_frame);
+    /// Goes on after that frame. @throw InputError from the store, for a scene, or for windings
+    /// that
+    ///        cannot be warmed: it can then not go on
+    void resume(SittingFrame frame);
 
     [[nodiscard]] bool is_over() const { return frames_.is_over(); }
     /// As stored. @pre it is over
-    [[nodiscard]] study::SessionEnding ending() const { return stored_ending_; }
+    [[nodiscard]] study::SessionEnding ending() const { return stored_ending_.value(); }
 
 private:
-    void run(const std::function<void()> &part);
     void require_device_of_before() const;
     void recall_practice();
     [[nodiscard]] Frames::Next show(ParticipantPicture picture);
-    [[nodiscard]] Course<> show_for(double seconds, const ParticipantPicture &picture);
-    [[nodiscard]] Course<> show_until_key(SittingStep step, const ParticipantPicture &picture);
+    [[nodiscard]] Resumable<> show_until_key(SittingStep step, const ParticipantPicture &picture);
     [[nodiscard]] bool is_answer_key(const std::vector<ParticipantInput> &inputs) const;
 
-    [[nodiscard]] Course<> course();
-    [[nodiscard]] Course<study::SessionEnding> trials();
-    [[nodiscard]] Course<> before_next();
-    [[nodiscard]] Course<> present(const study::PlannedTrial &planned);
-    [[nodiscard]] Course<> introduce(const study::PlannedTrial &planned);
-    [[nodiscard]] Course<> end_practice();
-    [[nodiscard]] Course<> practise_again();
+    [[nodiscard]] Resumable<> whole();
+    [[nodiscard]] Resumable<study::SessionEnding> trials();
+    [[nodiscard]] Resumable<> before_next();
+    [[nodiscard]] Resumable<> present(const study::PlannedTrial &planned);
+    [[nodiscard]] Resumable<> introduce(const study::PlannedTrial &planned);
+    [[nodiscard]] Resumable<> end_practice();
+    [[nodiscard]] Resumable<> practise_again();
     void note_practice();
     void keep_noise();
     void end_noise();
-    [[nodiscard]] Course<> rest(double seconds);
-    [[nodiscard]] Course<> take_break(double seconds);
-    [[nodiscard]] Course<> begin_block();
-    [[nodiscard]] Course<> wait_while_paused();
-    [[nodiscard]] Course<bool> warm_up();
-    [[nodiscard]] Course<> begin();
-    [[nodiscard]] Course<study::SessionEnding> ask_after_last();
-    [[nodiscard]] Course<> say_goodbye();
-    [[nodiscard]] Course<> let_go();
+    [[nodiscard]] Resumable<> rest(double seconds);
+    [[nodiscard]] Resumable<> take_break(double seconds);
+    [[nodiscard]] Resumable<> begin_block();
+    [[nodiscard]] Resumable<> wait_while_paused();
+    [[nodiscard]] Resumable<bool> warm_up();
+    [[nodiscard]] Resumable<> begin();
+    [[nodiscard]] Resumable<study::SessionEnding> ask_after_last();
+    [[nodiscard]] Resumable<> say_goodbye();
+    [[nodiscard]] Resumable<> let_go();
     [[nodiscard]] std::vector<study::QuestionnaireItem>
     open_questions(study::QuestionnaireTime when) const;
-    [[nodiscard]] Course<> ask_questions(study::QuestionnaireTime when);
-    [[nodiscard]] Course<std::optional<std::string>>
+    [[nodiscard]] Resumable<> ask_questions(study::QuestionnaireTime when);
+    [[nodiscard]] Resumable<std::optional<std::string>>
     answer_to(const study::QuestionnaireItem &item);
-    [[nodiscard]] Course<> make_ready(const study::PlannedTrial &planned);
+    [[nodiscard]] Resumable<> make_ready(const study::PlannedTrial &planned);
     void note(const std::string &kind, const std::string &text);
     void note_gaps_of_record();
-    [[nodiscard]] Course<std::optional<study::Trial>> present_watched();
-    [[nodiscard]] Course<> tell_of(const study::Trial &trial, bool is_stored);
+    [[nodiscard]] Resumable<std::optional<study::Trial>> present_watched();
+    [[nodiscard]] Resumable<> tell_of(const study::Trial &trial, bool is_stored);
     void note_trials();
     [[nodiscard]] std::optional<study::SessionEnding> ending_after_frame() const;
     [[nodiscard]] study::Session begun() const;
@@ -111,7 +112,7 @@ private:
     SittingState state_;
     TrialPresenter presenter_;
     std::optional<study::SessionEnding> ending_; ///< what is shown is over with it
-    study::SessionEnding stored_ending_ = study::SessionEnding::completed;
+    std::optional<study::SessionEnding> stored_ending_;
     ExperimenterOrders orders_; ///< those that wait to be obeyed
     bool has_begun_ = false;
     bool was_practising_ = false;
@@ -125,7 +126,7 @@ private:
     bool has_trials_left_ = true;
     std::optional<study::Trial> presented_; ///< the last one, if it was presented to its end
     std::optional<int> presented_again_;    ///< trials, while the participant practises again
-    Frames frames_;                         ///< last: courses use all the others
+    Frames frames_;                         ///< last: what it holds uses all the others
 };
 
 } // namespace springdrive::app::study_screen

@@ -3,7 +3,6 @@
 
 #include "app/study/participant/participant_input.h"
 
-#include <functional>
 #include <vector>
 
 namespace springdrive::app::study_screen {
@@ -22,8 +21,5 @@ struct SittingFrame {
     std::vector<ParticipantInput> inputs; ///< in order; times by `ServoRun::now_s`
     ExperimenterOrders orders;
 };
-
-/// Shows what is to be shown for a frame.
-using ShowsFrame = std::function<SittingFrame()>;
 
 } // namespace springdrive::app::study_screen

@@ -86,14 +86,14 @@ ParticipantPicture TrialPresenter::picture(SittingStep step) const {
     return picture;
 }
 
-Course<> TrialPresenter::wait(double seconds, const ParticipantPicture &shown) {
+Resumable<> TrialPresenter::wait(double seconds, const ParticipantPicture &shown) {
     const double until_s = it_.session.servo().now_s() + seconds;
     while (it_.session.servo().now_s() < until_s) {
         static_cast<void>(co_await it_.show(shown));
     }
 }
 
-Course<> TrialPresenter::load(const std::filesystem::path &scene) {
+Resumable<> TrialPresenter::load(const std::filesystem::path &scene) {
     session::Session &session = it_.session;
     if (session.scenes().now().scene.file == scene) {
         co_return;
@@ -107,13 +107,13 @@ Course<> TrialPresenter::load(const std::filesystem::path &scene) {
     }
 }
 
-Course<> TrialPresenter::set_up(const study::PlannedTrial &planned) {
+Resumable<> TrialPresenter::set_up(const study::PlannedTrial &planned) {
     trial_ = study::Trial(planned);
     intervals_ = study::intervals_of(it_.protocol, planned);
     co_await set_up(intervals_.front());
 }
 
-Course<> TrialPresenter::set_up(const study::Presented &presented) {
+Resumable<> TrialPresenter::set_up(const study::Presented &presented) {
     const study::Condition &condition = presented.parameters;
     session::Session &session = it_.session;
     if (session.servo().rate_hz() != condition.servo_hz) {
@@ -211,7 +211,7 @@ void TrialPresenter::adjust(const std::vector<ParticipantInput> &inputs) {
 }
 
 /// Presents one interval. @return false if the device was lost in the midst of it
-Course<bool> TrialPresenter::feel(const study::Presented &presented) {
+Resumable<bool> TrialPresenter::feel(const study::Presented &presented) {
     co_await set_up(presented);
     session::Session &session = it_.session;
     const study::Stimulus stimulus = study::stimulus_of(it_.protocol, it_.setting, presented);
@@ -288,7 +288,7 @@ void TrialPresenter::answer(std::size_t alternative, double time_s) {
 }
 
 /// A stop is stored with the trial, unanswered. @return false if the device was lost meanwhile
-Course<bool> TrialPresenter::ask() {
+Resumable<bool> TrialPresenter::ask() {
     ParticipantPicture shown = picture(SittingStep::response);
     shown.text = it_.protocol.texts.respond;
     shown.choices = choices_of(it_.protocol);
@@ -327,7 +327,7 @@ Course<bool> TrialPresenter::ask() {
     }
 }
 
-Course<std::optional<study::Trial>> TrialPresenter::present() {
+Resumable<std::optional<study::Trial>> TrialPresenter::present() {
     it_.state.trial = trial_;
     it_.state.intervals = intervals_.size();
     it_.state.marks.clear();

@@ -7,7 +7,7 @@
 // A hand that is simulated is led by the course of a simulated participant's; a person's is not.
 #pragma once
 
-#include "app/study/sitting/course.h"
+#include "app/study/sitting/resumable.h"
 #include "app/study/sitting/sitting_state.h"
 #include "engine/scene/scene.h"
 #include "engine/session/session.h"
@@ -50,29 +50,31 @@ public:
 
     /// The trial that comes next. Scene, servo rate and delay of its first interval, so that the
     /// device can start.
-    [[nodiscard]] Course<> set_up(const study::PlannedTrial &planned);
+    [[nodiscard]] Resumable<> set_up(const study::PlannedTrial &planned);
 
     /// The trial that was set up, filled to its response and time. Nothing if the device was lost
     /// in the midst of it. @pre the motors run
-    [[nodiscard]] Course<std::optional<study::Trial>> present();
+    [[nodiscard]] Resumable<std::optional<study::Trial>> present();
 
     /// The standard picture of an interval: scene, or nothing.
     [[nodiscard]] ParticipantPicture picture(SittingStep step) const;
+
+    /// Shows the picture for that time.
+    [[nodiscard]] Resumable<> wait(double seconds, const ParticipantPicture &shown);
 
     /// Leads a simulated hand to where the trial's intervals start.
     void lead_to_start();
 
 private:
-    [[nodiscard]] Course<> load(const std::filesystem::path &scene);
-    [[nodiscard]] Course<> set_up(const study::Presented &presented);
-    [[nodiscard]] Course<bool> feel(const study::Presented &presented);
+    [[nodiscard]] Resumable<> load(const std::filesystem::path &scene);
+    [[nodiscard]] Resumable<> set_up(const study::Presented &presented);
+    [[nodiscard]] Resumable<bool> feel(const study::Presented &presented);
     [[nodiscard]] ParticipantPicture interval_picture(const study::Presented &presented) const;
     [[nodiscard]] Vector3 way_off() const;
-    [[nodiscard]] Course<bool> ask();
+    [[nodiscard]] Resumable<bool> ask();
     void answer(std::size_t alternative, double time_s);
     void adjust(const std::vector<ParticipantInput> &inputs);
     [[nodiscard]] bool is_device_lost() const;
-    [[nodiscard]] Course<> wait(double seconds, const ParticipantPicture &shown);
 
     Presenting it_;
     study::Trial trial_;                        ///< the present one, so far

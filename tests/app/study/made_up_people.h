@@ -140,16 +140,25 @@ private:
     int frames_ = 0;
 };
 
-/// Shows a course to its end, which awaits the frames.
-inline void show_course(Frames &frames, Course<> course, MadeUpPort &port,
+/// Shows all of a Sitting, or of what is resumed like one.
+template <typename Resumed, typename ItsWindow>
+void show_to_end(Resumed &resumed, ItsWindow &window) {
+    resumed.start();
+    while (!resumed.is_over()) {
+        resumed.resume(window.show(resumed.picture(), resumed.state()));
+    }
+}
+
+/// Shows what awaits the frames to its end.
+inline void show_frames(Frames &frames, Resumable<> whole, MadeUpPort &port,
                         const SittingState &state) {
-    frames.start(std::move(course));
+    frames.start(std::move(whole));
     while (!frames.is_over()) {
         frames.resume(port.show(frames.picture(), state));
     }
 }
 
-inline Course<> present_into(TrialPresenter &presenter, std::optional<study::Trial> &result) {
+inline Resumable<> present_into(TrialPresenter &presenter, std::optional<study::Trial> &result) {
     result = co_await presenter.present();
 }
 
@@ -173,7 +182,7 @@ inline void present_alone(const study::Protocol &protocol, const study::Protocol
         {protocol, setting, folders, session, state, port.scene_shower(),
          [&](ParticipantPicture picture) { return frames.show(std::move(picture)); }});
     session.start();
-    show_course(frames, presenter.set_up(planned), port, state);
+    show_frames(frames, presenter.set_up(planned), port, state);
     presenter.lead_to_start();
     while (session.latest().safety.state != servo::SafetyState::running) {
         session.advance(kMadeUpFrame_s);
@@ -182,7 +191,7 @@ inline void present_alone(const study::Protocol &protocol, const study::Protocol
         before(session);
     }
     std::optional<study::Trial> result;
-    show_course(frames, present_into(presenter, result), port, state);
+    show_frames(frames, present_into(presenter, result), port, state);
     EXPECT_TRUE(result && result->marks.empty() && result->safety_events.empty())
         << (result && !result->marks.empty() ? result->marks.front() : "");
 }

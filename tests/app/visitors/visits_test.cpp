@@ -7,7 +7,7 @@
 #include "engine/study/observers/simulated_answer.h"
 #include "engine/study/protocol/analysis_plan.h"
 #include "engine/study/protocol/protocol_file.h"
-#include "tests/support/devices.h"
+#include "tests/app/study/made_up_people.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -31,15 +31,6 @@ using study_screen::SittingFrame;
 using study_screen::SittingState;
 using study_screen::SittingStep;
 
-constexpr double kFrame_s = 1.0 / 60.0;
-
-ParticipantInput pressed(const std::string &name, double clock_s) {
-    ParticipantInput input;
-    input.name = study_screen::input_name(name);
-    input.clock_s = clock_s;
-    return input;
-}
-
 /// What visitors do is decided frame by frame: the key that is pressed, or none.
 class MadeUpWindow {
 public:
@@ -48,14 +39,14 @@ public:
     MadeUpWindow(session::Session &session, Act act) : session_(session), act_(std::move(act)) {}
 
     SittingFrame show(const ParticipantPicture &picture, const SittingState &state) {
-        session_.advance(kFrame_s);
+        session_.advance(study_screen::kMadeUpFrame_s);
         if (headings.empty() || headings.back() != picture.heading) {
             headings.push_back(picture.heading);
         }
         SittingFrame frame;
         const std::string key = act_(picture, state);
         if (!key.empty()) {
-            frame.inputs.push_back(pressed(key, session_.servo().now_s()));
+            frame.inputs.push_back(study_screen::MadeUpPort::key(key, session_.servo().now_s()));
         }
         frame.orders.stops = ends || ++frames_ > 60 * 900; // a quarter of an hour
         EXPECT_LE(frames_, 60 * 900) << "stuck at: " << picture.heading;
