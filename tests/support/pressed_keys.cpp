@@ -91,6 +91,14 @@ bool PressedKeys::move_window(const std::string &title, int x, int y) {
     return window != None;
 }
 
+void PressedKeys::resize_window(const std::string &title, int width, int height) {
+    if (const Window window = connection_->window(title); window != None) {
+        XResizeWindow(connection_->display, window, static_cast<unsigned>(width),
+                      static_cast<unsigned>(height));
+        XSync(connection_->display, False);
+    }
+}
+
 void PressedKeys::focus(const std::string &title) {
     if (const Window window = connection_->window(title); window != None) {
         XSetInputFocus(connection_->display, window, RevertToParent, CurrentTime);

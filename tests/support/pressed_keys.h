@@ -25,7 +25,8 @@ public:
 
     /// @return whether there is a window of that title, which is seen
     [[nodiscard]] bool move_window(const std::string &title, int x, int y);
-    /// Nothing where there is no such window.
+    // Nothing where there is no such window:
+    void resize_window(const std::string &title, int width, int height);
     void focus(const std::string &title);
     /// Of all windows that are seen.
     [[nodiscard]] std::set<std::string> window_titles() const;

@@ -194,10 +194,11 @@ void ParticipantView::draw_page() {
     vertices_ += static_cast<std::size_t>(ImGui::GetDrawData()->TotalVtxCount);
 }
 
-void ParticipantView::copy_to_window() const {
-    const auto [width, height] = std::pair(target_->width, target_->height);
+void ParticipantView::copy_to_window(int width, int height) const {
+    const bool is_same = target_->width == width && target_->height == height;
     glBindFramebuffer(GL_READ_FRAMEBUFFER, target_->framebuffer.name());
-    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBlitFramebuffer(0, 0, target_->width, target_->height, 0, 0, width, height,
+                      GL_COLOR_BUFFER_BIT, is_same ? GL_NEAREST : GL_LINEAR);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }
 

@@ -37,8 +37,8 @@ public:
     [[nodiscard]] const ParticipantLayout &layout() const { return layout_; }
     /// Vertices of all but the scene that have been drawn so far.
     [[nodiscard]] std::size_t vertices() const { return vertices_; }
-    /// Of the last picture, to the bottom left of framebuffer 0. @pre there is one
-    void copy_to_window() const;
+    /// The last picture to framebuffer 0, which has this size. @pre there is one
+    void copy_to_window(int width, int height) const;
 
     /// The last picture: RGB, top row first. Waits for the drawing.
     [[nodiscard]] std::vector<std::uint8_t> pixels() const;

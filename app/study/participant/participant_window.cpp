@@ -20,6 +20,7 @@ constexpr double kWaitingShare = 0.9; ///< of a frame
 /// A swap that waits may begin so much before the display takes the picture.
 constexpr double kBeforeSwap_s = 0.003;
 constexpr double kBetweenLooks_s = 0.5;
+constexpr double kResizing_s = 0.25; ///< without a change: the window is not being dragged any more
 
 /// Makes a context current, and again the former one at the end.
 class CurrentContext {
@@ -96,15 +97,6 @@ ParticipantWindow::~ParticipantWindow() {
     view_.reset();
 }
 
-std::vector<std::string> ParticipantWindow::monitors() {
-    const std::vector<MonitorFacts> there = monitors_there();
-    std::vector<std::string> lines;
-    for (std::size_t i = 0; i < there.size(); ++i) {
-        lines.push_back(monitor_line(i, there[i]));
-    }
-    return lines;
-}
-
 /// It may be switched off, replaced or set to another size at any time.
 void ParticipantWindow::follow_monitor() {
     if (monitor_.empty() || steady_clock_s() < next_look_s_) {
@@ -133,13 +125,23 @@ void ParticipantWindow::show_scene(const scene::Scene &scene, const scene::Touch
                      workspace.centre_m.y() - 0.5 * workspace.size_m.y());
 }
 
+/// While a window's edge is dragged the last picture is stretched: letters are made for one size.
+GlWindow::Size ParticipantWindow::size_to_draw(Size pixels) {
+    if (std::exchange(pixels_, pixels) != pixels) {
+        resized_clock_s_ = steady_clock_s();
+    }
+    const bool is_resizing = steady_clock_s() - resized_clock_s_ < kResizing_s;
+    return is_resizing && !is_full_screen() && drawn_.width > 0 ? drawn_ : pixels;
+}
+
 void ParticipantWindow::show(const ParticipantPicture &picture) {
     const CurrentContext current(glfw());
     follow_monitor();
     const Size pixels = framebuffer();
     const bool has_pixels = pixels.width > 0 && pixels.height > 0; // not without a screen
     if (has_pixels) {
-        view_->draw(picture, pixels.width, pixels.height);
+        drawn_ = size_to_draw(pixels);
+        view_->draw(picture, drawn_.width, drawn_.height);
     }
     events_.shows(picture, view_->layout());
     glfwSetInputMode(glfw(), GLFW_CURSOR,
@@ -147,7 +149,7 @@ void ParticipantWindow::show(const ParticipantPicture &picture) {
     glFlush(); // it is drawn in the meantime
     take_events_until(paced_clock_s_ + frame_s_ - kBeforeSwap_s);
     if (has_pixels) {
-        view_->copy_to_window();
+        view_->copy_to_window(pixels.width, pixels.height);
     }
     glfwSwapBuffers(glfw());
     if (steady_clock_s() < paced_clock_s_ + kWaitingShare * frame_s_) { // the swap has not waited
@@ -157,7 +159,5 @@ void ParticipantWindow::show(const ParticipantPicture &picture) {
 }
 
 void ParticipantWindow::take_focus() { glfwFocusWindow(glfw()); }
-
-bool ParticipantWindow::has_lost_monitor() const { return !monitor_.empty() && !is_full_screen(); }
 
 } // namespace springdrive::app::study_screen

@@ -42,9 +42,6 @@ public:
     ParticipantWindow(const ParticipantWindow &) = delete;
     ParticipantWindow &operator=(const ParticipantWindow &) = delete;
 
-    /// Those there are now, such as "2: HDMI-1 1920×1080". @pre there is a window
-    [[nodiscard]] static std::vector<std::string> monitors();
-
     /// The scene of the pictures that show one, and the spot marked in it, from now on.
     void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot,
                     const device::Workspace &workspace);
@@ -67,21 +64,24 @@ public:
 
     void take_focus();
 
-    /// Whether its monitor is away: it is then a window elsewhere, and returns by itself.
-    [[nodiscard]] bool has_lost_monitor() const;
-    /// "HDMI-1", of the monitor it is meant for; empty for a window.
+    /// "HDMI-1", of the monitor it is meant for; empty for a window. While that monitor is away, it
+    /// is a window elsewhere, and returns by itself.
     [[nodiscard]] const std::string &monitor() const { return monitor_; }
     /// From one picture to the next, by the monitor's rate.
     [[nodiscard]] double frame_s() const { return frame_s_; }
 
 private:
     void follow_monitor();
+    [[nodiscard]] Size size_to_draw(Size pixels);
 
     Size size_; ///< where it is not full screen
     std::string monitor_;
     ParticipantEvents events_;
     std::optional<ParticipantView> view_; ///< until the end
     double frame_s_ = 0.0;                ///< of the monitor
+    Size pixels_;                         ///< in the last frame
+    Size drawn_;                          ///< the picture's size
+    double resized_clock_s_ = 0.0;        ///< since when the window has its size
     double paced_clock_s_ = 0.0;          ///< end of the last frame
     double next_look_s_ = 0.0;            ///< at the monitors
 };

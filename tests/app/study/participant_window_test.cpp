@@ -1,6 +1,7 @@
 // Covers app/study/participant/participant_window.cpp, participant_events.cpp and
 // app/window/gl_window.cpp: both windows on one virtual display. There is no window manager: both
 // are at the top left, this one above the main one.
+#include "app/study/participant/monitors.h"
 #include "app/study/participant/participant_window.h"
 #include "app/window/window.h"
 #include "base/input_error.h"
@@ -149,16 +150,29 @@ TEST_F(ParticipantsWindow, LeavesTheMainWindowItsOwnKeysAndContext) {
     EXPECT_FALSE(main_->is_closing());
 }
 
-TEST_F(ParticipantsWindow, SaysWhichMonitorsThereAre) {
-    const std::vector<std::string> there = ParticipantWindow::monitors();
+TEST_F(ParticipantsWindow, HasNewLettersOnceItsEdgeIsNoLongerDragged) {
+    picture_.heading = "1";
+    show(1);
+    const float before_px = window_->layout().heading.size_px;
+    for (int height = 370; height <= 480; height += 10) {
+        keys_->resize_window("springdrive", 640, height);
+        show(1);
+        EXPECT_EQ(window_->layout().heading.size_px, before_px) << height;
+    }
+    show(30); // half a second
+    EXPECT_EQ(window_->framebuffer().height, 480);
+    EXPECT_NEAR(window_->layout().heading.size_px / before_px, 480.0 / 360.0, 0.05);
+}
+
+TEST_F(ParticipantsWindow, FillsTheMonitorThatIsMeant) {
+    const std::vector<MonitorFacts> there = monitors_there();
     ASSERT_EQ(there.size(), 1U);
-    EXPECT_NE(there[0].find("1: "), std::string::npos);
-    EXPECT_NE(there[0].find("800×600"), std::string::npos);
+    EXPECT_EQ(there[0].width, 800);
+    EXPECT_EQ(there[0].height, 600);
     window_.reset();
     EXPECT_THROW(ParticipantWindow({"2", false, {640, 360}}), InputError);
     const ParticipantWindow full({"1", false, {640, 360}});
     EXPECT_TRUE(full.is_full_screen());
-    EXPECT_FALSE(full.has_lost_monitor());
     EXPECT_EQ(full.framebuffer().width, 800);
 }
 
