@@ -49,6 +49,16 @@ float display_scale(GLFWwindow *window) {
     return std::clamp(std::max(x, y) / already, 1.0F, 4.0F);
 }
 
+/// Also while a text is typed.
+constexpr std::array<std::pair<int, const char *>, 8> kNamedKeys{{{GLFW_KEY_ESCAPE, "Escape"},
+                                                                  {GLFW_KEY_F1, "F1"},
+                                                                  {GLFW_KEY_PAGE_UP, "PageUp"},
+                                                                  {GLFW_KEY_PAGE_DOWN, "PageDown"},
+                                                                  {GLFW_KEY_F6, "F6"},
+                                                                  {GLFW_KEY_F9, "F9"},
+                                                                  {GLFW_KEY_F10, "F10"},
+                                                                  {GLFW_KEY_F11, "F11"}}};
+
 /// By the keyboard's layout.
 bool names(int key, int scancode, std::string_view letter) {
     const char *const name = glfwGetKeyName(key, scancode);
@@ -293,33 +303,10 @@ void Window::note_key(const KeyDown &pressed) {
         keys_.push_back({name, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0,
                          (mods & GLFW_MOD_ALT) != 0, is_repeated});
     };
-    switch (key) {
-    case GLFW_KEY_ESCAPE:
-        note("Escape");
+    const auto named = std::ranges::find(kNamedKeys, key, &decltype(kNamedKeys)::value_type::first);
+    if (named != kNamedKeys.end()) {
+        note(named->second);
         return;
-    case GLFW_KEY_F1:
-        note("F1");
-        return;
-    case GLFW_KEY_PAGE_UP:
-        note("PageUp");
-        return;
-    case GLFW_KEY_PAGE_DOWN:
-        note("PageDown");
-        return;
-    case GLFW_KEY_F6:
-        note("F6");
-        return;
-    case GLFW_KEY_F9:
-        note("F9");
-        return;
-    case GLFW_KEY_F10:
-        note("F10");
-        return;
-    case GLFW_KEY_F11:
-        note("F11");
-        return;
-    default:
-        break;
     }
     const bool is_order = (mods & GLFW_MOD_CONTROL) != 0 && names(key, scancode, "s");
     if (ImGui::GetIO().WantTextInput && !is_order) {
