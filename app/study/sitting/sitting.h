@@ -57,8 +57,7 @@ public:
     [[nodiscard]] const SittingState &state() const { return state_; }
 
     /// Goes on after that frame. @throw InputError from the store, for a scene, or for windings
-    /// that
-    ///        cannot be warmed: it can then not go on
+    ///        that cannot be warmed: it can then not go on
     void resume(SittingFrame frame);
 
     [[nodiscard]] bool is_over() const { return frames_.is_over(); }
