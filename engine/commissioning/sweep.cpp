@@ -55,10 +55,10 @@ double dither_periods(long sine_periods) {
 // Amplitudes.
 constexpr double kFirst_V = 0.02;
 constexpr double kMin_V = 1e-3;
-constexpr double kMax = 0.2;           ///< of the supply
-constexpr double kForceShare = 0.3;    ///< of the limit, for the excitation's amplitude
-constexpr double kAllForceShare = 0.7; ///< of the limit, with what holds the tip
-constexpr double kForceTooMuch = 0.85; ///< of the limit
+constexpr double kMaxSupplyShare = 0.2; ///< of the supply
+constexpr double kForceShare = 0.3;     ///< of the limit, for the excitation's amplitude
+constexpr double kAllForceShare = 0.7;  ///< of the limit, with what holds the tip
+constexpr double kForceTooMuch = 0.85;  ///< of the limit
 constexpr double kCurrentShare = 0.3;
 constexpr double kSpeedShare = 0.2;
 constexpr double kEnergyShare = 1.0 / 3.0;
@@ -598,7 +598,7 @@ double StiffnessSweep::block_s() const noexcept {
     return static_cast<double>(tasks_[task_].ticks) * servo_.period_s();
 }
 
-double StiffnessSweep::largest_V() const noexcept { return kMax * limits_.voltage_V; }
+double StiffnessSweep::largest_V() const noexcept { return kMaxSupplyShare * limits_.voltage_V; }
 
 Eigen::Index StiffnessSweep::motor_index() const noexcept {
     return static_cast<Eigen::Index>(tasks_[task_].motor);
