@@ -399,7 +399,7 @@ void check_kills(std::optional<GadgetProcess> &gadget, bool is_high_speed, int k
 
 /// What is wrong with how the gadget is started is said in one line.
 void check_errors() {
-    const auto error = [](const std::function<void(emulator::GadgetOptions &)> &change) {
+    const auto refuse = [](const std::function<void(emulator::GadgetOptions &)> &change) {
         emulator::GadgetOptions options;
         change(options);
         Echo echo;
@@ -413,11 +413,11 @@ void check_errors() {
         throw HostError("a gadget should not have started");
     };
     fmt::print("refused:\n");
-    error([](auto &options) { options.name = kName; });
-    error([](auto &options) { options.name = "../x"; });
-    error([](auto &options) { options.controller = "none.0"; });
-    error([](auto &options) { options.name = "second"; });
-    error([](auto &options) { options.serial = ""; });
+    refuse([](auto &options) { options.name = kName; });
+    refuse([](auto &options) { options.name = "../x"; });
+    refuse([](auto &options) { options.controller = "none.0"; });
+    refuse([](auto &options) { options.name = "second"; });
+    refuse([](auto &options) { options.serial = ""; });
 }
 
 std::size_t gadgets_in_configfs() {
