@@ -30,7 +30,8 @@ RandomKey key_for(RandomKey block, Drawn what, int number) {
 std::string validate(const Practice &practice) {
     return first_of(
         {unless_finite("practice.levels", practice.levels),
-         unless_from_to("practice.most_trials", practice.max_trials, 0, 1000),
+         unless_from_to("practice.most_trials", practice.max_trials, 0,
+                        kPracticeFields.back().range.maximum),
          unless_from_to("practice.fewest_trials", practice.min_trials, 0, practice.max_trials),
          unless_from_to("practice.correct_in_a_row", practice.correct_in_a_row, 0,
                         practice.max_trials),
@@ -43,7 +44,8 @@ std::string validate(const CatchTrials &catch_trials) {
     return first_of({unless_finite("catch_trials.levels", catch_trials.levels),
                      catch_trials.one_in == 0
                          ? std::string()
-                         : unless_from_to("catch_trials.one_in", catch_trials.one_in, 2, 1000),
+                         : unless_from_to("catch_trials.one_in", catch_trials.one_in, 2,
+                                          kCatchTrialFields.back().range.maximum),
                      catch_trials.one_in > 0 && catch_trials.levels.empty()
                          ? std::string("catch_trials.levels is empty; it must have at least one")
                          : std::string()});

@@ -24,7 +24,7 @@ FunctionPriors priors_of(const QuestPlus &method) {
 }
 
 std::string validate(const QuestPlus &method) {
-    constexpr double kMaxPoints = 1000.0;
+    constexpr double kMaxPoints = kPriorAxisFields.front().range.maximum;
     const double cells = static_cast<double>(method.levels.size()) * method.threshold.points *
                          method.slope.points * method.guess.points * method.lapse.points;
     return first_of(
