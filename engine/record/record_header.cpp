@@ -1,6 +1,7 @@
 #include "engine/record/record_header.h"
 
 #include "base/input_error.h"
+#include "device/core/calibration.h"
 #include "engine/record/record_format.h"
 #include "engine/record/row_codec.h"
 
@@ -14,15 +15,6 @@ namespace springdrive::record {
 namespace {
 
 constexpr double kChunk_s = 0.02;
-
-std::string utc_now() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    gmtime_r(&now, &parts);
-    std::string text(20, '\0');
-    std::strftime(text.data(), text.size() + 1, "%Y-%m-%dT%H:%M:%SZ", &parts);
-    return text;
-}
 
 struct TypeCode {
     ColumnType type;
@@ -66,7 +58,7 @@ RecordHeader record_header(double servo_hz) {
     RecordHeader header;
     header.servo_hz = servo_hz;
     header.period_s = 1.0 / servo_hz;
-    header.started_utc = utc_now();
+    header.started_utc = device::text_of_utc(std::time(nullptr));
     header.columns = sample_columns();
     header.enum_names = sample_enum_names();
     header.row_bytes = header.columns.back().offset + bytes_of(header.columns.back().type);

@@ -6,16 +6,14 @@
 #include "base/new_file.h"
 #include "base/one_line.h"
 #include "base/quoting.h"
+#include "device/core/calibration.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
-#include <iomanip>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,20 +23,10 @@ namespace springdrive::session {
 namespace {
 
 constexpr std::string_view kRunFormat = "springdrive run 1";
-constexpr const char *kUtcFormat = "%Y-%m-%dT%H:%M:%SZ";
 
 [[noreturn]] void refuse_text(const std::filesystem::path &file, const std::string &problem) {
     constexpr std::size_t kMax = 1000;
     throw InputError(file.string() + ": " + one_line(problem, kMax));
-}
-
-std::string utc_text(std::chrono::sys_seconds time) {
-    const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
-    std::tm parts{};
-    gmtime_r(&seconds, &parts);
-    std::ostringstream text;
-    text << std::put_time(&parts, kUtcFormat);
-    return text.str();
 }
 
 /// A value of run.json; its readers throw InputError for a value of another type.
@@ -187,8 +175,8 @@ std::string run_json(const RunFacts &facts, const std::filesystem::path &folder)
     nlohmann::ordered_json document;
     document["format"] = kRunFormat;
     document["software"] = facts.software;
-    document["started_utc"] = utc_text(facts.started);
-    document["kept_utc"] = utc_text(facts.kept);
+    document["started_utc"] = device::text_of_utc(facts.started.time_since_epoch().count());
+    document["kept_utc"] = device::text_of_utc(facts.kept.time_since_epoch().count());
     document["until_s"] = facts.until_s;
     document["servo_hz"] = facts.servo_hz;
     document["delay_periods"] = facts.delay_periods;
