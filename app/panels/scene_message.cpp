@@ -82,9 +82,8 @@ std::optional<SceneMessage> message_for(const SceneSituation &now) {
         return record_shown(now);
     }
     if (now.is_paused) { // nothing else can happen until it goes on
-        return SceneMessage{
-            "paused",   SceneUrgency::hint, "Paused: the device stands still.", {},
-            "go on  P", SceneAction::go_on};
+        return SceneMessage{"paused", SceneUrgency::hint, "Paused: the device stands still.",
+                            {},       "go on  P",         SceneAction::go_on};
     }
     if (waits && (now.is_lent || now.is_released || !now.is_zeroed)) {
         return waiting(now);

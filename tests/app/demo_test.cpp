@@ -85,12 +85,12 @@ TEST(Program, SaysWhatIsWrongWithASceneInOneLine) {
 }
 
 TEST(Program, SaysWhatIsWrongWithAnOptionInOneLine) {
+    expect_one_clear_line(testing::run_program({"--frams", "3"}), "frams");
     // A scene that is ready before any computer would tell how far it is with loading.
     const auto expect_refusal = [](std::vector<std::string> typed, const std::string &names) {
         typed.insert(typed.end(), {"--scene", testing::assets() / "scenes/plate.gltf"});
         expect_one_clear_line(testing::run_program(typed), names);
     };
-    expect_refusal({"--frams", "3"}, "frams");
     expect_refusal({"--servo-hz", "99"}, "250");
     expect_refusal({"--servo-hz", "fast"}, "fast");
     expect_refusal({"--dR", "0"}, "--dR");

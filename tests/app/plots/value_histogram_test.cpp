@@ -251,7 +251,7 @@ TEST(AutomaticHistogram, CopesWithNumbersOfAnySize) {
 }
 
 TEST(AutomaticHistogramDeathTest, NeedsTwoBins) {
-    EXPECT_DEATH(static_cast<void>(automatic_histogram({}, Coverage::all, 1)), "most_bins >= 2");
+    EXPECT_DEATH(static_cast<void>(automatic_histogram({}, Coverage::all, 1)), "max_bins >= 2");
     EXPECT_DEATH(static_cast<void>(automatic_histogram({}, Coverage::all, 10'001)), "kMaxBins");
 }
 

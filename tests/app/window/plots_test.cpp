@@ -554,10 +554,10 @@ TEST(PlotsInTheWindow, CursorsShowTheValuesThereAndTheirDifference) {
         const std::array<double, 2> cursors_s = cursors_of(report);
         std::array<double, 2> expected{};
         for (std::size_t i = 0; i < 2; ++i) {
-            const auto row = std::ranges::lower_bound(rows.at("time_s"), cursors_s[i]);
-            ASSERT_NE(row, rows.at("time_s").end());
+            const auto after = std::ranges::upper_bound(rows.at("time_s"), cursors_s[i]);
+            ASSERT_NE(after, rows.at("time_s").begin());
             expected[i] =
-                rows.at("force_N")[static_cast<std::size_t>(row - rows.at("time_s").begin())];
+                rows.at("force_N")[static_cast<std::size_t>(after - rows.at("time_s").begin()) - 1];
         }
         const std::string text = report.item("plot 2/force_N").at("text");
         const std::array<double, 3> shown = numbers_of(text);
