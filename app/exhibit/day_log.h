@@ -29,7 +29,7 @@ struct DayFigures {
     double longest_frame_s = 0.0;
 };
 
-/// "40 visitors, 112 scenes; 4 stops (1 while recovery), 3 recovered, the longest after 11 s; …"
+/// "40 visitors, 112 scenes; 4 stops (1 while healing), 3 healed, the longest after 11 s; …"
 [[nodiscard]] std::string summary_of(const DayFigures &figures);
 
 /// `springdrive/kiosk/DATE.log` in the user's folder of state; empty where that is not known.

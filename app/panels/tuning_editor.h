@@ -1,5 +1,5 @@
-// How the window's user changes the tuning: with undo, two slots to compare, a indicator that shows
-// the predicted stability, and a lock at the predicted limit.
+// How the window's user changes the tuning: with undo, two slots to compare, an indicator that
+// shows the predicted stability, and a lock at the predicted limit.
 //
 //   slider, preset, file, key ──► lock ──► the session's TuningHistory ──► servo
 //                                  ▲

@@ -1,4 +1,4 @@
-// Covers app/exhibit/{recovery,day_log}.cpp, in simulated time.
+// Covers app/exhibit/{trip_recovery,day_log}.cpp, in simulated time.
 #include "app/exhibit/day_log.h"
 #include "app/exhibit/trip_recovery.h"
 #include "tests/engine/session/session_fixture.h"
