@@ -6,7 +6,7 @@
 #include <matio.h>
 
 #include <algorithm>
-#include <cstring>
+#include <array>
 #include <limits>
 #include <memory>
 #include <system_error>
@@ -32,23 +32,13 @@ struct MatType {
     matio_types of_data;
 };
 
-MatType mat_type(ColumnType type) {
-    switch (type) {
-    case ColumnType::u8:
-        return {MAT_C_UINT8, MAT_T_UINT8};
-    case ColumnType::u16:
-        return {MAT_C_UINT16, MAT_T_UINT16};
-    case ColumnType::u32:
-        return {MAT_C_UINT32, MAT_T_UINT32};
-    case ColumnType::u64:
-        return {MAT_C_UINT64, MAT_T_UINT64};
-    case ColumnType::i32:
-        return {MAT_C_INT32, MAT_T_INT32};
-    case ColumnType::f64:
-        break;
-    }
-    return {MAT_C_DOUBLE, MAT_T_DOUBLE};
-}
+/// Indexed by ColumnType.
+constexpr std::array<MatType, 6> kMatTypes{{{MAT_C_UINT8, MAT_T_UINT8},
+                                            {MAT_C_UINT16, MAT_T_UINT16},
+                                            {MAT_C_UINT32, MAT_T_UINT32},
+                                            {MAT_C_UINT64, MAT_T_UINT64},
+                                            {MAT_C_INT32, MAT_T_INT32},
+                                            {MAT_C_DOUBLE, MAT_T_DOUBLE}}};
 
 constexpr std::uint64_t in_eights(std::uint64_t bytes) { return (bytes + 7) / 8 * 8; }
 
@@ -88,7 +78,7 @@ std::vector<Numbers> read_columns(RecordReader &record, const ExportSelection &s
 }
 
 bool write_variable(mat_t *mat, const RecordColumn &column, Numbers &numbers) {
-    const MatType type = mat_type(column.type);
+    const MatType type = kMatTypes[static_cast<std::size_t>(column.type)];
     std::array<std::size_t, 2> size{numbers.size() / bytes_of(column.type), 1};
     const std::unique_ptr<matvar_t, FreeVariable> variable(
         Mat_VarCreate(column.name.c_str(), type.of_array, type.of_data, 2, size.data(),

@@ -4,6 +4,8 @@
 #include "base/similar_names.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <optional>
 #include <ostream>
@@ -84,6 +86,90 @@ private:
     std::optional<std::uint32_t> tick_offset_;
 };
 
+/// @throw InputError if the stream has failed.
+void put_out(std::ostream &out, std::string &bytes) {
+    out << bytes;
+    bytes.clear();
+    if (!out) {
+        throw InputError(
+            "the export is incomplete: its output cannot be written; free disk space or choose "
+            "another folder");
+    }
+}
+
+/// Also of a record without rows.
+void end_output(std::ostream &out, std::string &bytes) {
+    put_out(out, bytes);
+    out.flush();
+    put_out(out, bytes);
+}
+
+template <typename Number> void append_number(std::string &line, const std::byte *from) {
+    const auto number = load<Number>(from);
+    std::array<char, 32> digits{};
+    line.append(digits.begin(), std::to_chars(digits.begin(), digits.end(), number).ptr);
+}
+
+void append_cell(std::string &line, ColumnType type, const std::byte *from) {
+    switch (type) {
+    case ColumnType::u8:
+        return append_number<std::uint8_t>(line, from);
+    case ColumnType::u16:
+        return append_number<std::uint16_t>(line, from);
+    case ColumnType::u32:
+        return append_number<std::uint32_t>(line, from);
+    case ColumnType::u64:
+        return append_number<std::uint64_t>(line, from);
+    case ColumnType::i32:
+        return append_number<std::int32_t>(line, from);
+    case ColumnType::f64:
+        break;
+    }
+    if (!std::isnan(load<double>(from))) {
+        append_number<double>(line, from);
+    }
+}
+
+// A NumPy file: a header in Python syntax, then the packed rows.
+//
+//   "\x93NUMPY" 1 0, u16 length, {'descr': [('tick', '<u8'), ...], ... 'shape': (N,), }, rows
+//
+// Version 2 has a u32 length, for headers above 64 KB.
+
+constexpr std::string_view kNumpyMagic = "\x93NUMPY";
+constexpr std::size_t kAlignment = 64; ///< of the rows in the file
+
+/// Starts `before` bytes into the file and is padded with blanks up to the alignment.
+std::string description(const std::vector<RecordColumn> &columns, std::uint64_t rows,
+                        std::size_t before) {
+    std::string text = "{'descr': [";
+    for (const RecordColumn &column : columns) {
+        // Names are letters, digits and _: nothing to quote.
+        text += "('" + column.name + "', '" + std::string(code_of(column.type)) + "'), ";
+    }
+    text += "], 'fortran_order': False, 'shape': (" + std::to_string(rows) + ",), }";
+    text.append(kAlignment - 1 - (before + text.size()) % kAlignment, ' ');
+    return text + '\n';
+}
+
+std::string npy_header(const std::vector<RecordColumn> &columns, std::uint64_t rows) {
+    for (const char version : {'\x01', '\x02'}) {
+        const std::size_t length_bytes = version == 1 ? 2 : 4;
+        const std::size_t before = kNumpyMagic.size() + 2 + length_bytes;
+        const std::string text = description(columns, rows, before);
+        if (version == 2 || text.size() <= 0xFFFF) {
+            const auto length = static_cast<std::uint32_t>(text.size());
+            std::string header(kNumpyMagic);
+            header += {version, '\0'};
+            for (std::size_t i = 0; i < length_bytes; ++i) {
+                header += static_cast<char>(length >> (8 * i) & 0xFFU);
+            }
+            return header + text;
+        }
+    }
+    return {}; // not reached
+}
+
 } // namespace
 
 std::vector<RecordColumn> selected_columns(const RecordHeader &header,
@@ -129,12 +215,43 @@ std::uint64_t for_each_row(RecordReader &record, const ExportSelection &selectio
     return taken;
 }
 
-void check_taken(std::ostream &out) {
-    if (!out) {
-        throw InputError(
-            "the export is incomplete: its output cannot be written; free disk space or choose "
-            "another folder");
+ExportSummary export_csv(RecordReader &record, const ExportSelection &selection,
+                         std::ostream &out) {
+    const auto columns = selected_columns(record.header(), selection.columns);
+    std::string lines;
+    for (const RecordColumn &column : columns) {
+        lines += (lines.empty() ? "" : ",") + column.name;
     }
+    lines += '\n';
+    const auto add_line = [&](std::span<const std::byte> row) {
+        for (const RecordColumn &column : columns) {
+            append_cell(lines, column.type, row.data() + column.offset);
+            lines += ',';
+        }
+        lines.back() = '\n';
+    };
+    const std::uint64_t rows =
+        for_each_row(record, selection, add_line, [&] { put_out(out, lines); });
+    end_output(out, lines);
+    return {rows, columns.size(), record.ending()};
+}
+
+ExportSummary export_npy(RecordReader &record, const ExportSelection &selection,
+                         std::ostream &out) {
+    const auto columns = selected_columns(record.header(), selection.columns);
+    // The count precedes the rows, and the output may not be seekable.
+    const std::uint64_t announced = for_each_row(record, selection, [](auto) {});
+    std::string bytes = npy_header(columns, announced);
+    const auto add_row = [&](std::span<const std::byte> row) {
+        for (const RecordColumn &column : columns) {
+            bytes.append(reinterpret_cast<const char *>(row.data() + column.offset),
+                         bytes_of(column.type));
+        }
+    };
+    const std::uint64_t rows =
+        for_each_row(record, selection, add_row, [&] { put_out(out, bytes); });
+    end_output(out, bytes);
+    return {rows, columns.size(), record.ending()};
 }
 
 } // namespace springdrive::record

@@ -49,9 +49,6 @@ std::uint64_t for_each_row(
     const std::function<void(std::span<const std::byte>)> &take,
     const std::function<void()> &end_chunk = [] {});
 
-/// @throw InputError if the stream has failed.
-void check_taken(std::ostream &out);
-
 /// A line of names, then one line per row. Numbers have the fewest digits that read back as the
 /// same value; NaN is an empty cell, true is 1.
 ExportSummary export_csv(RecordReader &record, const ExportSelection &selection, std::ostream &out);

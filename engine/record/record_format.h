@@ -68,8 +68,6 @@ static_assert(std::endian::native == std::endian::little);
 
 inline constexpr std::string_view kMagic = "SPRDREC1";
 inline constexpr std::string_view kFormat = "springdrive record 1";
-inline constexpr std::string_view kChunkMagic = "CHNK";
-inline constexpr std::size_t kChunkHeadBytes = 28;
 
 // A reader rejects larger sizes, so that no file makes it allocate excessive memory.
 inline constexpr std::uint32_t kMaxHeaderBytes = 1U << 20U;
@@ -77,13 +75,18 @@ inline constexpr std::uint32_t kMaxPayloadBytes = 64U << 20U;
 
 enum class ChunkKind : std::uint32_t { rows = 0, note = 1 };
 
+/// As it is in a file.
 struct ChunkHead {
+    std::array<char, 4> magic{'C', 'H', 'N', 'K'};
     std::uint32_t kind = 0;
     std::uint64_t first_tick = 0;
     std::uint32_t rows = 0;
     std::uint32_t payload_bytes = 0;
     std::uint32_t crc = 0;
 };
+inline constexpr std::size_t kChunkHeadBytes = 28;
+static_assert(offsetof(ChunkHead, first_tick) == 8 &&
+              offsetof(ChunkHead, crc) == kChunkHeadBytes - sizeof(ChunkHead::crc));
 
 /// zlib's CRC-32 of `bytes`, continuing from the CRC `before` of the preceding bytes.
 [[nodiscard]] std::uint32_t crc32_of(std::span<const std::byte> bytes, std::uint32_t before = 0);
@@ -101,9 +104,5 @@ template <typename Number> void store(std::byte *to, Number number) {
 /// Fills in the head, including the CRC, of a chunk whose payload is already in place.
 void seal_chunk(std::span<std::byte> head_and_payload, ChunkKind kind, std::uint64_t first_tick,
                 std::uint32_t rows);
-
-/// False if the magic is missing.
-[[nodiscard]] bool parse_chunk_head(std::span<const std::byte, kChunkHeadBytes> bytes,
-                                    ChunkHead &head);
 
 } // namespace springdrive::record

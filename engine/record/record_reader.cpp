@@ -130,7 +130,8 @@ bool RecordReader::read_chunk(ChunkHead &head) {
         stop(left == 0 ? "" : "the last chunk is incomplete");
         return false;
     }
-    if (!parse_chunk_head(bytes, head)) {
+    std::memcpy(static_cast<void *>(&head), bytes.data(), bytes.size());
+    if (head.magic != ChunkHead{}.magic) {
         stop("there is no chunk where one should begin");
         return false;
     }
@@ -144,7 +145,7 @@ bool RecordReader::read_chunk(ChunkHead &head) {
         stop("the file cannot be read further");
         return false;
     }
-    const auto before_crc = std::span(bytes).first(kChunkHeadBytes - 4);
+    const auto before_crc = std::span(bytes).first(offsetof(ChunkHead, crc));
     if (crc32_of(payload_, crc32_of(before_crc)) != head.crc) {
         stop("a chunk is damaged (CRC)");
         return false;

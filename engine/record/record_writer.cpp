@@ -201,8 +201,4 @@ std::uint64_t bytes_of_rows(std::uint64_t rows, const RecordHeader &header) {
     return chunks * kChunkHeadBytes + rows * header.row_bytes;
 }
 
-std::uint64_t expected_bytes(std::uint64_t rows, const RecordHeader &header) {
-    return kMagic.size() + 4 + to_json(header).size() + 4 + bytes_of_rows(rows, header);
-}
-
 } // namespace springdrive::record

@@ -71,11 +71,8 @@ private:
     std::uint64_t bytes_in_file_ = 0;
 };
 
-/// The size of a file of `rows` rows after its header, as below.
+/// The size of a file of `rows` rows after its header, without notes or chunks that ended early. A
+/// recorder on its own thread writes the same, plus the head of a chunk for each pause.
 [[nodiscard]] std::uint64_t bytes_of_rows(std::uint64_t rows, const RecordHeader &header);
-
-/// The size of a file of `rows` rows without notes or chunks that ended early. A recorder on its
-/// own thread writes the same, plus the head of a chunk for each pause.
-[[nodiscard]] std::uint64_t expected_bytes(std::uint64_t rows, const RecordHeader &header);
 
 } // namespace springdrive::record

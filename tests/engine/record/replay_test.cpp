@@ -61,6 +61,12 @@ std::vector<servo::ServoSample> eventful_run(unsigned seed, double period_s) {
     return samples;
 }
 
+/// For all tests that change some of it.
+const std::vector<servo::ServoSample> &one_run() {
+    static const std::vector<servo::ServoSample> samples = eventful_run(5, 1e-3);
+    return samples;
+}
+
 Replay replay_of(const std::vector<servo::ServoSample> &samples) {
     Replay replay(testing::phantom_1_0());
     for (const servo::ServoSample &sample : samples) {
@@ -70,7 +76,7 @@ Replay replay_of(const std::vector<servo::ServoSample> &samples) {
 }
 
 TEST(Replay, ReproducesTheServosBits) {
-    for (const unsigned seed : {1U, 2U, 3U, 4U}) {
+    for (const unsigned seed : {1U, 2U}) {
         const double period_s = seed % 2 == 0 ? 1e-3 : 0.25e-3;
         const std::vector<servo::ServoSample> samples = eventful_run(seed, period_s);
         const Replay replay = replay_of(samples);
@@ -89,7 +95,7 @@ TEST(Replay, ReproducesTheServosBits) {
 }
 
 TEST(Replay, StartsAnywhereAndAcrossGaps) {
-    std::vector<servo::ServoSample> samples = eventful_run(5, 1e-3);
+    std::vector<servo::ServoSample> samples = one_run();
     samples.erase(samples.begin() + 2000, samples.begin() + 2003); // lost
     samples.erase(samples.begin(), samples.begin() + 1300);        // recorded from there on
     const Replay replay = replay_of(samples);
@@ -99,9 +105,8 @@ TEST(Replay, StartsAnywhereAndAcrossGaps) {
 }
 
 TEST(Replay, DetectsASingleBit) {
-    const std::vector<servo::ServoSample> samples = eventful_run(6, 1e-3);
     constexpr std::size_t kTick = 1700;
-    std::vector<servo::ServoSample> changed = samples;
+    std::vector<servo::ServoSample> changed = one_run();
     changed[kTick].command.e_W_V[1] = std::nextafter(changed[kTick].command.e_W_V[1], 100.0);
     const Replay replay = replay_of(changed);
     EXPECT_FALSE(replay.is_identical());
@@ -113,17 +118,16 @@ TEST(Replay, DetectsASingleBit) {
 }
 
 TEST(Replay, AnotherCountIsAnotherMotion) {
-    std::vector<servo::ServoSample> samples = eventful_run(7, 1e-3);
+    std::vector<servo::ServoSample> samples = one_run();
     ++samples[1800].counts[0];
     EXPECT_FALSE(replay_of(samples).is_identical());
 }
 
 TEST(Replay, AnotherTuningGivesOtherVoltages) {
-    const std::vector<servo::ServoSample> samples = eventful_run(8, 1e-3);
     control::Tuning stiffer;
     stiffer.K_P_V_per_rad = 15.0;
     Replay replay(testing::phantom_1_0(), stiffer);
-    for (const servo::ServoSample &sample : samples) {
+    for (const servo::ServoSample &sample : one_run()) {
         static_cast<void>(replay.take(sample));
     }
     EXPECT_FALSE(replay.is_identical());

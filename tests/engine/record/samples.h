@@ -74,6 +74,11 @@ inline void write_record(const std::filesystem::path &path, double servo_hz,
     writer.close();
 }
 
+/// The size of a file of `rows` rows without notes or chunks that ended early.
+inline std::uint64_t expected_bytes(std::uint64_t rows, const record::RecordHeader &header) {
+    return 8 + 4 + record::to_json(header).size() + 4 + record::bytes_of_rows(rows, header);
+}
+
 inline void write_file(const std::filesystem::path &path, const std::string &bytes) {
     std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
 }

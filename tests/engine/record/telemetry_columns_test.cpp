@@ -68,21 +68,6 @@ TEST(TelemetryColumns, KnowEveryMember) {
     EXPECT_EQ(sizeof limits, servo::kSafetyLimits.size() * sizeof(double));
 }
 
-TEST(TelemetryColumns, HaveValidNamesAndUnits) {
-    std::set<std::string_view> names;
-    const servo::ServoSample sample;
-    for_each_column(sample, [&](std::string_view name, std::string_view unit, const auto &) {
-        EXPECT_TRUE(names.insert(name).second) << name << " twice";
-        EXPECT_FALSE(unit.empty()) << name;
-        EXPECT_LE(name.size(), 63U) << name;
-        EXPECT_EQ(name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                         "0123456789_"),
-                  std::string_view::npos)
-            << name;
-    });
-    EXPECT_EQ(names.count("limit_beyond_stops_rad"), 1U);
-}
-
 /// The required ending of a name.
 std::string ending_for(std::string_view unit) {
     const std::map<std::string_view, std::string> spelled{{"1", ""},
@@ -106,11 +91,19 @@ std::string ending_for(std::string_view unit) {
     return found == spelled.end() ? "unknown unit " + std::string(unit) : found->second;
 }
 
-TEST(TelemetryColumns, HaveTheSameUnitInTheNameAsInUnit) {
+TEST(TelemetryColumns, HaveValidNamesAndUnits) {
+    std::set<std::string_view> names;
     const servo::ServoSample sample;
     for_each_column(sample, [&](std::string_view name, std::string_view unit, const auto &) {
+        EXPECT_TRUE(names.insert(name).second) << name << " twice";
         EXPECT_TRUE(name.ends_with(ending_for(unit))) << name << " [" << unit << "]";
+        EXPECT_LE(name.size(), 63U) << name;
+        EXPECT_EQ(name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                         "0123456789_"),
+                  std::string_view::npos)
+            << name;
     });
+    EXPECT_EQ(names.count("limit_beyond_stops_rad"), 1U);
 }
 
 double value_of(const servo::ServoSample &sample, std::string_view wanted) {
@@ -123,38 +116,8 @@ double value_of(const servo::ServoSample &sample, std::string_view wanted) {
     return found;
 }
 
+/// Above all those that could be swapped unnoticed: adjacent, of the same type and unit.
 TEST(TelemetryColumns, MapToTheMemberOfTheirName) {
-    servo::ServoSample sample;
-    sample.counts = {-1, -2, -3};
-    sample.tip_m = {1.0, 2.0, 3.0};
-    sample.contact.tangent_projector << 11, 12, 13, 21, 22, 23, 31, 32, 33;
-    sample.contact.x0_m = {4.0, 5.0, 6.0};
-    sample.tuning.eta = 0.25;
-    sample.contact.eta = 0.5;
-    sample.eta = 0.625;
-    sample.tuning.alpha_rad2_per_m2 = 3000.0;
-    sample.alpha_rad2_per_m2 = 2500.0;
-    sample.limits.window_silence_s = 0.5;
-    sample.winding[2].is_limited = true;
-    sample.safety.cause = servo::TripCause::voltage;
-    EXPECT_EQ(value_of(sample, "counts3"), -3);
-    EXPECT_EQ(value_of(sample, "tip_y_m"), 2.0);
-    EXPECT_EQ(value_of(sample, "allowed_motion_xz"), 13.0);
-    EXPECT_EQ(value_of(sample, "allowed_motion_zx"), 31.0);
-    EXPECT_EQ(value_of(sample, "proxy_z_m"), 6.0);
-    EXPECT_EQ(value_of(sample, "eta"), 0.25);
-    EXPECT_EQ(value_of(sample, "surface_eta"), 0.5);
-    EXPECT_EQ(value_of(sample, "eta_in_force"), 0.625);
-    EXPECT_EQ(value_of(sample, "alpha_rad2_per_m2"), 3000.0);
-    EXPECT_EQ(value_of(sample, "alpha_in_force_rad2_per_m2"), 2500.0);
-    EXPECT_EQ(value_of(sample, "limit_window_silence_s"), 0.5);
-    EXPECT_EQ(value_of(sample, "R_hat_limited3"), 1.0);
-    EXPECT_EQ(value_of(sample, "R_hat_limited1"), 0.0);
-    EXPECT_EQ(value_of(sample, "trip_cause"), static_cast<double>(servo::TripCause::voltage));
-}
-
-/// Members that could be swapped unnoticed: adjacent, of the same type and unit.
-TEST(TelemetryColumns, OfEqualUnitMapToTheMemberOfTheirName) {
     servo::ServoSample sample;
     const std::map<std::string, double *> members{
         {"time_s", &sample.time_s},
@@ -177,6 +140,15 @@ TEST(TelemetryColumns, OfEqualUnitMapToTheMemberOfTheirName) {
         {"winding_least2_C", &sample.winding[1].min_C},
         {"winding_greatest2_C", &sample.winding[1].max_C},
         {"theta2_rad", &sample.theta_rad[1]},
+        {"tip_y_m", &sample.tip_m[1]},
+        {"proxy_z_m", &sample.contact.x0_m[2]},
+        {"allowed_motion_xz", &sample.contact.tangent_projector(0, 2)},
+        {"allowed_motion_zx", &sample.contact.tangent_projector(2, 0)},
+        {"eta", &sample.tuning.eta},
+        {"surface_eta", &sample.contact.eta},
+        {"eta_in_force", &sample.eta},
+        {"alpha_rad2_per_m2", &sample.tuning.alpha_rad2_per_m2},
+        {"limit_window_silence_s", &sample.limits.window_silence_s},
         {"theta_Sd2_rad", &sample.theta_Sd_rad[1]},
         {"R2_Ohm", &sample.motor[1].here.resistance_Ohm},
         {"R2_deviation_Ohm", &sample.motor[1].here.deviation_Ohm},
@@ -191,25 +163,22 @@ TEST(TelemetryColumns, OfEqualUnitMapToTheMemberOfTheirName) {
     for (const auto &[name, member] : members) {
         *member = ++value;
     }
+    sample.counts = {-1, -2, -3};
+    sample.winding[2].is_limited = true;
+    sample.safety.cause = servo::TripCause::voltage;
     sample.missed_deadlines = 101;
     sample.missed_in_a_row = 102;
     sample.missed_periods = 103;
     for (const auto &[name, member] : members) {
         EXPECT_EQ(value_of(sample, name), *member) << name;
     }
+    EXPECT_EQ(value_of(sample, "counts3"), -3.0);
+    EXPECT_EQ(value_of(sample, "R_hat_limited3"), 1.0);
+    EXPECT_EQ(value_of(sample, "R_hat_limited1"), 0.0);
+    EXPECT_EQ(value_of(sample, "trip_cause"), static_cast<double>(servo::TripCause::voltage));
     EXPECT_EQ(value_of(sample, "missed_deadlines"), 101.0);
     EXPECT_EQ(value_of(sample, "missed_in_a_row"), 102.0);
     EXPECT_EQ(value_of(sample, "missed_periods"), 103.0);
-}
-
-TEST(TelemetryColumns, CanBeWritten) {
-    servo::ServoSample sample;
-    for_each_column(sample, [](std::string_view name, std::string_view, auto &value) {
-        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, double>) {
-            value = name == "force_z_N" ? 7.5 : value;
-        }
-    });
-    EXPECT_EQ(sample.tip_force_N, Vector3(0.0, 0.0, 7.5));
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-// Covers engine/session/run_folder.cpp and run_folder_texts.cpp, and write_record of record.cpp.
+// Covers engine/session/run_folder.cpp, and write_record of record.cpp.
 #include "engine/session/run_folder.h"
 
 #include "base/input_error.h"
@@ -10,22 +10,18 @@
 #include "tests/support/devices.h"
 #include "tests/support/error_text.h"
 #include "tests/support/files.h"
+#include "tests/support/full_disk.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
-#include <csignal>
 #include <ctime>
-#include <functional>
 #include <optional>
 #include <random>
 #include <set>
 #include <string>
 #include <sys/mount.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -35,20 +31,7 @@ namespace {
 using testing::contents_of;
 using testing::error_text_of;
 using testing::fresh_folder;
-using testing::said_in_child;
-
-/// The same with files that cannot grow beyond `bytes`, as on a full disk.
-std::string said_with_files_up_to(std::uint64_t bytes, const std::function<std::string()> &step) {
-    return said_in_child(
-        [bytes] {
-            std::signal(SIGXFSZ, SIG_IGN);
-            rlimit limit{};
-            getrlimit(RLIMIT_FSIZE, &limit);
-            limit.rlim_cur = bytes;
-            setrlimit(RLIMIT_FSIZE, &limit);
-        },
-        step);
-}
+using testing::FullDisk;
 
 std::set<std::string> names_in(const std::filesystem::path &folder) {
     std::set<std::string> names;
@@ -161,7 +144,7 @@ TEST(RunFolder, IsNamedByTheTimeAndNeverOneThatExists) {
         std::filesystem::create_symlink("nowhere", parent / (std::string(name.data()) + "-2"));
     }
     std::set<std::filesystem::path> made;
-    for (int i = 0; i < 20; ++i) {
+    for (int i = 0; i < 5; ++i) {
         const RunFolder folder = RunFolder::create(parent);
         EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
         EXPECT_TRUE(made.insert(folder.path()).second);
@@ -180,12 +163,8 @@ TEST(RunFolder, ThatCannotBeMadeIsRefused) {
     expect_one_line_about(refusal(parent / "none"), "none/springdrive-", "No such file");
     expect_one_line_about(refusal(parent / "file"), "file/springdrive-", "Not a directory");
     std::filesystem::permissions(parent, std::filesystem::perms(0555));
-    const std::string said = said_in_child(
-        [] { // permissions do not apply to root
-            constexpr uid_t kNobody = 65534;
-            [[maybe_unused]] const int result = geteuid() == 0 ? setuid(kNobody) : 0;
-        },
-        [&] { return refusal(parent); });
+    const std::string said =
+        testing::said_in_child(testing::drop_rights, [&] { return refusal(parent); });
     expect_one_line_about(said, "springdrive-", "Permission denied");
     std::filesystem::permissions(parent, std::filesystem::perms(0755));
     EXPECT_EQ(names_in(parent), std::set<std::string>{"file"});
@@ -193,16 +172,19 @@ TEST(RunFolder, ThatCannotBeMadeIsRefused) {
 
 TEST(RunFolder, OnAFullDiskLeavesNothingBehind) {
     const auto parent = fresh_folder("run_full");
-    const std::string said = said_with_files_up_to(
-        1000, [&] { return error_text_of([&] { static_cast<void>(RunFolder::create(parent)); }); });
-    expect_one_line_about(said, "springdrive-", "is the disk full?");
-    EXPECT_TRUE(std::filesystem::is_empty(parent));
+    const auto expect_refused = [&] {
+        expect_one_line_about(error_text_of([&] { static_cast<void>(RunFolder::create(parent)); }),
+                              "springdrive-", "is the disk full?");
+        EXPECT_TRUE(std::filesystem::is_empty(parent));
+    };
+    {
+        const FullDisk disk(1000);
+        expect_refused();
+    }
     if (mount("none", parent.c_str(), "tmpfs", 0, "size=32k") != 0) {
         GTEST_SKIP() << "mounting a small disk takes root";
     }
-    expect_one_line_about(error_text_of([&] { static_cast<void>(RunFolder::create(parent)); }),
-                          "springdrive-", "is the disk full?");
-    EXPECT_TRUE(std::filesystem::is_empty(parent));
+    expect_refused();
     umount(parent.c_str());
 }
 
@@ -278,9 +260,11 @@ TEST(RunFolder, KeepsWhatItHadIfTheDiskIsFull) {
     RunFacts facts = before;
     facts.notes.assign(100'000, 'x');
     facts.software = "later";
-    const std::string said =
-        said_with_files_up_to(50'000, [&] { return error_text_of([&] { folder.save(facts); }); });
-    expect_one_line_about(said, "notes.txt", "as it was; is the disk full?");
+    {
+        const FullDisk disk(50'000);
+        expect_one_line_about(error_text_of([&] { folder.save(facts); }), "notes.txt",
+                              "as it was; is the disk full?");
+    }
     EXPECT_EQ(names_in(folder.path()), files); // no temporary files either
     expect_same(read_run(folder.path()), before);
     folder.save(facts);
@@ -303,8 +287,6 @@ TEST(RunFolder, NumbersItsScreenshots) {
     testing::write_file(folder.path() / "screenshot-1.png", "");
     std::filesystem::create_symlink("nowhere", folder.path() / "screenshot-2.png");
     EXPECT_EQ(folder.next_screenshot(), folder.path() / "screenshot-3.png");
-    std::filesystem::remove_all(folder.path());
-    EXPECT_EQ(folder.next_screenshot(), folder.path() / "screenshot-1.png");
 }
 
 class ReadRun : public ::testing::Test {
@@ -379,7 +361,7 @@ TEST_F(ReadRun, AcceptsWhatIsNewOrLost) {
 }
 
 TEST_F(ReadRun, OfATruncatedTextIsRefusedWhereverItEnds) {
-    for (std::size_t length = 0; length + 3 < json.size(); length += 7) {
+    for (std::size_t length = 0; length + 3 < json.size(); length += 11) {
         expect_one_line_about(error_with("run.json", json.substr(0, length)), "run.json",
                               "is no JSON");
     }
@@ -387,7 +369,7 @@ TEST_F(ReadRun, OfATruncatedTextIsRefusedWhereverItEnds) {
 
 TEST_F(ReadRun, OfRandomBytesNeverFailsOtherwise) {
     std::mt19937_64 random(1);
-    for (int trial = 0; trial < 300; ++trial) {
+    for (int trial = 0; trial < 150; ++trial) {
         std::string changed = json;
         for (std::uint64_t i = 0; i <= random() % 4; ++i) {
             changed[random() % changed.size()] = static_cast<char>(random());
@@ -406,18 +388,20 @@ TEST_F(ReadRun, OfRandomBytesNeverFailsOtherwise) {
 
 TEST_F(ReadRun, RefusesWhatIsNoFolderOfARun) {
     const auto other = fresh_folder("run_other");
-    const auto error_about = [](const std::filesystem::path &path) {
-        return error_text_of([&path] { static_cast<void>(read_run(path)); });
+    const auto expect_refused = [](const std::filesystem::path &path, const std::string &file,
+                                   const std::string &problem) {
+        expect_one_line_about(error_text_of([&path] { static_cast<void>(read_run(path)); }), file,
+                              problem);
     };
-    expect_one_line_about(error_about(other), other.string(), "has no run.json");
-    expect_one_line_about(error_about(other / "none"), "none", "has no run.json");
+    expect_refused(other, other.string(), "has no run.json");
+    expect_refused(other / "none", "none", "has no run.json");
     testing::write_file(other / "file", "");
-    expect_one_line_about(error_about(other / "file"), "file", "has no run.json");
+    expect_refused(other / "file", "file", "has no run.json");
     std::filesystem::create_directory(other / "run.json");
-    expect_one_line_about(error_about(other), "run.json", "is a folder");
+    expect_refused(other, "run.json", "is a folder");
     std::filesystem::remove(other / "run.json");
     std::filesystem::create_symlink("run.json", other / "run.json"); // to itself
-    expect_one_line_about(error_about(other), "run.json", "cannot be read");
+    expect_refused(other, "run.json", "cannot be read");
 }
 
 /// Rows of random bits, of which the first are of another device.
@@ -533,13 +517,15 @@ TEST_F(PastRecordTest, LeavesNothingBehindIfItIsCancelled) {
 
 TEST_F(PastRecordTest, LeavesNothingBehindOnAFullDisk) {
     add(3000);
-    const std::uint64_t some = record::expected_bytes(1000, past.header);
-    const std::string said = said_with_files_up_to(some, [&] { return error(); });
-    expect_one_line_about(said, file, "of 3000 ticks; is the disk full? Nothing of it is kept");
-    EXPECT_TRUE(std::filesystem::is_empty(folder));
-    expect_one_line_about(said_with_files_up_to(100, [&] { return error(); }), file,
-                          "nothing was recorded");
-    EXPECT_TRUE(std::filesystem::is_empty(folder));
+    const std::uint64_t some = testing::expected_bytes(1000, past.header);
+    const std::pair<std::uint64_t, const char *> cases[]{
+        {some, "of 3000 ticks; is the disk full? Nothing of it is kept"},
+        {100, "nothing was recorded"}};
+    for (const auto &[room_bytes, said] : cases) {
+        const FullDisk disk(room_bytes);
+        expect_one_line_about(error(), file, said);
+        EXPECT_TRUE(std::filesystem::is_empty(folder));
+    }
 }
 
 TEST_F(PastRecordTest, ReplacesNoFileAndRefusesAnEndlessNote) {
