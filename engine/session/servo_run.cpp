@@ -166,17 +166,28 @@ void ServoRun::stop() {
     take_in();
 }
 
-bool ServoRun::stop_if_released() {
-    if (servo::lets_pass(latest_.safety.state) || has_failed()) {
-        return false;
+/// Pauses the thread if `may` holds, also with its last sample. Returns whether there was one that
+/// ran; empty if it may not, and goes on.
+std::optional<bool> ServoRun::pause_if(const std::function<bool()> &may) {
+    if (!may()) {
+        return std::nullopt;
     }
-    // The latest sample may be outdated: check again with the thread paused.
     const bool ran = servo_->pause();
-    take_in();
-    if (servo::lets_pass(latest_.safety.state) || has_failed()) {
-        if (ran) {
-            servo_->resume();
-        }
+    take_in(); // the latest sample may have been outdated
+    if (may()) {
+        return ran;
+    }
+    if (ran) {
+        servo_->resume();
+    }
+    return std::nullopt;
+}
+
+bool ServoRun::stop_if_released() {
+    const auto is_released = [this] {
+        return !servo::lets_pass(latest_.safety.state) && !has_failed();
+    };
+    if (!pause_if(is_released)) {
         return false;
     }
     stop();
@@ -184,23 +195,14 @@ bool ServoRun::stop_if_released() {
 }
 
 bool ServoRun::halt_if_released() {
-    const auto must_not = [this] {
-        return latest_.safety.state != servo::SafetyState::waiting || !inputs_.release ||
-               has_failed();
-    };
-    if (is_halted() || must_not()) {
+    if (is_halted()) {
         return false;
     }
-    const bool ran = servo_->pause();
-    take_in(); // the latest sample may be outdated
-    if (must_not()) {
-        if (ran) {
-            servo_->resume();
-        }
-        return false;
-    }
-    halt_ = ran;
-    return true;
+    halt_ = pause_if([this] {
+        return latest_.safety.state == servo::SafetyState::waiting && inputs_.release &&
+               !has_failed();
+    });
+    return is_halted();
 }
 
 void ServoRun::go_on() {

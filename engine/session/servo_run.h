@@ -142,6 +142,7 @@ private:
 
     void tune(const control::Tuning &tuning);
     void publish();
+    [[nodiscard]] std::optional<bool> pause_if(const std::function<bool()> &may);
     void note_stall(const servo::ServoSample &sample);
 
     ServoOptions way_;

@@ -10,17 +10,19 @@
 
 #include "device/core/calibration.h"
 #include "device/factory/device_factory.h"
+#include "device/simulated/hand_control.h"
+#include "device/simulated/hand_path.h"
 #include "engine/session/record.h"
 #include "engine/session/recording.h"
+#include "engine/session/scene_loader.h"
 #include "engine/session/scene_models.h"
-#include "engine/session/scenes.h"
 #include "engine/session/servo_run.h"
 #include "engine/session/session_options.h"
-#include "engine/session/simulated_hand.h"
 #include "engine/session/tuning_history.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <functional>
@@ -53,6 +55,41 @@ public:
 private:
     std::vector<std::string> all_;
     std::size_t taken_ = 0;
+};
+
+/// The hand that holds a simulated or emulated device: its target, by a path or by request.
+class SimulatedHand {
+public:
+    /// Attaches the hand to a device's tip, which is at the path's start, or else at `target_m`.
+    /// @param hand  must outlive this object; null for a real hand, which cannot be moved
+    void take_hold(simulated::HandControl *hand, const device::DeviceDescription &device,
+                   const std::optional<simulated::HandPath> &path, const Vector3 &target_m);
+
+    /// Sets the target, limited to workspace and reach; takes effect once the path has ended.
+    void move_to(const Vector3 &target_m);
+
+    /// Starts a test signal beside the target; needs a simulated hand.
+    void play(simulated::HandStimulus stimulus);
+    [[nodiscard]] bool is_simulated() const { return hand_ != nullptr; }
+
+    /// Notes that the device's hand follows this path, which began at this servo time.
+    void follow(const simulated::HandPath &path, double began_s);
+
+    /// Sets the target to that of the path at this servo time, up to the path's end: from then on
+    /// the hand holds still until it is moved.
+    void advance(double time_s);
+
+    [[nodiscard]] const Vector3 &target_m() const { return target_m_; }
+    [[nodiscard]] bool follows_path() const { return path_.has_value(); }
+
+private:
+    simulated::HandControl *hand_ = nullptr;
+    device::PhantomGeometry geometry_;
+    device::Workspace workspace_;
+    std::optional<simulated::HandPath> path_;
+    double path_began_s_ = 0.0;
+    Vector3 target_m_{Vector3::Zero()};
+    std::uint32_t stimuli_ = 0; ///< played so far
 };
 
 /// For use by one thread; servo and recorder have their own.
@@ -216,6 +253,8 @@ private:
     [[nodiscard]] simulated::HandControl &hand_control();
     void move_emulated();
     void require_not_lent() const;
+    void require_free() const; ///< neither lent nor exchanged
+    void require_not_stopped() const;
     void end_pulses();
     void go_on_with_loan(double frame_s);
     void simulate_as(const simulated::SimulationOptions &simulation);
@@ -228,7 +267,8 @@ private:
     void go_on_with_exchange();
     void prepare_again();
     void begin_on(Prepared next);
-    void begin_part(const std::filesystem::path &part_before, const char *why);
+    void start_anew(const std::string &text, const device::DeviceDescription &description,
+                    double speed, const char *why);
     void note_stall();
     void note_failed_assertion();
     void start_servo();

@@ -1,23 +1,44 @@
-// The part of `Session` that opens and exchanges devices.
+// The part of `Session` that opens, exchanges, zeroes, connects again and lends devices.
 #include "base/assertions.h"
+#include "base/error_text.h"
 #include "base/input_error.h"
 #include "base/quoting.h"
+#include "base/real_time_thread.h"
+#include "device/core/bench.h"
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
+#include "device/core/motor/winding_guard.h"
 #include "engine/control/motion_control.h"
 #include "engine/scene/scripted_touch.h"
+#include "engine/servo/real_time.h"
 #include "engine/session/session_parts.h"
 #include "engine/session/windings_file.h"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <exception>
 #include <fstream>
+#include <future>
 #include <iterator>
+#include <thread>
 #include <utility>
 
 namespace springdrive::session {
 
 namespace {
+
+/// After a zeroing or a loan, for the velocity filter to settle: to it, the device jumped.
+constexpr double kSettling_s = 0.1;
+
+/// Between two looks at a link: whether a lost device is there again, or d has changed.
+constexpr double kLook_s = 0.5;
+
+/// A measured d differs by so much from the one in use before the latter is replaced.
+constexpr double kDelayTolerance_periods = 0.05;
 
 std::array<device::MotorTemperature, 3> hottest_motors(const servo::ServoSample &sample) {
     std::array<device::MotorTemperature, 3> hottest;
@@ -149,7 +170,6 @@ void Session::go_on_with_exchange() {
 /// @pre the servo has stopped on the old device
 void Session::begin_on(Prepared next) {
     SPRINGDRIVE_ASSERT(servo_->servo().is_at_rest());
-    const std::filesystem::path part_before = recording_->file();
     recording_->end_part(dump({{"device", "exchanged"}, {"for", next.request.description.name}}));
     keep_windings();
     device_->close();
@@ -162,15 +182,8 @@ void Session::begin_on(Prepared next) {
     const device::DeviceDescription &description = next.request.description;
     hand_.take_hold(device_->hand(), description, simulation_.path, next.request.start_tip_m);
     scenes_->set_workspace(description.workspace);
-    observe_as_wanted();
     servo_->set_global_alpha(control::global_alpha_bound(description));
-    models_->set_ground(ground(next.text, description, servo_->rate_hz()));
-    begin_part(part_before, "for the new device");
-    release_until_zeroed();
-    if (has_started_) {
-        start_servo();
-        servo_->set_speed(speed);
-    }
+    start_anew(next.text, description, speed, "for the new device");
     choose_again();
 }
 
@@ -191,11 +204,15 @@ void Session::keep_windings() const {
     }
 }
 
-/// A record continues after `ServoRun::renew`.
-void Session::begin_part(const std::filesystem::path &part_before, const char *why) {
+/// After `ServoRun::renew`: a record continues in a new file.
+void Session::start_anew(const std::string &text, const device::DeviceDescription &description,
+                         double speed, const char *why) {
+    observe_as_wanted();
+    models_->set_ground(ground(text, description, servo_->rate_hz()));
     next_look_s_ = 0.0; // of the servo before, whose time was another
     released_until_s_ = 0.0;
     begin_past();
+    const std::filesystem::path part_before = recording_->file();
     try {
         const std::filesystem::path part = recording_->begin_part(header_of_record());
         if (!part.empty()) {
@@ -205,17 +222,16 @@ void Session::begin_part(const std::filesystem::path &part_before, const char *w
     } catch (const InputError &error) {
         warnings_.add(error.what());
     }
+    release_until_zeroed();
+    if (has_started_) {
+        start_servo();
+        servo_->set_speed(speed);
+    }
 }
 
 void Session::use_calibration(const device::Calibration &calibration) {
-    require_not_lent();
-    if (is_exchanging()) {
-        throw InputError("the device is being exchanged; wait until that is done");
-    }
-    if (latest().safety.state == servo::SafetyState::tripped) { // which a new servo would forget
-        throw InputError("the device is stopped: " + servo::description(latest().safety) +
-                         "; reset it first");
-    }
+    require_free();
+    require_not_stopped(); // which a new servo would forget
     if (device_->device().bench() == nullptr) {
         throw InputError(description().name +
                          " has no board: its calibration is that of its device file");
@@ -229,7 +245,6 @@ void Session::use_calibration(const device::Calibration &calibration) {
     if (!servo_->stop_if_released()) {
         throw InputError("a motor is driven; the calibration is used once the device is released");
     }
-    const std::filesystem::path part_before = recording_->file();
     recording_->end_part(
         dump({{"device", "calibrated"}, {"at", device::text_of_utc(known.made_at_s)}}));
     const double speed = servo_->speed();
@@ -241,13 +256,272 @@ void Session::use_calibration(const device::Calibration &calibration) {
     servo_->renew(device_->device());
     servo_->resume_watch(hottest);
     hand_.take_hold(device_->hand(), calibrated, std::nullopt, hand_.target_m());
-    observe_as_wanted();
-    models_->set_ground(ground(text, calibrated, servo_->rate_hz()));
-    begin_part(part_before, "with the new calibration");
+    start_anew(text, calibrated, speed, "with the new calibration");
+}
+
+bool Session::is_zeroed() const { return device_->state() == factory::DeviceState::zeroed; }
+
+void Session::release_until_zeroed() {
+    knows_zero_ = is_zeroed();
+    const bool is_settling = latest().time_s < released_until_s_;
+    servo_->release(is_exchanging() || is_kept_released_ || loan_ || !knows_zero_ || is_settling);
+}
+
+void Session::keep_released(bool asked) {
+    is_kept_released_ = asked;
     release_until_zeroed();
-    if (has_started_) {
-        start_servo();
-        servo_->set_speed(speed);
+}
+
+void Session::zero_device(const Vector3 &theta_rad) {
+    require_not_lent();
+    servo_->paused([&] {
+        device_->zero(theta_rad);
+        note(dump({{"device", "zeroed"},
+                   {"theta_rad", {theta_rad[0], theta_rad[1], theta_rad[2]}},
+                   {"after_tick", latest().tick}}));
+        released_until_s_ = latest().time_s + kSettling_s;
+    });
+    release_until_zeroed();
+}
+
+void Session::reconnect_device(const std::optional<Vector3> &theta_rad) {
+    require_not_lent();
+    servo_->paused([&] {
+        const Vector3 theta = theta_rad.value_or(latest().theta_rad);
+        device_->reconnect();
+        if (theta_rad || (device_->has_world() && knows_zero_)) {
+            device_->zero(theta);
+        }
+        servo_->resume_watch({}); // its clock may be another
+        note(dump({{"device", "reconnected"}, {"after_tick", latest().tick}}));
+    });
+    release_until_zeroed();
+}
+
+/// The tick that contradicts a zero voids it. Of a lost device `watch_link` says so.
+void Session::watch_zero() {
+    if (!knows_zero_ || is_zeroed() || latest().health == device::DeviceHealth::lost ||
+        latest().safety.state != servo::SafetyState::tripped) {
+        return;
+    }
+    note(dump({{"device", "zero void"}, {"after_tick", latest().tick}}));
+    warnings_.add(
+        servo::description(latest().safety) +
+        ": its zero is void, and no motor is driven until it is zeroed again; reset the "
+        "stop, hold the device in its zero pose, and zero it, in the window in tab Plant");
+    release_until_zeroed();
+}
+
+/// A device that was unplugged is connected again once it is there; its trip stays.
+void Session::watch_link() {
+    if (released_until_s_ > 0.0 && latest().time_s >= released_until_s_ && !loan_) {
+        released_until_s_ = 0.0;
+        release_until_zeroed();
+    }
+    if (device_->has_world() || !has_started_ || is_exchanging() || loan_ || servo_->has_failed()) {
+        return;
+    }
+    if (latest().time_s < next_look_s_) {
+        return;
+    }
+    next_look_s_ = latest().time_s + kLook_s;
+    if (latest().health == device::DeviceHealth::ok) {
+        adopt_delay();
+        return;
+    }
+    const std::string error = error_text_of([this] { reconnect_device(); });
+    if (!error.empty()) {
+        warnings_.add(error);
+        return;
+    }
+    const std::string again =
+        ++reconnections_ == 1
+            ? "the device is connected again"
+            : fmt::format("the device is connected again, {} times by now", reconnections_);
+    warnings_.add(again +
+                  (is_zeroed() ? "; reset the stop to go on" : ", but lost its counts; zero it"));
+}
+
+/// While no motor is driven: the servo pauses for it.
+void Session::adopt_delay() {
+    const double measured = device_->device().delay_periods();
+    if (servo::lets_pass(latest().safety.state) || servo_->is_in_lockstep() ||
+        std::abs(measured - models_->ground().delay_periods) <= kDelayTolerance_periods) {
+        return;
+    }
+    servo_->paused([&] {
+        const std::uint64_t from_tick = servo_->set_rate(servo_->rate_hz()); // the loop's delay
+        note(dump({{"delay_periods", measured}, {"from_tick", from_tick}}));
+    });
+    measure_anew();
+}
+
+/// Calls `tick` once a period until it has no more to do.
+class Session::Loan {
+public:
+    Loan(std::function<bool()> tick, double period_s)
+        : tick_(std::move(tick)), period_s_(period_s) {}
+    ~Loan() { end(); }
+    Loan(const Loan &) = delete;
+    Loan &operator=(const Loan &) = delete;
+
+    [[nodiscard]] bool has_begun() const { return has_begun_; }
+    [[nodiscard]] bool is_over() const { return is_over_.load(std::memory_order_acquire); }
+    /// Once it is over, or has ended.
+    [[nodiscard]] const std::string &error() const { return error_; }
+
+    void begin(bool on_a_thread, std::optional<int> cpu) {
+        has_begun_ = true;
+        if (on_a_thread) {
+            running_ = run_on_own_heap([this, cpu] {
+                static_cast<void>(servo::make_this_thread_real_time(cpu)); // said by the servo
+                run();
+            });
+        }
+    }
+
+    /// Without a thread.
+    void advance(double frame_s) {
+        pending_ticks_ += frame_s / period_s_;
+        for (; pending_ticks_ >= 1.0 && !is_over(); pending_ticks_ -= 1.0) {
+            tick();
+        }
+    }
+
+    void end() {
+        is_ended_.store(true, std::memory_order_release);
+        if (running_.valid()) {
+            running_.wait();
+        }
+    }
+
+private:
+    void run() {
+        using Clock = std::chrono::steady_clock;
+        const auto period =
+            std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period_s_));
+        Clock::time_point due = Clock::now();
+        while (!is_ended_.load(std::memory_order_acquire) && !is_over()) {
+            tick();
+            due = std::max(due + period, Clock::now()); // what was missed is not made up for
+            std::this_thread::sleep_until(due);
+        }
+    }
+
+    void tick() {
+        try {
+            if (tick_()) {
+                return;
+            }
+        } catch (const std::exception &error) {
+            error_ = error.what();
+        }
+        is_over_.store(true, std::memory_order_release);
+    }
+
+    std::function<bool()> tick_;
+    double period_s_;
+    double pending_ticks_ = 0.0;
+    bool has_begun_ = false;
+    std::string error_;
+    std::atomic<bool> is_over_{false};
+    std::atomic<bool> is_ended_{false};
+    std::future<void> running_;
+};
+
+void Session::require_not_lent() const {
+    if (loan_) {
+        throw InputError("the device is in use by its self-test or calibration; wait until that is "
+                         "over, or stop it");
+    }
+}
+
+void Session::require_free() const {
+    require_not_lent();
+    if (is_exchanging()) {
+        throw InputError("the device is being exchanged; wait until that is done");
+    }
+}
+
+void Session::require_not_stopped() const {
+    if (latest().safety.state == servo::SafetyState::tripped) {
+        throw InputError("the device is stopped: " + servo::description(latest().safety) +
+                         "; reset it first");
+    }
+}
+
+void Session::lend_device(std::function<bool()> tick) {
+    require_free();
+    if (latest().health == device::DeviceHealth::lost) {
+        throw InputError("the device is lost; plug it in again");
+    }
+    require_not_stopped();
+    loan_error_.clear();
+    loan_ = std::make_unique<Loan>(std::move(tick), servo_->period_s());
+    release_until_zeroed();
+}
+
+void Session::go_on_with_loan(double frame_s) {
+    if (!loan_) {
+        return;
+    }
+    if (servo_->is_held_stopped() || loan_->is_over() ||
+        latest().safety.state == servo::SafetyState::tripped) {
+        take_device_back();
+    } else if (loan_->has_begun()) {
+        if (servo_->is_in_lockstep()) {
+            loan_->advance(frame_s);
+        }
+    } else if (servo_->halt_if_released()) {
+        note(dump({{"device", "lent"}, {"after_tick", latest().tick}}));
+        loan_->begin(!servo_->is_in_lockstep(), options_.cpu);
+    }
+}
+
+void Session::emergency_stop() {
+    servo_->emergency_stop();
+    take_device_back();
+}
+
+/// Ends pulses of a self-test, which go on while its host brakes, by opening the windings.
+void Session::end_pulses() {
+    constexpr int kMaxTries = 50; // of which some may be lost
+    device::HapticDevice &device = device_->device();
+    device::Bench *const bench = device.bench();
+    const auto answer_by = [&](device::CommandMode mode) {
+        device::DeviceCommand command;
+        command.mode = mode;
+        command.number = device.read().number;
+        device.write(command);
+    };
+    try {
+        for (int i = 0; bench != nullptr && i < kMaxTries &&
+                        bench->pulses().state == device::PulseState::running;
+             ++i) {
+            answer_by(device::CommandMode::open);
+        }
+    } catch (const InputError &) { // which hears nothing, and ends them by itself
+    }
+    answer_by(device::CommandMode::brake);
+}
+
+void Session::take_device_back() {
+    if (!loan_) {
+        return;
+    }
+    loan_->end();
+    const bool has_begun = loan_->has_begun();
+    loan_error_ = loan_->error();
+    loan_.reset();
+    if (has_begun) {
+        end_pulses();
+        note(dump({{"device", "back"}, {"after_tick", latest().tick}}));
+        released_until_s_ = latest().time_s + kSettling_s;
+        release_until_zeroed();
+        servo_->resume_watch(device::hottest_motors(description().motor)); // by unseen currents
+        servo_->go_on();
+    } else {
+        release_until_zeroed();
     }
 }
 

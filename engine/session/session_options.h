@@ -5,7 +5,7 @@
 #include "device/factory/device_factory.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/control/tuning.h"
-#include "engine/session/model_options.h"
+#include "engine/session/scene_models.h"
 #include "engine/session/telemetry_history.h"
 
 #include <cstddef>

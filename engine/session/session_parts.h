@@ -11,9 +11,6 @@
 
 namespace springdrive::session {
 
-/// After a zeroing or a loan, for the velocity filter to settle: to it, the device jumped.
-inline constexpr double kSettling_s = 0.1;
-
 struct Session::Prepared {
     DeviceChoice choice;
     std::string text; ///< of the device file

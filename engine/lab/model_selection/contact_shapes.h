@@ -3,7 +3,7 @@
 
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/scene/scene.h"
-#include "engine/session/model/model.h"
+#include "engine/session/model/model_selection.h"
 
 #include <vector>
 

@@ -1,7 +1,6 @@
-// Covers engine/session/scenes.cpp, scene_loader.cpp and simulated_hand.cpp alone.
-#include "engine/session/scenes.h"
+// Covers engine/session/scene_loader.cpp and the hand of session_plant.cpp alone.
+#include "engine/session/session.h"
 
-#include "engine/session/simulated_hand.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 
@@ -65,6 +64,10 @@ TEST(Scenes, AFailedSceneLeavesTheCurrentOne) {
     EXPECT_EQ(wait_for(scenes), nullptr);
     EXPECT_NE(scenes.error().find("broken.glb"), std::string::npos);
     EXPECT_EQ(scenes.id(), 1U);
+    EXPECT_EQ(scenes.now().scene.file.filename(), "plate.gltf");
+    scenes.request(file_of("sphere"));
+    EXPECT_NE(wait_for(scenes), nullptr);
+    EXPECT_EQ(scenes.error(), "");
     std::filesystem::remove_all(folder);
 }
 
