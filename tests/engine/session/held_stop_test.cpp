@@ -12,16 +12,11 @@ namespace {
 using servo::SafetyState;
 
 SessionOptions at_rest(const std::vector<const char *> &faults = {}) {
-    SessionOptions options = testing::scripted();
-    options.plays_script = false;
-    options.servo_hz = 500.0;
-    if (!faults.empty()) {
-        options.device.kind = factory::DeviceKind::emulated;
-        options.starts_at_zero = true;
-        for (const char *const fault : faults) {
-            options.emulation.faults.push_back(device::parse_fault(fault));
-        }
+    SessionOptions options = testing::emulated(true, faults);
+    if (faults.empty()) {
+        options.device.kind = factory::DeviceKind::simulated;
     }
+    options.servo_hz = 500.0;
     return options;
 }
 

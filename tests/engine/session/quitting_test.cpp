@@ -155,7 +155,7 @@ TEST_F(Quitting, AtAnyMomentEndsCleanly) {
     setenv("XDG_CACHE_HOME", folder.c_str(), 1);
     std::mt19937 random(11);
     double longest_s = 0.0;
-    for (int round = 0; round < 60; ++round) {
+    for (int round = 0; round < 40; ++round) {
         SessionOptions options = testing::scripted(round % 2 == 0 ? "plate" : "organic");
         options.lockstep = round % 3 != 0;
         options.model.chooser = model_selection::cached_chooser();

@@ -59,6 +59,12 @@ struct Press {
     }
 };
 
+/// One for all tests that change nothing of it.
+inline const std::vector<servo::ServoSample> &plain_press() {
+    static const std::vector<servo::ServoSample> samples = Press{}.samples();
+    return samples;
+}
+
 inline record::RecordHeader header_of(const std::string &device_file = "phantom_1_0",
                                       double delay_periods = 0.0) {
     record::RecordHeader header = record::record_header(kRecorded_hz);

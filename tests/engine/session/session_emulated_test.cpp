@@ -21,17 +21,10 @@ namespace {
 
 using servo::SafetyState;
 using servo::TripCause;
+using testing::emulated;
 
 const Vector3 kOverPlate_m(0.0, 0.03, 0.0);
 const Vector3 kInPlate_m(0.0, -0.01, 0.0);
-
-SessionOptions emulated(bool starts_at_zero) {
-    SessionOptions options = testing::scripted();
-    options.plays_script = false;
-    options.device.kind = factory::DeviceKind::emulated;
-    options.starts_at_zero = starts_at_zero;
-    return options;
-}
 
 emulator::EmulatedBoard &board_of(Session &session) { return session.device().emulated()->board(); }
 
@@ -63,9 +56,13 @@ TEST(EmulatedSession, StartsInItsZeroPoseAndDrivesNothingUntilItIsZeroed) {
     session.start();
     EXPECT_EQ(session.device().identity().kind, "emulated");
     EXPECT_FALSE(session.is_zeroed());
-    testing::run(session, 1.0);
-    EXPECT_EQ(session.latest().safety.state, SafetyState::waiting);
-    EXPECT_NE(board_of(session).board().loop().state(), usb::BoardState::testing);
+    EXPECT_NE(session.warnings().all().at(0).find("until the device has been zeroed"),
+              std::string::npos);
+    for (int i = 0; i < 400; ++i) {
+        session.advance(4e-3);
+        ASSERT_NE(board_of(session).board().loop().state(), usb::BoardState::driving);
+        ASSERT_EQ(session.latest().safety.state, SafetyState::waiting);
+    }
     session.zero_device(Vector3::Zero());
     ASSERT_TRUE(stands_over_plate(session));
     EXPECT_EQ(board_of(session).board().loop().state(), usb::BoardState::driving);
@@ -136,25 +133,12 @@ TEST(EmulatedSession, ComesBackAfterItsCableWasPulledInContact) {
     set_plugged(session, true);
     testing::run(session, 1.0);
     EXPECT_EQ(session.latest().health, device::DeviceHealth::ok);
-    EXPECT_TRUE(session.is_zeroed());
+    EXPECT_TRUE(session.is_zeroed());                                 // the board kept its power
     EXPECT_EQ(session.latest().safety.cause, TripCause::device_lost); // until a reset
+    EXPECT_NE(board_of(session).board().loop().state(), usb::BoardState::driving);
     session.servo().reset_safety();
     ASSERT_TRUE(stands_over_plate(session));
     EXPECT_TRUE(presses(session));
-    session.stop();
-}
-
-TEST(EmulatedSession, MustBeZeroedAgainAfterItsPowerWasLost) {
-    Session session(emulated(true));
-    session.start();
-    ASSERT_TRUE(stands_over_plate(session));
-    device::Fault brown_out = device::parse_fault("brown-out:3");
-    brown_out.begin_s = board_of(session).time_s();
-    brown_out.end_s = brown_out.begin_s + 0.2;
-    session.servo().paused([&] { board_of(session).set_fault(brown_out); });
-    testing::run(session, 2.0);
-    EXPECT_EQ(session.latest().health, device::DeviceHealth::ok);
-    EXPECT_FALSE(session.is_zeroed());
     session.stop();
 }
 

@@ -7,6 +7,8 @@
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 
+#include <gtest/gtest.h>
+
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -14,6 +16,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 namespace springdrive::testing {
 
@@ -26,6 +29,19 @@ inline session::SessionOptions scripted(const std::string &scene = "plate") {
     options.lockstep = true;
     options.plays_script = true;
     options.program_version = "of a test";
+    return options;
+}
+
+/// The same on an emulated board, with a hand that is moved by request.
+inline session::SessionOptions emulated(bool starts_at_zero = true,
+                                        const std::vector<const char *> &faults = {}) {
+    session::SessionOptions options = scripted();
+    options.plays_script = false;
+    options.device.kind = factory::DeviceKind::emulated;
+    options.starts_at_zero = starts_at_zero;
+    for (const char *const fault : faults) {
+        options.emulation.faults.push_back(device::parse_fault(fault));
+    }
     return options;
 }
 
@@ -97,6 +113,23 @@ inline bool run_until_loaded(session::Session &session) {
     }
     return run_until(
         session, [&] { return session.latest().scene_id == session.scenes().id(); }, 1.0);
+}
+
+/// How many of the sixty frames after the first 2.7 s of the scripted touch end in contact.
+inline int frames_in_contact(session::Session &session) {
+    session.start();
+    run(session, 2.7);
+    int touching = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+        session.advance(kFrame_s);
+        const servo::ServoSample &now = session.latest();
+        touching += now.contact.touching ? 1 : 0;
+        // The tip stays where a finger could have pushed it: near its proxy.
+        EXPECT_LT((now.tip_m - now.contact.x0_m).norm(), 0.01);
+    }
+    EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running)
+        << servo::description(session.latest().safety);
+    return touching;
 }
 
 /// The notes of a record, one after another.

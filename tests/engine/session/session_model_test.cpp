@@ -32,11 +32,8 @@ protected:
     [[nodiscard]] bool is_empty() const { return std::filesystem::is_empty(cache_); }
 
     [[nodiscard]] static SessionOptions headless(const std::string &scene) {
-        SessionOptions options;
+        SessionOptions options = testing::scripted();
         options.scene = testing::assets() / "scenes" / scene;
-        options.device.file = testing::assets() / "devices/phantom_1_0.toml";
-        options.lockstep = true;
-        options.plays_script = true;
         options.program_version = kVersion;
         options.model.chooser = model_selection::cached_chooser();
         return options;
@@ -46,17 +43,6 @@ private:
     std::filesystem::path cache_;
 };
 
-/// How many of the sixty frames after the first 2.7 s of the scripted touch end in contact.
-int frames_in_contact(Session &session) {
-    session.start();
-    int touching = 0;
-    for (int frame = 0; frame < static_cast<int>(std::round(3.7 / testing::kFrame_s)); ++frame) {
-        session.advance(testing::kFrame_s);
-        touching += frame * testing::kFrame_s > 2.7 && session.latest().contact.touching ? 1 : 0;
-    }
-    return touching;
-}
-
 TEST_F(SessionModel, ByDefaultIsTheMostDetailedAndNothingIsMeasured) {
     const Session session(headless("sphere.gltf"));
     EXPECT_FALSE(session.models().choice());
@@ -65,38 +51,39 @@ TEST_F(SessionModel, ByDefaultIsTheMostDetailedAndNothingIsMeasured) {
     EXPECT_TRUE(is_empty());
 }
 
+void expect_touches_with_its_own_model(Session &session) {
+    ASSERT_TRUE(session.models().choice());
+    EXPECT_TRUE(session.scenes().now().choice);
+    const model_selection::Model model = model_selection::model_of(*session.models().choice());
+    EXPECT_EQ(session.servo().inputs().tuning.map, model.controller.map);
+    EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, model.controller.alpha_mode);
+    EXPECT_GT(testing::frames_in_contact(session), 50);
+}
+
 TEST_F(SessionModel, AutomaticModelsTouchAndDoNotTrip) {
-    for (const char *name : {"plate.gltf", "profile.gltf"}) {
-        SessionOptions options = headless(name);
-        options.model.automatic = true;
-        Session session(options);
-        ASSERT_TRUE(session.models().choice()) << name;
-        EXPECT_TRUE(session.scenes().now().choice);
-        const model_selection::Model model = model_selection::model_of(*session.models().choice());
-        EXPECT_EQ(session.servo().inputs().tuning.map, model.controller.map);
-        EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, model.controller.alpha_mode);
-        EXPECT_GT(frames_in_contact(session), 50) << name;
-        EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running)
-            << name << ": " << servo::description(session.latest().safety);
-    }
+    SessionOptions options = headless("profile.gltf");
+    options.model.automatic = true;
+    Session session(options);
+    expect_touches_with_its_own_model(session);
     EXPECT_FALSE(is_empty());
 }
 
-TEST_F(SessionModel, ACachedChoiceIsNotMeasuredAgain) {
+TEST_F(SessionModel, IsMeasuredInTheBackgroundOnRequestAndThenRemembered) {
     SessionOptions options = headless("plate.gltf");
+    Session session(options);
+    session.start();
+    session.measure_model();
+    EXPECT_TRUE(session.models().measurement().is_running());
+    while (session.models().measurement().is_running()) {
+        session.advance(testing::kFrame_s);
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    ASSERT_TRUE(session.models().choice()) << session.models().measurement().error();
+    EXPECT_FALSE(session.scenes().now().choice);
     options.model.automatic = true;
-    const Session once(options);
-    const Session again(options);
-    EXPECT_EQ(again.models().choice()->cost_ns, once.models().choice()->cost_ns); // exactly
-}
-
-TEST_F(SessionModel, ATunedControllerStays) {
-    SessionOptions options = headless("plate.gltf");
-    options.tuning.map = control::MotionMap::inverse;
-    options.model.automatic = true;
-    options.model.takes_controller = false;
-    const Session session(options);
-    EXPECT_EQ(session.servo().inputs().tuning.map, control::MotionMap::inverse);
+    Session later(options); // from the cache: the same to the last digit
+    EXPECT_EQ(later.models().choice()->cost_ns, session.models().choice()->cost_ns);
+    expect_touches_with_its_own_model(later);
 }
 
 TEST_F(SessionModel, EachPartCanBeSetIndividually) {
@@ -109,7 +96,7 @@ TEST_F(SessionModel, EachPartCanBeSetIndividually) {
     EXPECT_LE(session.scenes().now().surface.report().triangles_given, 20'480U / 16);
     EXPECT_EQ(session.scenes().now().scene.surface.triangles.size(),
               20'480U); // the visual mesh is not changed
-    EXPECT_GT(frames_in_contact(session), 50);
+    EXPECT_GT(testing::frames_in_contact(session), 50);
     EXPECT_FALSE(session.scenes().now().choice);
     EXPECT_TRUE(is_empty());
 
@@ -117,25 +104,6 @@ TEST_F(SessionModel, EachPartCanBeSetIndividually) {
     impossible.model.surface =
         model_selection::ContactShape{model_selection::ContactShape::Kind::primitives, 1};
     EXPECT_THROW(Session{impossible}, InputError);
-}
-
-TEST_F(SessionModel, IsMeasuredInTheBackgroundOnRequest) {
-    Session session(headless("plate.gltf"));
-    session.start();
-    session.measure_model();
-    EXPECT_TRUE(session.models().measurement().is_running());
-    while (session.models().measurement().is_running()) {
-        session.advance(testing::kFrame_s);
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    ASSERT_TRUE(session.models().choice()) << session.models().measurement().error();
-    EXPECT_FALSE(session.scenes().now().choice);
-    EXPECT_FALSE(is_empty());
-
-    Session later(headless("plate.gltf")); // finds it in the cache
-    later.measure_model();
-    EXPECT_FALSE(later.models().measurement().is_running());
-    EXPECT_TRUE(later.models().choice());
 }
 
 /// Caches an unmeasured model for a scene of the project.
@@ -170,10 +138,7 @@ SessionOptions by_hand(const SessionOptions &headless) {
 
 void show(Session &session, const std::string &scene) {
     session.request_scene(testing::assets() / "scenes" / scene);
-    while (session.scenes().is_loading()) {
-        session.advance(testing::kFrame_s);
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    ASSERT_TRUE(testing::run_until_loaded(session));
     ASSERT_EQ(session.scenes().error(), "");
     ASSERT_EQ(session.scenes().now().scene.file.filename(), scene);
     testing::run(session, 0.1);
@@ -232,10 +197,7 @@ TEST_F(SessionModel, AFoundModelCanBeRun) {
     EXPECT_NE(session.servo().inputs().tuning.alpha_mode, control::AlphaMode::global);
 
     session.choose_models();
-    while (session.scenes().is_loading()) {
-        session.advance(testing::kFrame_s);
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    ASSERT_TRUE(testing::run_until_loaded(session));
     EXPECT_EQ(session.scenes().error(), "");
     EXPECT_TRUE(session.scenes().now().choice);
     EXPECT_EQ(session.servo().inputs().tuning.alpha_mode, control::AlphaMode::global);
@@ -254,6 +216,17 @@ TEST_F(SessionModel, IsThatForTheActiveGains) {
     session.measure_model();
     ASSERT_TRUE(session.models().choice()); // cached for these gains
     EXPECT_EQ(session.models().choice()->chosen(model_selection::ModelAspect::plant), "rigid_tip");
+}
+
+TEST_F(SessionModel, ATunedControllerStays) {
+    SessionOptions options = headless("plate.gltf");
+    options.tuning.map = control::MotionMap::inverse;
+    options.model.automatic = true;
+    options.model.takes_controller = false;
+    remember(options, "plate.gltf", "rigid_tip", "3", "transpose_global");
+    const Session session(options);
+    EXPECT_TRUE(session.scenes().now().choice);
+    EXPECT_EQ(session.servo().inputs().tuning.map, control::MotionMap::inverse);
 }
 
 TEST_F(SessionModel, AControllerChosenByTheUserIsKeptForTheNextScene) {

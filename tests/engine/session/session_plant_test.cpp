@@ -150,14 +150,6 @@ TEST(SessionPlant, APathIsFollowedFromWhereTheHandIs) {
     EXPECT_LT((session.latest().tip_m - here_m).norm(), 2e-3);
 }
 
-TEST(SessionPlant, AScriptTouchesTheShownScene) {
-    Session session(held("sphere"));
-    session.start();
-    run(session, 0.5);
-    session.follow_script();
-    EXPECT_TRUE(run_into_contact(session));
-}
-
 TEST(SessionPlant, AnUnreachablePathIsRefused) {
     Session session(held());
     session.start();

@@ -331,26 +331,6 @@ TEST(RealTimeHeaps, NoRealTimeThreadAllocatesWhereAnotherThreadDoes) {
     EXPECT_TRUE(holds);
 }
 
-/// Others have already allocated in the arena that a new thread gets.
-TEST(RealTimeHeaps, TheWatchSeesAThreadThatInheritsAHeap) {
-    const bool holds = testing::holds_in_a_child([] {
-        testing::watch_heaps();
-        const auto allocate = [] {
-            void *volatile memory = std::malloc(64); // NOLINT
-            std::free(memory);                       // NOLINT
-        };
-        std::thread(allocate).join();
-        std::thread([&] {
-            static_cast<void>(request_priority(usb::kPortThreadPriority));
-            allocate();
-        }).join();
-        EXPECT_EQ(watched().allocating_threads, 1);
-        EXPECT_GT(watched().shared_allocations, 0);
-        testing::end_this_child();
-    });
-    EXPECT_TRUE(holds);
-}
-
 TEST(RealTimeEmulation, NeitherAllocatesNorLocksWhateverFailsUpToThePulledCable) {
     factory::EmulationOptions options;
     for (const char *fault : {"drop:in:0.05", "delay:out:0.05:2", "repeat:in:0.05",

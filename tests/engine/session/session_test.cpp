@@ -1,62 +1,43 @@
-// Covers engine/session/session.cpp: everything but the window.
+// Covers engine/session/session.cpp and session_device.cpp: everything but the window; one exchange
+// at a time, and what remains unchanged.
 #include "engine/session/session.h"
 
 #include "base/input_error.h"
 #include "base/sha256.h"
+#include "device/core/device_file.h"
 #include "engine/record/record_reader.h"
+#include "engine/session/session_report.h"
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <malloc.h>
+#include <sstream>
 #include <string>
 #include <thread>
-
-#include <malloc.h>
 
 namespace springdrive::session {
 namespace {
 
-SessionOptions headless() {
-    SessionOptions options;
-    options.scene = testing::assets() / "scenes/plate.gltf";
-    options.device.file = testing::assets() / "devices/phantom_1_0.toml";
-    options.lockstep = true;
-    options.plays_script = true;
-    return options;
-}
+using testing::notes_in;
+using testing::premium;
+using testing::run;
+using testing::run_into_contact;
+using testing::run_until;
+using testing::scripted;
 
-/// Runs frames until background loading is complete, plus those needed for a tick.
-void wait_for_scene(Session &session) {
-    while (session.scenes().is_loading()) {
-        session.advance(testing::kFrame_s);
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    session.advance(testing::kFrame_s);
-    session.advance(testing::kFrame_s);
-}
-
-/// How many of the sixty frames after the first 2.7 s of the scripted touch end in contact.
 int frames_in_contact(const std::filesystem::path &scene) {
-    SessionOptions options = headless();
+    SCOPED_TRACE(scene);
+    SessionOptions options = scripted();
     options.scene = scene;
     Session session(options);
-    session.start();
-    testing::run(session, 2.7);
-    int touching = 0;
-    for (int frame = 0; frame < 60; ++frame) {
-        session.advance(testing::kFrame_s);
-        const servo::ServoSample &now = session.latest();
-        touching += now.contact.touching ? 1 : 0;
-        // The tip stays where a finger could have pushed it: near its proxy.
-        EXPECT_LT((now.tip_m - now.contact.x0_m).norm(), 0.01) << scene;
-    }
-    EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running) << scene;
-    return touching;
+    return testing::frames_in_contact(session);
 }
 
 TEST(Session, TheScriptedTouchTouchesEverySceneOfTheProject) {
@@ -81,83 +62,15 @@ TEST(Session, TheScriptedTouchTouchesThirdPartyFiles) {
     }
 }
 
-TEST(Session, AFailedSceneKeepsTheOldOneAndReportsWhy) {
-    const std::filesystem::path folder = testing::fresh_folder("session");
-    std::ofstream(folder / "broken.glb") << "no glTF";
-    Session session(headless());
-    session.start();
-    testing::run(session, 0.1);
-    session.request_scene(folder / "broken.glb");
-    wait_for_scene(session);
-    EXPECT_NE(session.scenes().error().find("broken.glb"), std::string::npos);
-    EXPECT_EQ(session.scenes().now().scene.file.filename(), "plate.gltf");
-    EXPECT_EQ(session.scenes().id(), 1U);
-    session.request_scene(testing::assets() / "scenes/sphere.gltf");
-    wait_for_scene(session);
-    EXPECT_EQ(session.scenes().error(), "");
-    EXPECT_EQ(session.scenes().now().scene.file.filename(), "sphere.gltf");
-    EXPECT_EQ(session.latest().scene_id, 2U);
-    std::filesystem::remove_all(folder);
-}
-
-TEST(Session, SwitchingScenesInContactCausesNeitherTripsNorSteps) {
-    Session session(headless());
-    session.start();
-    testing::run(session, 2.7);
-    ASSERT_TRUE(session.latest().contact.touching);
-    for (const char *name : {"sphere", "organic", "stepped_block", "plate"}) {
-        session.request_scene(testing::assets() / "scenes" / (std::string(name) + ".gltf"));
-        wait_for_scene(session);
-        testing::run(session, 0.2);
-        EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running) << name;
-        EXPECT_LT(session.latest().tip_force_N.norm(), 6.0) << name;
-    }
-}
-
-TEST(Session, AnEmergencyStopBrakesUntilItIsReset) {
-    SessionOptions options = headless();
-    options.plays_script = false; // a resting hand
-    Session session(options);
-    session.start();
-    testing::run(session, 1.2);
-    session.servo().emergency_stop();
-    testing::run(session, 0.1);
-    EXPECT_EQ(session.latest().safety.cause, servo::TripCause::emergency_stop);
-    EXPECT_EQ(session.latest().command.e_W_V, Vector3::Zero());
-    EXPECT_EQ(session.latest().command.cancelled_resistance_Ohm, Vector3::Zero());
-    session.servo().let_go_on();
-    testing::run(session, 1.3); // it rests above the scene: a wait, then the ramp
-    EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running);
-}
-
-TEST(Session, TheMouseHandMovesTheTipWithinTheWorkspaceOnly) {
-    SessionOptions options = headless();
-    options.plays_script = false;
-    options.effects = simulated::PlantEffects::none(); // no weight, no friction
-    Session session(options);
-    session.start();
-    EXPECT_FALSE(session.hand().follows_path());
-    testing::run(session, 1.2);
-    const Vector3 goal_m = session.hand().target_m() + Vector3(0.02, -0.01, 0.01);
-    session.hand().move_to(goal_m);
-    testing::run(session, 2.7);
-    EXPECT_LT((session.latest().tip_m - goal_m).norm(), 2e-4); // encoder counts and a soft spring
-    session.hand().move_to(Vector3(5.0, 5.0, 5.0));
-    const device::Workspace &box = session.description().workspace;
-    EXPECT_TRUE(((session.hand().target_m() - box.centre_m).cwiseAbs().array() <=
-                 0.5 * box.size_m.array() + 1e-12)
-                    .all());
-}
-
 TEST(Session, ARecordHoldsEveryTickAndEveryScene) {
     const std::filesystem::path folder = testing::fresh_folder("session_record");
-    SessionOptions options = headless();
+    SessionOptions options = scripted();
     options.record = folder / "touch.rec";
     Session session(options);
     session.start();
     testing::run(session, 2.0);
     session.request_scene(testing::assets() / "scenes/sphere.gltf");
-    wait_for_scene(session);
+    ASSERT_TRUE(testing::run_until_loaded(session));
     testing::run(session, 0.5);
     const std::uint64_t ticks = session.latest().tick + 1;
     session.stop();
@@ -180,7 +93,7 @@ TEST(Session, ARecordHoldsEveryTickAndEveryScene) {
 
 TEST(Session, ARecordHoldsTheDeviceIndependentlyOfItsFile) {
     const std::filesystem::path folder = testing::fresh_folder("session_device");
-    SessionOptions options = headless();
+    SessionOptions options = scripted();
     const std::string text = testing::contents_of(options.device.file);
     options.device.file = folder / "device.toml";
     std::ofstream(options.device.file) << text;
@@ -196,7 +109,7 @@ TEST(Session, ARecordHoldsTheDeviceIndependentlyOfItsFile) {
 
 TEST(Session, ARecordThatCannotBeCreatedIsReported) {
     const std::filesystem::path folder = testing::fresh_folder("session_no_record");
-    SessionOptions options = headless();
+    SessionOptions options = scripted();
     options.record = folder / "no" / "such.rec";
     Session refused(options);
     EXPECT_THROW(refused.start(), InputError);
@@ -215,7 +128,7 @@ TEST(Session, ARecordThatCannotBeCreatedIsReported) {
 }
 
 TEST(Session, TheSimulationWaitsWhileTheWindowIsSilent) {
-    SessionOptions options = headless();
+    SessionOptions options = scripted();
     options.lockstep = false; // the servo runs by itself
     Session session(options);
     session.start();
@@ -237,35 +150,9 @@ TEST(Session, TheSimulationWaitsWhileTheWindowIsSilent) {
     EXPECT_EQ(told, 1);
 }
 
-TEST(Session, AStopAndAResetInOneFrameLeaveItStopped) {
-    Session session(headless());
-    session.start();
-    testing::run(session, 1.2);
-    session.servo().emergency_stop();
-    session.servo().let_go_on(); // before any tick has seen the stop
-    session.advance(1.0 / session.servo().rate_hz());
-    EXPECT_EQ(session.latest().safety.cause, servo::TripCause::emergency_stop);
-    session.stop();
-}
-
-TEST(Session, LimitsAreLoweredAndNeverRaised) {
-    Session session(headless());
-    session.start();
-    testing::run(session, 0.1);
-    const servo::SafetyLimits device = servo::limits_of(session.description());
-    servo::SafetyLimits requested = session.servo().inputs().limits;
-    requested.tip_force_N = 3.0;
-    requested.current_A = 100.0;
-    session.servo().lower_limits(requested);
-    testing::run(session, 0.1); // it still waits, so there is no force step
-    EXPECT_EQ(session.latest().limits.tip_force_N, 3.0);
-    EXPECT_EQ(session.latest().limits.current_A, device.current_A);
-    session.stop();
-}
-
 /// Of what is noted, only that of ticks in memory is kept, however long a session lasts.
 TEST(Session, ForgetsWhatWasNotedOfTicksThatAreGone) {
-    SessionOptions options = headless();
+    SessionOptions options = scripted();
     options.history_bytes = 1; // the newest 1024 to 2047 ticks
     Session session(options);
     session.start();
@@ -290,6 +177,170 @@ TEST(Session, ForgetsWhatWasNotedOfTicksThatAreGone) {
     EXPECT_LT(past[0].notes.size(), 40U);
     EXPECT_GT(past[0].notes.front().before_row, store.begin());
     session.stop();
+}
+
+bool exchange_to_the_end(Session &session, const DeviceChoice &choice) {
+    session.exchange_device(choice);
+    return run_until(
+        session, [&] { return !session.is_exchanging(); }, 5.0);
+}
+
+TEST(SessionDevice, AnotherDeviceStartsAsUsual) {
+    Session session(scripted());
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    const std::uint64_t tick = session.latest().tick;
+    session.exchange_device(premium());
+    EXPECT_TRUE(session.is_exchanging());
+    run(session, 0.5);
+    EXPECT_EQ(session.latest().safety.state, servo::SafetyState::releasing); // half-way down
+    EXPECT_NEAR(session.latest().safety.ramp, 0.5, 0.02);
+    ASSERT_TRUE(run_until(
+        session, [&] { return !session.is_exchanging(); }, 1.0));
+    EXPECT_NEAR(static_cast<double>(session.latest().tick - tick), 1000.0, 20.0);
+    EXPECT_EQ(session.description().name, device::read_device_file(premium().file).name);
+    session.advance(0.002);
+    EXPECT_LT(session.latest().tick, 2U);
+    EXPECT_EQ(session.latest().safety.state, servo::SafetyState::waiting);
+    EXPECT_FALSE(session.latest().contact.touching);
+    EXPECT_TRUE(run_into_contact(session));
+    EXPECT_EQ(session.servo().statistics().ticks(), session.latest().tick + 1);
+}
+
+TEST(SessionDevice, AFailedExchangeKeepsTheOldDevice) {
+    const std::filesystem::path folder = testing::fresh_folder("no_device");
+    std::ofstream(folder / "broken.toml") << "name = 7\n";
+    Session session(scripted());
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    DeviceChoice usb = scripted().device;
+    usb.kind = factory::DeviceKind::usb;
+    DeviceChoice unknown = scripted().device;
+    unknown.serial = "4711";
+    DeviceChoice broken;
+    broken.file = folder / "broken.toml";
+    for (const DeviceChoice &choice : {usb, unknown, broken}) {
+        EXPECT_THROW(session.exchange_device(choice), InputError);
+        EXPECT_FALSE(session.is_exchanging());
+        run(session, 0.1);
+        EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running);
+        EXPECT_EQ(session.device().state(), factory::DeviceState::zeroed);
+    }
+    std::filesystem::remove_all(folder);
+}
+
+TEST(SessionDevice, TheRecordContinuesInANewFileForTheOtherDevice) {
+    const std::filesystem::path folder = testing::fresh_folder("record_parts");
+    std::ofstream(folder / "touch-2.rec") << "of somebody else";
+    SessionOptions options = scripted();
+    options.record = folder / "touch.rec";
+    Session session(options);
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    ASSERT_TRUE(exchange_to_the_end(session, premium()));
+    run(session, 0.2);
+    ASSERT_TRUE(exchange_to_the_end(session, scripted().device));
+    run(session, 0.2);
+    session.stop();
+    const std::vector<std::filesystem::path> expected{folder / "touch.rec", folder / "touch-3.rec",
+                                                      folder / "touch-4.rec"};
+    ASSERT_EQ(session.recording().parts(), expected);
+    EXPECT_EQ(record::RecordReader(expected[0]).header().device_name, "PHANTOM 1.0");
+    EXPECT_EQ(record::RecordReader(expected[1]).header().device_toml,
+              testing::contents_of(premium().file));
+    EXPECT_EQ(record::RecordReader(expected[2]).header().device_name, "PHANTOM 1.0");
+    EXPECT_NE(notes_in(expected[0]).find("exchanged"), std::string::npos);
+    EXPECT_NE(notes_in(expected[1]).find("touch.rec"), std::string::npos);
+    std::string warnings;
+    for (const std::string &warning : session.warnings().take_new()) {
+        warnings += warning;
+    }
+    EXPECT_NE(warnings.find("touch-3.rec"), std::string::npos);
+    EXPECT_EQ(testing::contents_of(folder / "touch-2.rec"), "of somebody else");
+    std::filesystem::remove_all(folder);
+}
+
+TEST(SessionDevice, AReconnectedDeviceStaysTrippedUntilAReset) {
+    Session session(scripted());
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    session.device().close(); // as if it had been unplugged
+    run(session, 0.05);
+    EXPECT_EQ(session.latest().safety.cause, servo::TripCause::device_lost);
+    const Vector3 tip_m = session.latest().tip_m;
+    session.reconnect_device();
+    EXPECT_EQ(session.device().state(), factory::DeviceState::zeroed);
+    session.advance(0.001);
+    EXPECT_LT((session.latest().tip_m - tip_m).norm(), 1e-3); // at its last known position
+    run(session, 0.1);
+    EXPECT_EQ(session.latest().safety.cause, servo::TripCause::device_lost);
+    EXPECT_EQ(session.latest().command.e_W_V, Vector3::Zero());
+    session.servo().reset_safety();
+    run(session, 0.1);
+    EXPECT_NE(session.latest().safety.state, servo::SafetyState::tripped)
+        << servo::description(session.latest().safety);
+    session.reconnect_device(Vector3(0.1, 0.2, 0.3)); // or at a given position
+    session.advance(0.001);
+    EXPECT_LT((session.latest().theta_rad - Vector3(0.1, 0.2, 0.3)).norm(), 0.05);
+}
+
+TEST(SessionDevice, AnotherRateContinuesInTheSameFileWithANote) {
+    const std::filesystem::path folder = testing::fresh_folder("record_rates");
+    SessionOptions options = scripted();
+    options.record = folder / "touch.rec";
+    Session session(options);
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    const std::uint64_t next = session.latest().tick + 1;
+    session.set_servo_rate(4000.0);
+    EXPECT_EQ(session.servo().rate_hz(), 4000.0);
+    EXPECT_EQ(session.servo().statistics().ticks(), 0U); // they restart with each rate
+    run(session, 0.5);
+    EXPECT_NEAR(static_cast<double>(session.servo().statistics().ticks()), 2000.0, 1.0);
+    EXPECT_THROW(session.set_servo_rate(7.0), InputError);
+    EXPECT_EQ(session.servo().rate_hz(), 4000.0);
+    EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running);
+    session.stop();
+    ASSERT_EQ(session.recording().parts().size(), 1U);
+    const std::string notes = notes_in(options.record);
+    const nlohmann::json note = nlohmann::json::parse(notes);
+    EXPECT_EQ(note.at("servo_hz"), 4000.0);
+    EXPECT_EQ(note.at("from_tick"), next);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(SessionDevice, AnotherRateDoesNotClearATrip) {
+    Session session(scripted());
+    session.start();
+    ASSERT_TRUE(run_into_contact(session));
+    session.servo().emergency_stop();
+    run(session, 0.05);
+    session.servo().let_go_on();
+    session.servo().emergency_stop();
+    for (const double servo_hz : {500.0, 2000.0}) {
+        session.set_servo_rate(servo_hz);
+        run(session, 0.05);
+        EXPECT_EQ(session.latest().safety.cause, servo::TripCause::emergency_stop) << servo_hz;
+    }
+}
+
+TEST(SessionDevice, TheReportNamesTheDeviceAndThePauses) {
+    Session session(scripted());
+    session.start();
+    run(session, 0.1);
+    session.stop();
+    std::ostringstream out;
+    write_session_json(out, session);
+    const nlohmann::json json = nlohmann::json::parse(out.str());
+    EXPECT_EQ(json.at("device").at("kind"), "simulated");
+    EXPECT_EQ(json.at("stood_still").at("times"), 0);
+    EXPECT_EQ(json.at("stood_still").at("seconds"), 0.0);
+    for (const char *key : {"read", "compute", "write", "jitter", "period"}) {
+        EXPECT_TRUE(json.at(key).contains("p99_s")) << key;
+    }
+    std::ostringstream text;
+    write_session_report(text, session);
+    EXPECT_EQ(text.str().find("missed"), std::string::npos); // a simulated device misses nothing
 }
 
 } // namespace

@@ -1,12 +1,16 @@
-// Covers engine/session/session_link.cpp: a session with a board on USB, in process.
+// Covers engine/session/session_device.cpp: a session with a board on USB, in process, in a real
+// hand: its connection, and how hot its windings may be. What a board of any kind shows:
+// session_emulated_test.cpp.
 #include "base/error_text.h"
-#include "device/core/phantom/kinematics.h"
+#include "device/core/motor/winding_temperature.h"
 #include "device/usb/driver/usb_device.h"
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/emulated_port.h"
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,58 +20,50 @@
 namespace springdrive::session {
 namespace {
 
-using servo::SafetyState;
-using servo::TripCause;
+using device::kColdestAir_C;
+using device::kWarmestAir_C;
 
-const Vector3 kAbovePlate_m(0.0, 0.03, 0.0);
-const Vector3 kIntoPlate_m(0.0, -0.01, 0.0);
-
-/// In place of the device that the session opened.
-class UsbSession {
-public:
-    explicit UsbSession(bool starts_at_zero = false)
-        : board(testing::phantom_1_0(), board_options()), session(options(starts_at_zero)) {
+/// A session on a board, with nobody's simulated hand at it.
+struct OnBoard {
+    explicit OnBoard(const std::filesystem::path &folder)
+        : board(testing::phantom_1_0(), board_options()), session(options(folder)) {
         port = new testing::EmulatedPort(board);
         auto device = std::make_unique<usb::UsbDevice>(std::unique_ptr<usb::BoardPort>(port),
                                                        testing::phantom_1_0(), "", 1e-3,
                                                        usb::Pacing::reports);
         device::HapticDevice &on_usb = *device;
-        session.hand().take_hold(nullptr, session.description(), std::nullopt, kAbovePlate_m);
+        session.hand().take_hold(nullptr, session.description(), std::nullopt, Vector3::Zero());
         replaced = std::exchange(session.device(), factory::OpenDevice(std::move(device), nullptr));
         session.servo().renew(on_usb);
         session.start();
+        session.advance(2e-3);
     }
-    ~UsbSession() { session.stop(); }
-    UsbSession(const UsbSession &) = delete;
-    UsbSession &operator=(const UsbSession &) = delete;
 
     static emulator::EmulatedBoardOptions board_options() {
         emulator::EmulatedBoardOptions options;
-        options.start_tip_m = Vector3::Zero(); // the zero pose
+        options.start_tip_m = Vector3::Zero();
         return options;
     }
-    static SessionOptions options(bool starts_at_zero) {
+    static SessionOptions options(const std::filesystem::path &folder) {
         SessionOptions options = testing::scripted();
         options.plays_script = false;
-        options.starts_at_zero = starts_at_zero;
+        options.starts_at_zero = true;
+        options.windings_folder = folder;
         return options;
     }
 
-    [[nodiscard]] bool run_until_state(SafetyState state, double at_most_s = 6.0) {
-        return testing::run_until(
-            session, [&] { return session.latest().safety.state == state; }, at_most_s);
+    [[nodiscard]] const servo::WindingStatus &winding(std::size_t motor = 1) const {
+        return session.latest().winding[motor];
     }
-    [[nodiscard]] bool press() {
-        board.phantom().set_hand_target(kIntoPlate_m);
-        return testing::run_until(
-            session,
-            [&] {
-                return session.latest().contact.touching && session.latest().tip_force_N.y() > 0.3;
-            },
-            4.0);
-    }
-    [[nodiscard]] bool drives() const {
-        return board.board().loop().state() == usb::BoardState::driving;
+    /// Above the plate until it runs, then into it.
+    [[nodiscard]] bool press(double time_s) {
+        board.phantom().set_hand_target({0.0, 0.03, 0.0});
+        const bool runs = testing::run_until(
+            session, [&] { return session.latest().safety.state == servo::SafetyState::running; },
+            6.0);
+        board.phantom().set_hand_target({0.0, -0.02, 0.0});
+        testing::run(session, time_s);
+        return runs;
     }
 
     emulator::EmulatedBoard board;
@@ -76,51 +72,8 @@ public:
     std::optional<factory::OpenDevice> replaced;
 };
 
-TEST(SessionOnUsb, DrivesNoMotorUntilItIsZeroed) {
-    UsbSession usb;
-    EXPECT_FALSE(usb.session.is_zeroed());
-    for (int i = 0; i < 1000; ++i) {
-        usb.session.advance(4e-3);
-        ASSERT_FALSE(usb.drives());
-        ASSERT_EQ(usb.session.latest().safety.state, SafetyState::waiting);
-    }
-    usb.session.zero_device(Vector3::Zero());
-    EXPECT_TRUE(usb.session.is_zeroed());
-    usb.board.phantom().set_hand_target(kAbovePlate_m);
-    EXPECT_TRUE(usb.run_until_state(SafetyState::running));
-    EXPECT_TRUE(usb.drives());
-    EXPECT_LT((usb.session.latest().tip_m - usb.board.phantom().truth().tip_m).norm(), 1e-3);
-    EXPECT_TRUE(usb.press());
-}
-
-TEST(SessionOnUsb, ComesBackAfterAnUnplugInContact) {
-    UsbSession usb(true);
-    EXPECT_TRUE(usb.session.is_zeroed());
-    usb.board.phantom().set_hand_target(kAbovePlate_m);
-    ASSERT_TRUE(usb.run_until_state(SafetyState::running));
-    ASSERT_TRUE(usb.press());
-    usb.port->unplug();
-    usb.port->pass(0.01);
-    EXPECT_EQ(usb.board.board().loop().state(), usb::BoardState::fault_braking);
-    testing::run(usb.session, 1.0); // it looks for the board, and goes on
-    EXPECT_EQ(usb.session.latest().safety.cause, TripCause::device_lost);
-    EXPECT_EQ(usb.session.latest().health, device::DeviceHealth::lost);
-    usb.board.phantom().set_hand_target(kAbovePlate_m);
-    usb.port->pass(1.0);
-    usb.port->is_plugged = true;
-    testing::run(usb.session, 1.0);
-    EXPECT_EQ(usb.session.latest().health, device::DeviceHealth::ok);
-    EXPECT_TRUE(usb.session.is_zeroed()); // the board kept its power
-    EXPECT_EQ(usb.session.latest().safety.cause, TripCause::device_lost); // until a reset
-    EXPECT_FALSE(usb.drives());
-    EXPECT_LT((usb.session.latest().tip_m - usb.board.phantom().truth().tip_m).norm(), 1e-3);
-    usb.session.servo().reset_safety();
-    EXPECT_TRUE(usb.run_until_state(SafetyState::running));
-    EXPECT_TRUE(usb.press());
-}
-
 TEST(SessionOnUsb, SaysEachTimeThatItIsConnectedAgain) {
-    UsbSession usb(true);
+    OnBoard usb("");
     for (int time = 1; time <= 3; ++time) {
         usb.port->unplug();
         usb.port->pass(0.01);
@@ -136,45 +89,88 @@ TEST(SessionOnUsb, SaysEachTimeThatItIsConnectedAgain) {
 }
 
 TEST(SessionOnUsb, DoesNotTakeItsOwnBoardForAnotherProgram) {
-    UsbSession usb;
+    OnBoard usb("");
     const DeviceChoice own{usb.session.device_choice().file, factory::DeviceKind::usb,
                            usb.session.device().identity().serial};
     const std::string error = error_text_of([&] { usb.session.exchange_device(own); });
     EXPECT_NE(error.find("in use already"), std::string::npos) << error;
     EXPECT_FALSE(usb.session.is_exchanging());
-    EXPECT_EQ(usb.session.device().state(), factory::DeviceState::open);
+    EXPECT_EQ(usb.session.device().state(), factory::DeviceState::zeroed);
 }
 
-TEST(SessionOnUsb, ABoardThatLostItsPowerMustBeZeroedAgain) {
-    UsbSession usb(true);
-    usb.board.phantom().set_hand_target(kAbovePlate_m);
-    ASSERT_TRUE(usb.run_until_state(SafetyState::running));
+TEST(SessionWindings, AFormerClockGivesNoLowerBound) {
+    OnBoard on("");
+    ASSERT_TRUE(on.press(2.0));
+    ASSERT_GT(on.winding().min_C, kColdestAir_C + 0.05);
+    const double before_C = on.winding().max_C;
+    // The board loses its power, and runs for longer than before: its clock shows no gap.
     device::Fault restart = device::parse_fault("restart");
-    restart.begin_s = usb.board.time_s();
-    usb.board.set_fault(restart);
-    testing::run(usb.session, 2.0);
-    EXPECT_EQ(usb.session.latest().safety.cause, TripCause::device_lost);
-    EXPECT_FALSE(usb.session.is_zeroed());
-    usb.session.servo().reset_safety();
-    for (int i = 0; i < 500; ++i) {
-        usb.session.advance(4e-3);
-        ASSERT_FALSE(usb.drives());
-    }
-    usb.session.zero_device(
-        device::motor_from_joint(usb.session.description().geometry,
-                                 device::joint_angles_rad(usb.session.description().geometry,
-                                                          usb.board.phantom().truth().tip_m)
-                                     .value()));
-    EXPECT_TRUE(usb.run_until_state(SafetyState::running));
+    restart.begin_s = on.board.time_s();
+    on.board.set_fault(restart);
+    const double limit_Ohm = on.winding().R_hat_limit_Ohm;
+    ASSERT_TRUE(testing::run_until(
+        on.session, [&] { return on.session.latest().health == device::DeviceHealth::lost; }, 2.0));
+    EXPECT_GT(on.winding().min_C, kColdestAir_C + 0.05);
+    ASSERT_TRUE(testing::run_until(
+        on.session, [&] { return on.session.latest().health == device::DeviceHealth::ok; }, 4.0));
+    testing::run(on.session, 0.02);
+    EXPECT_LT(on.winding().min_C, kColdestAir_C + 1e-3);
+    EXPECT_LT(on.winding().R_hat_limit_Ohm, limit_Ohm);
+    EXPECT_GT(on.winding().max_C, 0.95 * before_C);
+    on.session.stop();
 }
 
-TEST(SessionOnUsb, SaysThatItMustBeZeroed) {
-    UsbSession usb;
-    bool says = false;
-    for (const std::string &warning : usb.session.warnings().all()) {
-        says = says || warning.find("zeroed") != std::string::npos;
+TEST(SessionWindings, TheNextStartKnowsHowHotTheyMayBe) {
+    const std::filesystem::path folder = testing::fresh_folder("windings session");
+    const auto count = [&] {
+        return std::distance(std::filesystem::directory_iterator(folder), {});
+    };
+    const double limit_C = testing::phantom_motor().thermal.max_winding_C;
+    double end_C = 0.0;
+    std::chrono::steady_clock::time_point ended;
+    {
+        OnBoard on(folder);
+        EXPECT_NEAR(on.winding().max_C, limit_C, 0.01); // nothing is known
+        EXPECT_LT(on.winding().min_C, kColdestAir_C + 1e-3);
+        ASSERT_TRUE(on.press(1.0));
+        EXPECT_EQ(count(), 0);
+        end_C = on.winding().max_C;
+        ended = std::chrono::steady_clock::now();
+        on.session.stop();
+        EXPECT_EQ(count(), 1);
     }
-    EXPECT_TRUE(says);
+    {
+        OnBoard on(folder);
+        // 12 K above its housing, with a time constant of 12 s, it cools by less than 1.01 K/s.
+        const std::chrono::duration<double> away = std::chrono::steady_clock::now() - ended;
+        EXPECT_LE(on.winding().max_C, end_C);
+        EXPECT_GE(on.winding().max_C, end_C - 1.01 * away.count());
+        EXPECT_LT(on.winding().max_C, limit_C - 0.2);
+        EXPECT_EQ(count(), 0);
+        testing::run(on.session, 0.1); // and it is never stopped
+    }
+    {
+        OnBoard on(folder);
+        EXPECT_NEAR(on.winding().max_C, limit_C, 0.01);
+        // Of what a loan does, the servo sees nothing.
+        testing::run(on.session, 3.0);
+        EXPECT_LT(on.winding().max_C, limit_C - 1.0);
+        on.session.lend_device([] { return false; });
+        ASSERT_TRUE(testing::run_until(
+            on.session, [&] { return on.winding().max_C > limit_C - 0.2; }, 3.0));
+        EXPECT_FALSE(on.session.is_lent());
+        // Nor of a device that is lost.
+        on.port->unplug();
+        testing::run(on.session, 0.05);
+        on.session.stop();
+        EXPECT_EQ(count(), 0);
+    }
+    Session simulated(OnBoard::options(folder));
+    simulated.start();
+    testing::run(simulated, 0.1);
+    EXPECT_LT(simulated.latest().winding[0].max_C, kWarmestAir_C + 0.1);
+    simulated.stop();
+    EXPECT_EQ(count(), 0);
 }
 
 } // namespace

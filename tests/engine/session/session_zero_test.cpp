@@ -3,7 +3,6 @@
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/rig/faulty_device.h"
-#include "engine/lab/rig/servo_rig.h"
 #include "tests/engine/session/session_fixture.h"
 
 #include <gtest/gtest.h>
@@ -31,19 +30,13 @@ bool says(const Session &session, const std::string &part) {
 /// Of an emulated board, whose truth is that of its plant.
 class EmulatedSession {
 public:
-    explicit EmulatedSession(const char *fault) : session(options(fault)) { session.start(); }
+    explicit EmulatedSession(const char *fault) : session(testing::emulated(true, {fault})) {
+        session.start();
+    }
     ~EmulatedSession() { session.stop(); }
     EmulatedSession(const EmulatedSession &) = delete;
     EmulatedSession &operator=(const EmulatedSession &) = delete;
 
-    static SessionOptions options(const char *fault) {
-        SessionOptions options = testing::scripted();
-        options.plays_script = false;
-        options.device.kind = factory::DeviceKind::emulated;
-        options.starts_at_zero = true;
-        options.emulation.faults = {device::parse_fault(fault)};
-        return options;
-    }
     [[nodiscard]] emulator::EmulatedBoard &board() { return session.device().emulated()->board(); }
     [[nodiscard]] bool drives() {
         return board().board().loop().state() == usb::BoardState::driving;
@@ -163,33 +156,6 @@ protected:
     }
 };
 
-TEST_P(ZeroVoidedBy, LetsNoTickThrough) {
-    simulated::SimulationOptions simulation;
-    rig::ServoRig rig(testing::phantom_1_0(), simulation, start_m());
-    rig.run(1.3);
-    ASSERT_EQ(rig.last.safety.state, SafetyState::running);
-    rig.device().commit(GetParam().fault);
-    for (int tick = 0; tick < 3000 && !rig.has_tripped(); ++tick) {
-        rig.tick();
-    }
-    ASSERT_EQ(rig.last.safety.cause, GetParam().trip) << servo::description(rig.last.safety);
-    EXPECT_FALSE(rig.device().is_zeroed());
-    for (int tick = 0; tick < 3000; ++tick) {
-        ++rig.inputs.reset_count; // whoever resets, before anybody has looked
-        rig.tick();
-        ASSERT_EQ(rig.device().last_command().mode, device::CommandMode::brake);
-        ASSERT_NE(rig.last.safety.state, SafetyState::starting);
-    }
-    rig.device().clear_fault();
-    rig.device().zero(rig.truth().theta_rad);
-    rig.inputs.release = true;
-    rig.run(0.1);
-    rig.inputs.release = false;
-    rig.run(1.3);
-    EXPECT_EQ(rig.last.safety.state, SafetyState::running) << servo::description(rig.last.safety);
-    EXPECT_LT((rig.last.tip_m - rig.truth().tip_m).norm(), 1e-3);
-}
-
 TEST_P(ZeroVoidedBy, StaysSoUntilSomebodyZeroesTheDevice) {
     SessionOptions options = testing::scripted();
     options.plays_script = false;
@@ -209,18 +175,21 @@ TEST_P(ZeroVoidedBy, StaysSoUntilSomebodyZeroesTheDevice) {
     };
     ASSERT_TRUE(testing::run_until(session, state_is(SafetyState::running), 3.0));
     device.commit(GetParam().fault);
-    ASSERT_TRUE(testing::run_until(session, state_is(SafetyState::tripped), 3.0));
+    for (int tick = 0; tick < 3000 && !state_is(SafetyState::tripped)(); ++tick) {
+        session.advance(1e-3);
+    }
     EXPECT_EQ(session.latest().safety.cause, GetParam().trip);
     EXPECT_FALSE(session.is_zeroed());
     EXPECT_TRUE(says(session, "its zero is void"));
-    const auto expect_braking = [&](double seconds) {
-        for (int frame = 0; frame < static_cast<int>(seconds / 0.004); ++frame) {
-            session.advance(0.004);
+    const auto expect_braking = [&](double seconds) { // in frames of up to two ticks
+        for (int frame = 0; frame < static_cast<int>(seconds / 1e-3); ++frame) {
+            session.servo().reset_safety(); // as what resets by itself does
+            session.advance(1e-3);
             ASSERT_EQ(device.last_command().mode, device::CommandMode::brake);
+            ASSERT_NE(session.latest().safety.state, SafetyState::starting);
         }
         EXPECT_FALSE(session.is_zeroed());
     };
-    session.servo().reset_safety();
     expect_braking(1.5);
     session.set_servo_rate(2000.0);
     expect_braking(0.5);

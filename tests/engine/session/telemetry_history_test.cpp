@@ -128,20 +128,6 @@ TEST(TelemetryHistory, AForceAbove30HzIsFiltered) {
     EXPECT_LT(greatest_rad, 0.3);
 }
 
-TEST(TelemetryHistory, TimeGoesOnWithAnotherDevice) {
-    servo::ServoSample sample;
-    sample.time_s = 5.0;
-    TelemetryHistory history(kDevice.geometry, 1000.0);
-    history.add(sample);
-    history.set_device(testing::phantom_premium_1_5().geometry);
-    sample.time_s = 0.0;
-    history.add(sample);
-    sample.time_s = 0.001;
-    history.add(sample);
-    EXPECT_NEAR(history.store().time_s(1), 5.001, 1e-12);
-    EXPECT_NEAR(history.store().time_s(2), 5.002, 1e-12);
-}
-
 TEST(TelemetryHistory, KeepsEveryTickOfARunThroughChangesOfRateAndDevice) {
     simulated::SimulatedPhantom first(kDevice, {}, Vector3(0.0, 0.02, 0.0));
     simulated::SimulatedPhantom second(kDevice, {}, Vector3(0.0, 0.02, 0.0));

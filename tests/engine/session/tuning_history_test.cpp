@@ -20,30 +20,6 @@ constexpr std::uint32_t kOtherSlider = 8;
 
 control::Tuning stiff(double K_P_V_per_rad) { return {.K_P_V_per_rad = K_P_V_per_rad}; }
 
-double K_P(const TuningHistory &history) { return history.now().K_P_V_per_rad; }
-
-std::vector<std::string> names_of_steps(const TuningHistory &history) {
-    std::vector<std::string> names;
-    for (const TuningStep &step : history.steps()) {
-        names.push_back(step.what);
-    }
-    return names;
-}
-
-using Names = std::vector<std::string>;
-
-TEST(TuningHistory, BeginsWithoutSteps) {
-    TuningHistory history(stiff(6.0), 2.5);
-    EXPECT_FALSE(history.can_undo());
-    EXPECT_FALSE(history.can_redo());
-    EXPECT_EQ(history.undo(3.0), stiff(6.0));
-    EXPECT_EQ(history.redo(3.0), stiff(6.0));
-    EXPECT_TRUE(history.steps().empty());
-    ASSERT_EQ(history.journal().size(), 1U);
-    EXPECT_EQ(history.journal()[0].what, "start");
-    EXPECT_EQ(history.journal()[0].time_s, 2.5);
-}
-
 TEST(TuningHistory, ADragIsOneStep) {
     TuningHistory history(stiff(6.0));
     for (int frame = 1; frame <= 20; ++frame) {
@@ -54,83 +30,12 @@ TEST(TuningHistory, ADragIsOneStep) {
     EXPECT_TRUE(history.steps().empty());
     history.let_go();
     history.let_go();
-    ASSERT_EQ(names_of_steps(history), Names{"K_P 6 → 8 V/rad"});
+    ASSERT_EQ(history.steps().size(), 1U);
+    EXPECT_EQ(history.steps()[0].what, "K_P 6 → 8 V/rad");
     EXPECT_EQ(history.steps()[0].began_s, 0.5);
     EXPECT_EQ(history.steps()[0].time_s, 10.0);
     EXPECT_EQ(history.undo(11.0), stiff(6.0));
     EXPECT_EQ(history.redo(12.0), stiff(8.0));
-}
-
-TEST(TuningHistory, TwoDragsOfOneControlAreTwoSteps) {
-    TuningHistory history(stiff(6.0));
-    history.change(stiff(7.0), 1.0, kSlider);
-    history.let_go();
-    history.change(stiff(8.0), 2.0, kSlider);
-    history.let_go();
-    EXPECT_EQ(history.undo(3.0), stiff(7.0));
-    EXPECT_EQ(history.undo(3.0), stiff(6.0));
-}
-
-TEST(TuningHistory, AnotherControlEndsADrag) {
-    TuningHistory history(stiff(6.0));
-    history.change(stiff(7.0), 1.0, kSlider);
-    history.change(stiff(8.0), 1.0, kOtherSlider);
-    history.change(stiff(9.0), 1.0);
-    history.change(stiff(10.0), 1.0);
-    EXPECT_EQ(names_of_steps(history),
-              (Names{"K_P 6 → 7 V/rad", "K_P 7 → 8 V/rad", "K_P 8 → 9 V/rad", "K_P 9 → 10 V/rad"}));
-}
-
-TEST(TuningHistory, ADragBackToItsStartIsNoStepAndKeepsWhatCanBeRedone) {
-    TuningHistory history(stiff(6.0));
-    history.change(stiff(7.0), 1.0);
-    history.undo(2.0);
-    history.change(stiff(8.0), 3.0, kSlider);
-    EXPECT_TRUE(history.can_undo());
-    EXPECT_FALSE(history.can_redo());
-    history.change(stiff(6.0), 4.0, kSlider);
-    EXPECT_FALSE(history.can_undo());
-    EXPECT_TRUE(history.can_redo());
-    history.let_go();
-    EXPECT_EQ(history.steps().size(), 1U);
-    EXPECT_EQ(history.journal().back().what, "moved and moved back");
-    EXPECT_EQ(history.journal().back().began_s, 3.0);
-    EXPECT_EQ(history.journal().back().time_s, 4.0);
-    EXPECT_EQ(history.redo(5.0), stiff(7.0));
-}
-
-TEST(TuningHistory, UndoDuringADragUndoesIt) {
-    TuningHistory history(stiff(6.0));
-    history.change(stiff(7.0), 1.0, kSlider);
-    EXPECT_EQ(history.undo(2.0), stiff(6.0));
-    history.change(stiff(8.0), 3.0, kSlider);
-    history.let_go();
-    EXPECT_EQ(names_of_steps(history), Names{"K_P 6 → 8 V/rad"});
-}
-
-TEST(TuningHistory, ANewChangeTakesAwayWhatCouldBeRedone) {
-    TuningHistory history(stiff(6.0));
-    history.change(stiff(7.0), 1.0);
-    history.change(stiff(8.0), 2.0);
-    history.undo(3.0);
-    history.undo(3.0);
-    EXPECT_TRUE(history.can_redo());
-    history.change(stiff(9.0), 4.0);
-    EXPECT_FALSE(history.can_redo());
-    EXPECT_EQ(history.redo(5.0), stiff(9.0));
-    EXPECT_EQ(history.undo(5.0), stiff(6.0));
-    EXPECT_FALSE(history.can_undo());
-}
-
-TEST(TuningHistory, ChangesFromElsewhereAreNamed) {
-    TuningHistory history(stiff(6.0));
-    history.change(stiff(7.0), 1.0, kSlider);
-    history.replace(stiff(9.0), 2.0, "found in the window");
-    history.replace(stiff(9.0), 3.0, "preset firm");
-    history.change(stiff(10.0), 4.0, kSlider);
-    history.let_go();
-    EXPECT_EQ(names_of_steps(history),
-              (Names{"K_P 6 → 7 V/rad", "found in the window", "K_P 9 → 10 V/rad"}));
 }
 
 /// A list of the steps may be clicked to go to one of them.
@@ -149,28 +54,33 @@ TEST(TuningHistory, TakesATuningFromAStepThatItForgets) {
 }
 
 TEST(TuningHistory, JournalHasAllThatBecameActive) {
-    TuningHistory history(stiff(6.0));
+    TuningHistory history(stiff(6.0), -1.0);
     history.change(stiff(7.0), 1.0, kSlider);
     history.change(stiff(8.0), 2.0, kSlider);
     history.replace(stiff(3.0), 3.0, "preset soft");
+    history.replace(stiff(3.0), 3.5, "the same again");
     history.undo(4.0);
     history.redo(5.0);
     history.toggle(6.0);
     history.store(7.0);
+    history.change(stiff(7.0), 8.0, kSlider);
+    history.change(stiff(6.0), 9.0, kSlider);
+    history.let_go();
     struct Line {
         double began_s;
         double time_s;
         const char *what;
         double K_P_V_per_rad;
     };
-    const std::array<Line, 7> expected{{
-        {0.0, 0.0, "start", 6.0},
+    const std::array<Line, 8> expected{{
+        {-1.0, -1.0, "start", 6.0},
         {1.0, 2.0, "K_P 6 → 8 V/rad", 8.0},
         {3.0, 3.0, "preset soft", 3.0},
         {4.0, 4.0, "undo: preset soft", 8.0},
         {5.0, 5.0, "redo: preset soft", 3.0},
         {6.0, 6.0, "A → B", 6.0},
         {7.0, 7.0, "B stored in A", 6.0},
+        {8.0, 9.0, "moved and moved back", 6.0},
     }};
     ASSERT_EQ(history.journal().size(), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -182,20 +92,6 @@ TEST(TuningHistory, JournalHasAllThatBecameActive) {
     }
 }
 
-TEST(TuningHistory, ForgetsTheOldestBeyondItsSize) {
-    TuningHistory history(stiff(0.0));
-    constexpr int kMore = 5;
-    constexpr int kSteps = static_cast<int>(TuningHistory::kMaxSteps) + kMore;
-    for (int i = 1; i <= kSteps; ++i) {
-        history.change(stiff(i), i);
-    }
-    EXPECT_EQ(history.steps().size(), TuningHistory::kMaxSteps);
-    while (history.can_undo()) {
-        history.undo(0.0);
-    }
-    EXPECT_EQ(K_P(history), kMore);
-}
-
 TEST(TuningHistory, TheJournalForgetsTheOldestBeyondItsSize) {
     TuningHistory history(stiff(0.0));
     constexpr int kMore = 5;
@@ -204,52 +100,6 @@ TEST(TuningHistory, TheJournalForgetsTheOldestBeyondItsSize) {
     }
     EXPECT_EQ(history.journal().size(), TuningHistory::kMaxEvents);
     EXPECT_EQ(history.journal().front().time_s, kMore);
-}
-
-TEST(TuningSlots, BeginEqualAndKeepWhatWasActiveInThem) {
-    TuningSlots slots(stiff(6.0));
-    EXPECT_EQ(slots.active(), TuningSlot::a);
-    EXPECT_EQ(slots.now(), slots.other());
-    slots.set(stiff(7.0));
-    slots.toggle();
-    EXPECT_EQ(slots.active(), TuningSlot::b);
-    EXPECT_EQ(slots.now(), stiff(6.0));
-    EXPECT_EQ(slots.other(), stiff(7.0));
-    slots.set(stiff(8.0));
-    slots.toggle();
-    EXPECT_EQ(slots.now(), stiff(7.0));
-    EXPECT_EQ(slots.other(), stiff(8.0));
-    slots.store();
-    EXPECT_EQ(slots.other(), stiff(7.0));
-}
-
-TEST(TuningHistory, TogglingIsOneStepThatKeepsBothTunings) {
-    TuningHistory history(stiff(6.0));
-    history.change(stiff(7.0), 1.0, kSlider);
-    history.toggle(2.0);
-    EXPECT_EQ(K_P(history), 6.0);
-    history.change(stiff(8.0), 3.0);
-    history.toggle(4.0);
-    EXPECT_EQ(K_P(history), 7.0);
-    EXPECT_EQ(names_of_steps(history),
-              (Names{"K_P 6 → 7 V/rad", "A → B", "K_P 6 → 8 V/rad", "B → A"}));
-    EXPECT_EQ(history.undo(5.0), stiff(8.0));
-    EXPECT_EQ(history.slots().active(), TuningSlot::b);
-    EXPECT_EQ(history.undo(5.0), stiff(6.0));
-    EXPECT_EQ(history.undo(5.0), stiff(7.0));
-    EXPECT_EQ(history.slots().active(), TuningSlot::a);
-    EXPECT_EQ(history.slots().other(), stiff(6.0));
-}
-
-TEST(TuningHistory, StoringIsAStepUnlessTheSlotsAreEqual) {
-    TuningHistory history(stiff(6.0));
-    history.store(1.0);
-    EXPECT_FALSE(history.can_undo());
-    history.change(stiff(7.0), 2.0);
-    history.store(3.0);
-    EXPECT_EQ(history.slots().other(), stiff(7.0));
-    EXPECT_EQ(history.undo(4.0), stiff(7.0));
-    EXPECT_EQ(history.slots().other(), stiff(6.0));
 }
 
 /// Keeps every state that was reached, instead of steps.
@@ -395,7 +245,7 @@ private:
 };
 
 TEST(TuningHistory, GoesWhereKeepingEveryStateGoes) {
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
         SCOPED_TRACE(seed);
         Twins twins(seed);
         for (int call = 0; call < 300; ++call) {

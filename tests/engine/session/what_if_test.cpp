@@ -113,26 +113,26 @@ TEST(WhatIf, TheRecordsOwnTuningChangesNoBitButTheCurrents) {
 }
 
 TEST(WhatIf, CurrentsAgreeToTheResolutionOfTheEncoders) {
-    for (const int finer : {1, 64}) {
-        for (const double delay_periods : {0.0, 0.3, 1.0, 1.75}) {
-            Press press;
-            press.device.encoder_counts_per_turn *= finer;
-            press.simulation = ideal_windings();
-            press.simulation.delay_periods = delay_periods;
-            press.inputs.tuning.K_P_V_per_rad = 3.0;
-            const Samples recorded = press.samples();
-            const Samples found =
-                answers(recorded, press.inputs.tuning, delay_periods, press.device);
-            // Within a period the rotors do not turn evenly, which the second part allows for.
-            const double allowed_A =
-                current_of_a_count_A(press.device) + 0.01 * greatest_current_A(recorded);
-            const double difference_A = greatest_difference_A(found, recorded);
-            EXPECT_LT(difference_A, allowed_A) << finer << ' ' << delay_periods;
-            EXPECT_GT(difference_A, 0.0);           // they are predicted
-            if (finer > 1 && delay_periods > 0.0) { // and the delay matters
-                const Samples early = answers(recorded, press.inputs.tuning, 0.0, press.device);
-                EXPECT_GT(greatest_difference_A(early, recorded), 2.0 * allowed_A);
-            }
+    const std::pair<int, double> cases[]{{1, 0.0},  {1, 1.75}, {64, 0.0},
+                                         {64, 0.3}, {64, 1.0}, {64, 1.75}};
+    for (const auto &[finer, delay_periods] : cases) {
+        SCOPED_TRACE(::testing::Message() << finer << ' ' << delay_periods);
+        Press press;
+        press.device.encoder_counts_per_turn *= finer;
+        press.simulation = ideal_windings();
+        press.simulation.delay_periods = delay_periods;
+        press.inputs.tuning.K_P_V_per_rad = 3.0;
+        const Samples recorded = press.samples();
+        const Samples found = answers(recorded, press.inputs.tuning, delay_periods, press.device);
+        // Within a period the rotors do not turn evenly, which the second part allows for.
+        const double allowed_A =
+            current_of_a_count_A(press.device) + 0.01 * greatest_current_A(recorded);
+        const double difference_A = greatest_difference_A(found, recorded);
+        EXPECT_LT(difference_A, allowed_A);
+        EXPECT_GT(difference_A, 0.0);           // they are predicted
+        if (finer > 1 && delay_periods > 0.0) { // and the delay matters
+            const Samples early = answers(recorded, press.inputs.tuning, 0.0, press.device);
+            EXPECT_GT(greatest_difference_A(early, recorded), 2.0 * allowed_A);
         }
     }
 }
@@ -184,7 +184,7 @@ TEST(WhatIf, ForceFollowsFromTheCurrentsWithTheirOffsets) {
 }
 
 TEST(WhatIf, AnotherTuningIsWhatReplayFinds) {
-    const Samples recorded = Press{}.samples();
+    const Samples &recorded = testing::plain_press();
     control::Tuning other;
     other.K_P_V_per_rad = 9.0;
     other.dR_Ohm = 0.8;
@@ -205,7 +205,7 @@ TEST(WhatIf, AnotherTuningIsWhatReplayFinds) {
 }
 
 TEST(WhatIf, AnotherLambdaFiltersTheWholeMotion) {
-    const Samples recorded = Press{}.samples();
+    const Samples &recorded = testing::plain_press();
     control::Tuning other;
     other.lambda_rad_per_s = 200.0;
     const Samples found = answers(recorded, other);
@@ -285,7 +285,7 @@ TEST(WhatIf, ACommandHeldAfterAGapIsTheRecordedOne) {
 }
 
 TEST(WhatIf, ATickWithValuesThatNoServoHasStaysAndIsMissing) {
-    const Samples recorded = Press{}.samples();
+    const Samples &recorded = testing::plain_press();
     control::Tuning other;
     other.K_P_V_per_rad = 2.0;
     using Spoil = void (*)(servo::ServoSample &);
@@ -313,7 +313,7 @@ TEST(WhatIf, RandomRowsDoNoHarm) {
     Samples random = testing::random_samples(400, testing::kRecorded_hz, 3);
     static_cast<void>(answers(random, {}, 0.5));
     std::mt19937_64 bits(4);
-    Samples recorded = Press{}.samples();
+    Samples recorded = testing::plain_press();
     for (std::size_t i = 0; i < recorded.size(); i += 3) { // single columns
         const servo::ServoSample other = testing::random_sample(bits, recorded[i].tick);
         std::size_t column = 0;
@@ -333,7 +333,7 @@ TEST(WhatIf, RandomRowsDoNoHarm) {
 }
 
 TEST(WhatIf, APartOfARecordIsAsInTheWhole) {
-    const Record record = testing::in_memory(Press{}.samples());
+    const Record record = testing::in_memory(testing::plain_press());
     control::Tuning other;
     other.lambda_rad_per_s = 150.0;
     other.dR_Ohm = 0.1;
@@ -355,7 +355,7 @@ TEST(WhatIf, APartOfARecordIsAsInTheWhole) {
 }
 
 TEST(WhatIf, EndsSoonWhenCancelled) {
-    const Record record = testing::in_memory(Press{}.samples());
+    const Record record = testing::in_memory(testing::plain_press());
     const std::atomic<bool> is_cancelled = true;
     const StopScope by(&is_cancelled);
     EXPECT_THROW(static_cast<void>(what_if(record, {}, {0, record.store.end()})), Cancelled);

@@ -1,21 +1,16 @@
-// Covers engine/session/windings_file.cpp, the session's use of it, and WindingGuard over times
-// that nobody watched.
+// Covers engine/session/windings_file.cpp, and WindingGuard over times that nobody watched.
 #include "engine/session/windings_file.h"
 
 #include "device/core/motor/winding_guard.h"
-#include "device/usb/driver/usb_device.h"
-#include "tests/engine/session/session_fixture.h"
-#include "tests/support/emulated_port.h"
+#include "tests/support/devices.h"
+#include "tests/support/files.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <memory>
-#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -196,7 +191,7 @@ TEST(WindingsFile, BoundsHoldOverAnyHistory) {
     const std::filesystem::path folder = testing::fresh_folder("windings history");
     int warm_ticks = 0;
     int used_ticks = 0;
-    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    for (std::uint64_t seed = 0; seed < 28; ++seed) {
         SCOPED_TRACE(seed);
         History history(seed, folder);
         for (int part = 0; part < 14 && !HasFailure(); ++part) {
@@ -235,8 +230,8 @@ TEST(WindingsFile, BoundsHoldOverAnyHistory) {
         warm_ticks += history.warm_ticks;
         used_ticks += history.used_ticks;
     }
-    EXPECT_GT(warm_ticks, 10'000); // not vacuous
-    EXPECT_GT(used_ticks, 50'000);
+    EXPECT_GT(warm_ticks, 5'000); // not vacuous
+    EXPECT_GT(used_ticks, 25'000);
 }
 
 /// In the worst case: 1.1 A at once and for ever, and what more is possible after some rest.
@@ -292,130 +287,6 @@ TEST(WindingsFile, IsOnlyWhereItCanBeTrusted) {
             folder, kSerial, {MotorTemperature{wrong_C, 40.0}, warm[1], warm[2]}, then));
         EXPECT_EQ(taken()[0].winding_C, limit_C) << wrong_C;
     }
-}
-
-/// A session on a board, with nobody's simulated hand at it.
-struct OnBoard {
-    explicit OnBoard(const std::filesystem::path &folder)
-        : board(testing::phantom_1_0(), board_options()), session(options(folder)) {
-        port = new testing::EmulatedPort(board);
-        auto device = std::make_unique<usb::UsbDevice>(std::unique_ptr<usb::BoardPort>(port),
-                                                       testing::phantom_1_0(), "", 1e-3,
-                                                       usb::Pacing::reports);
-        device::HapticDevice &on_usb = *device;
-        session.hand().take_hold(nullptr, session.description(), std::nullopt, Vector3::Zero());
-        replaced = std::exchange(session.device(), factory::OpenDevice(std::move(device), nullptr));
-        session.servo().renew(on_usb);
-        session.start();
-        session.advance(2e-3);
-    }
-
-    static emulator::EmulatedBoardOptions board_options() {
-        emulator::EmulatedBoardOptions options;
-        options.start_tip_m = Vector3::Zero();
-        return options;
-    }
-    static SessionOptions options(const std::filesystem::path &folder) {
-        SessionOptions options = testing::scripted();
-        options.plays_script = false;
-        options.starts_at_zero = true;
-        options.windings_folder = folder;
-        return options;
-    }
-
-    [[nodiscard]] const servo::WindingStatus &winding(std::size_t motor = 1) const {
-        return session.latest().winding[motor];
-    }
-    /// Above the plate until it runs, then into it.
-    [[nodiscard]] bool press(double time_s) {
-        board.phantom().set_hand_target({0.0, 0.03, 0.0});
-        const bool runs = testing::run_until(
-            session, [&] { return session.latest().safety.state == servo::SafetyState::running; },
-            6.0);
-        board.phantom().set_hand_target({0.0, -0.02, 0.0});
-        testing::run(session, time_s);
-        return runs;
-    }
-
-    emulator::EmulatedBoard board;
-    testing::EmulatedPort *port = nullptr;
-    Session session;
-    std::optional<factory::OpenDevice> replaced;
-};
-
-TEST(SessionWindings, AFormerClockGivesNoLowerBound) {
-    OnBoard on("");
-    ASSERT_TRUE(on.press(2.0));
-    ASSERT_GT(on.winding().min_C, kColdestAir_C + 0.05);
-    const double before_C = on.winding().max_C;
-    // The board loses its power, and runs for longer than before: its clock shows no gap.
-    device::Fault restart = device::parse_fault("restart");
-    restart.begin_s = on.board.time_s();
-    on.board.set_fault(restart);
-    const double limit_Ohm = on.winding().R_hat_limit_Ohm;
-    ASSERT_TRUE(testing::run_until(
-        on.session, [&] { return on.session.latest().health == device::DeviceHealth::lost; }, 2.0));
-    EXPECT_GT(on.winding().min_C, kColdestAir_C + 0.05);
-    ASSERT_TRUE(testing::run_until(
-        on.session, [&] { return on.session.latest().health == device::DeviceHealth::ok; }, 4.0));
-    testing::run(on.session, 0.02);
-    EXPECT_LT(on.winding().min_C, kColdestAir_C + 1e-3);
-    EXPECT_LT(on.winding().R_hat_limit_Ohm, limit_Ohm);
-    EXPECT_GT(on.winding().max_C, 0.95 * before_C);
-    on.session.stop();
-}
-
-TEST(SessionWindings, TheNextStartKnowsHowHotTheyMayBe) {
-    const std::filesystem::path folder = testing::fresh_folder("windings session");
-    const auto count = [&] {
-        return std::distance(std::filesystem::directory_iterator(folder), {});
-    };
-    const double limit_C = testing::phantom_motor().thermal.max_winding_C;
-    double end_C = 0.0;
-    std::chrono::steady_clock::time_point ended;
-    {
-        OnBoard on(folder);
-        EXPECT_NEAR(on.winding().max_C, limit_C, 0.01); // nothing is known
-        EXPECT_LT(on.winding().min_C, kColdestAir_C + 1e-3);
-        ASSERT_TRUE(on.press(1.0));
-        EXPECT_EQ(count(), 0);
-        end_C = on.winding().max_C;
-        ended = std::chrono::steady_clock::now();
-        on.session.stop();
-        EXPECT_EQ(count(), 1);
-    }
-    {
-        OnBoard on(folder);
-        // 12 K above its housing, with a time constant of 12 s, it cools by less than 1.01 K/s.
-        const std::chrono::duration<double> away = std::chrono::steady_clock::now() - ended;
-        EXPECT_LE(on.winding().max_C, end_C);
-        EXPECT_GE(on.winding().max_C, end_C - 1.01 * away.count());
-        EXPECT_LT(on.winding().max_C, limit_C - 0.2);
-        EXPECT_EQ(count(), 0);
-        testing::run(on.session, 0.1); // and it is never stopped
-    }
-    {
-        OnBoard on(folder);
-        EXPECT_NEAR(on.winding().max_C, limit_C, 0.01);
-        // Of what a loan does, the servo sees nothing.
-        testing::run(on.session, 3.0);
-        EXPECT_LT(on.winding().max_C, limit_C - 1.0);
-        on.session.lend_device([] { return false; });
-        ASSERT_TRUE(testing::run_until(
-            on.session, [&] { return on.winding().max_C > limit_C - 0.2; }, 3.0));
-        EXPECT_FALSE(on.session.is_lent());
-        // Nor of a device that is lost.
-        on.port->unplug();
-        testing::run(on.session, 0.05);
-        on.session.stop();
-        EXPECT_EQ(count(), 0);
-    }
-    Session simulated(OnBoard::options(folder));
-    simulated.start();
-    testing::run(simulated, 0.1);
-    EXPECT_LT(simulated.latest().winding[0].max_C, kWarmestAir_C + 0.1);
-    simulated.stop();
-    EXPECT_EQ(count(), 0);
 }
 
 } // namespace
