@@ -1,4 +1,4 @@
-// Covers engine/session/{session_loan,session_link}.cpp and device/factory/emulated_device.cpp: a
+// Covers engine/session/session_device.cpp and device/factory/emulated_device.cpp: a
 // session with an emulated board in this process, its cable, and the loan of the device.
 #include "base/error_text.h"
 #include "device/core/calibration_file.h"

@@ -1,7 +1,8 @@
-// Covers the zero of a device's counts in engine/session/session_link.cpp: what voids it, and that
-// no motor is driven until somebody zeroes the device again.
+// Covers the zero of a device's counts in engine/session/session_device.cpp: what voids it, and
+// that no motor is driven until somebody zeroes the device again.
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
+#include "device/simulated/simulated_phantom.h"
 #include "engine/lab/rig/faulty_device.h"
 #include "tests/engine/session/session_fixture.h"
 
