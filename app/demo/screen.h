@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/assistant/assistant.h"
-#include "app/demo/demo_options.h"
+#include "app/demo/demo.h"
 #include "app/demo/layout.h"
 #include "app/demo/shown_values.h"
 #include "app/demo/tip_inside.h"
@@ -16,7 +16,7 @@
 #include "app/panels/window_habits.h"
 #include "app/plots/plot_panel.h"
 #include "app/stage/frame_loop.h"
-#include "app/stage/hand_lift.h"
+#include "app/stage/touch_by_click.h"
 #include "app/stage/view_control.h"
 #include "app/view/renderer.h"
 #include "app/window/window.h"

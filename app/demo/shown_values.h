@@ -2,8 +2,7 @@
 #pragma once
 
 #include "app/plots/plot_panel.h"
-#include "app/view/shown_things.h"
-#include "app/view/touch_values.h"
+#include "app/view/view_state.h"
 #include "device/core/device_description.h"
 #include "engine/record/channel_store.h"
 #include "engine/servo/servo_sample.h"

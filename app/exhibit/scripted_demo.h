@@ -6,7 +6,7 @@
 #include "app/exhibit/course.h"
 #include "app/exhibit/tour.h"
 #include "app/panels/tuning_editor.h"
-#include "app/stage/hand_lift.h"
+#include "app/stage/touch_by_click.h"
 #include "engine/session/session.h"
 
 #include <cstddef>

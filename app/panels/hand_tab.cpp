@@ -222,9 +222,7 @@ void draw_hand_tab(session::Session &session, HandTabState &state) {
         edit("##to", stimulus.to_Hz, 1.0, 0.2, 100.0, "to %.1f Hz");
     }
     show_result(session, state);
-    if (!state.error.empty()) {
-        ui::wrapped(kDanger, "{}", state.error);
-    }
+    ui::show_error(state.error);
 }
 
 } // namespace springdrive::app

@@ -1,4 +1,4 @@
-#include "app/panels/legend.h"
+#include "app/panels/panels.h"
 
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"
@@ -85,8 +85,7 @@ float draw_legend(ShownThings &shown, bool &is_open, const TouchValues &values,
                   const Rectangle &view, float top, float width, float scale) {
     const float margin = 10.0F * scale;
     const ui::Scope scope("legend");
-    ImGui::SetNextWindowPos({view.corner.x + view.size.x - margin, top}, ImGuiCond_Always,
-                            {1.0F, 0.0F});
+    ImGui::SetNextWindowPos({view.end().x - margin, top}, ImGuiCond_Always, {1.0F, 0.0F});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0.0F);
     ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.07F, 0.08F, 0.10F, 0.92F));
     const ImVec2 padding = ImGui::GetStyle().WindowPadding;

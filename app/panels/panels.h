@@ -12,6 +12,7 @@
 #include "app/panels/tuning_files.h"
 #include "app/panels/window_habits.h"
 #include "app/view/camera.h"
+#include "app/view/view_state.h"
 #include "app/widgets/rectangle.h"
 #include "app/window/window.h"
 #include "base/background.h"
@@ -46,10 +47,6 @@ struct TuningPanelState {
 void draw_tuning_panel(session::Session &session, TuningEditor &editor, TuningPanelState &state,
                        const Rectangle &place);
 
-/// Within the tuning panel: the active tuning against the other slot, the first one, or a file;
-/// files to save and load; the steps so far.
-void draw_compare_tab(session::Session &session, TuningEditor &editor, TuningPanelState &state);
-
 /// State of the servo panel between frames.
 struct ServoPanelState {
     std::string record_error; ///< why the last record could not be started
@@ -61,10 +58,6 @@ struct ServoPanelState {
 [[nodiscard]] bool draw_servo_panel(session::Session &session, const EventLog &log,
                                     SessionKeeper &keeper, ServoPanelState &state,
                                     const Rectangle &place);
-
-/// Within the servo panel: the safety limits with what is held against them, and sliders to lower
-/// them.
-void draw_limits_tab(session::Session &session);
 
 enum class StimulusDirection : std::uint8_t { into_surface, x, y, z };
 
@@ -128,9 +121,6 @@ struct PlantTabState {
 /// a simulated device.
 void draw_plant_tab(session::Session &session, PlantTabState &state);
 
-/// Its first part: which device, zeroing, and the connection to one on USB.
-void draw_device_link(session::Session &session, PlantTabState &state);
-
 /// The device's name, and whether it is simulated.
 [[nodiscard]] std::string device_text(const session::Session &session);
 
@@ -158,9 +148,6 @@ struct ScenePanelState {
 };
 void draw_scene_panel(session::Session &session, TuningEditor &editor, OpenedRecord &opened,
                       ScenePanelState &state, const Rectangle &place);
-
-/// Within the scene panel: the model selected by the scene's tolerance, and the active model.
-void draw_model_tab(session::Session &session);
 
 /// Over everything: the keys and what they do. The mouse acts on what is below.
 void draw_keys_overlay(const Rectangle &window);
@@ -228,5 +215,14 @@ struct SideCards {
 /// rest, is not left out.
 [[nodiscard]] Rectangle free_of_overlays(const Rectangle &view, const SideCards &cards,
                                          bool is_record, float scale);
+
+/// At the right edge of the scene: a button, or, once it is open, a plate with a row for each
+/// thing.
+/// @param top     of the button or plate
+/// @param width   of the button
+/// @param values  that are drawn now, whose ranges stand in the rows
+/// @return the plate's width, 0 for a button
+float draw_legend(ShownThings &shown, bool &is_open, const TouchValues &values,
+                  const Rectangle &view, float top, float width, float scale);
 
 } // namespace springdrive::app

@@ -116,24 +116,17 @@ void draw_angles(session::Session &session, TuningEditor &editor, const SceneCar
     }
 }
 
-/// Where text stands on a dark plate over the scene.
-struct CaptionBox {
-    ImVec2 corner;
-    ImVec2 size;
-
-    [[nodiscard]] bool overlaps(const CaptionBox &other) const {
-        return corner.x < other.corner.x + other.size.x && other.corner.x < corner.x + size.x &&
-               corner.y < other.corner.y + other.size.y && other.corner.y < corner.y + size.y;
-    }
-};
+bool overlap(const Rectangle &a, const Rectangle &b) {
+    return a.corner.x < b.end().x && b.corner.x < a.end().x && a.corner.y < b.end().y &&
+           b.corner.y < a.end().y;
+}
 
 /// Draws captions one by one, each above those that it would cover.
 class Captions {
 public:
     Captions(const Camera &camera, const Rectangle &view, float scale)
         : camera_(camera), view_(view), scale_(scale), list_(*ImGui::GetBackgroundDrawList()) {
-        list_.PushClipRect(view.corner, {view.corner.x + view.size.x, view.corner.y + view.size.y},
-                           true);
+        list_.PushClipRect(view.corner, view.end(), true);
     }
     ~Captions() { list_.PopClipRect(); }
     Captions(const Captions &) = delete;
@@ -149,10 +142,10 @@ public:
         const float around = 16.0F * scale_;
         const auto [left, right] = std::minmax(from->x_px, to->x_px);
         const auto [top, bottom] = std::minmax(from->y_px, to->y_px);
-        clear_ = CaptionBox{{view_.corner.x + static_cast<float>(left) - around,
-                             view_.corner.y + static_cast<float>(top) - around},
-                            {static_cast<float>(right - left) + 2.0F * around,
-                             static_cast<float>(bottom - top) + 2.0F * around}};
+        clear_ = Rectangle{{view_.corner.x + static_cast<float>(left) - around,
+                            view_.corner.y + static_cast<float>(top) - around},
+                           {static_cast<float>(right - left) + 2.0F * around,
+                            static_cast<float>(bottom - top) + 2.0F * around}};
     }
 
     void draw(const scene::Caption &caption, const ImVec4 &colour) {
@@ -164,24 +157,24 @@ public:
                         view_.corner.y + static_cast<float>(pixel->y_px)};
         const float margin = 4.0F * scale_;
         const ImVec2 text = ImGui::CalcTextSize(caption.text.c_str());
-        CaptionBox box{{at.x - 0.5F * text.x - margin, at.y - text.y - 12.0F * scale_},
-                       {text.x + 2.0F * margin, text.y + 0.5F * margin}};
-        if (clear_ && clear_->overlaps(box)) { // to the side that it is on
+        Rectangle box{{at.x - 0.5F * text.x - margin, at.y - text.y - 12.0F * scale_},
+                      {text.x + 2.0F * margin, text.y + 0.5F * margin}};
+        if (clear_ && overlap(*clear_, box)) { // to the side that it is on
             box.corner.x = at.x < clear_->corner.x + 0.5F * clear_->size.x
                                ? clear_->corner.x - box.size.x
                                : clear_->corner.x + clear_->size.x;
         }
-        while (std::ranges::any_of(boxes_, [&](const CaptionBox &b) { return b.overlaps(box); })) {
+        while (std::ranges::any_of(boxes_, [&](const Rectangle &b) { return overlap(b, box); })) {
             box.corner.y -= 0.5F * box.size.y;
         }
         boxes_.push_back(box);
-        const ImVec2 end{box.corner.x + box.size.x, box.corner.y + box.size.y};
+        const ImVec2 end = box.end();
         const ImU32 ink = ImGui::ColorConvertFloat4ToU32(colour);
         list_.AddLine({std::clamp(at.x, box.corner.x, end.x), end.y}, at, ink, scale_);
         list_.AddRectFilled(box.corner, end, ImGui::ColorConvertFloat4ToU32(kCard), 3.0F * scale_);
         list_.AddText({box.corner.x + margin, box.corner.y + 0.25F * margin}, ink,
                       caption.text.c_str());
-        ui::enter_at({box.corner, box.size}, caption.text, "caption", caption.text);
+        ui::enter_at(box, caption.text, "caption", caption.text);
     }
 
 private:
@@ -189,8 +182,8 @@ private:
     const Rectangle &view_;
     float scale_;
     ImDrawList &list_;
-    std::vector<CaptionBox> boxes_;
-    std::optional<CaptionBox> clear_;
+    std::vector<Rectangle> boxes_;
+    std::optional<Rectangle> clear_;
 };
 
 } // namespace

@@ -91,8 +91,7 @@ SceneAction draw_message(const SceneMessage &message, const Rectangle &view, flo
 void draw_notice(const Notice &notice, const Rectangle &view, float scale) {
     const ui::Scope scope("notice");
     const float wanted = ImGui::CalcTextSize(notice.text.c_str()).x + 3.0F * margin(scale);
-    ImGui::SetNextWindowPos({view.corner.x + view.size.x - margin(scale),
-                             view.corner.y + view.size.y - 3.5F * margin(scale)},
+    ImGui::SetNextWindowPos({view.end().x - margin(scale), view.end().y - 3.5F * margin(scale)},
                             ImGuiCond_Always, {1.0F, 1.0F});
     ImGui::SetNextWindowSize({std::min(0.55F * view.size.x, wanted), 0.0F});
     ImGui::PushStyleColor(ImGuiCol_WindowBg,
@@ -106,8 +105,7 @@ void draw_notice(const Notice &notice, const Rectangle &view, float scale) {
 void draw_stop_button(session::Session &session, const Rectangle &view, float scale) {
     const float width = room_of_stop(scale) - margin(scale);
     const ui::Scope scope("stop");
-    ImGui::SetNextWindowPos(
-        {view.corner.x + view.size.x - width - margin(scale), view.corner.y + margin(scale)});
+    ImGui::SetNextWindowPos({view.end().x - width - margin(scale), view.corner.y + margin(scale)});
     ImGui::SetNextWindowSize({width, 0.0F});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0F, 0.0F});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0.0F);
@@ -130,10 +128,9 @@ void draw_stop_button(session::Session &session, const Rectangle &view, float sc
 float draw_help(const session::Session &session, const Rectangle &view, float scale) {
     const char *const help = session.hand().follows_path() ? kPathHelp : kHandHelp;
     const ImVec2 size = help_size(help, view, scale);
-    const ImVec2 corner{view.corner.x + margin(scale),
-                        view.corner.y + view.size.y - size.y - margin(scale)};
+    const ImVec2 corner{view.corner.x + margin(scale), view.end().y - size.y - margin(scale)};
     ImDrawList &list = *ImGui::GetBackgroundDrawList();
-    list.PushClipRect(view.corner, {view.corner.x + view.size.x, view.corner.y + view.size.y});
+    list.PushClipRect(view.corner, view.end());
     const ImVec2 text = ImGui::CalcTextSize(help, nullptr, false, size.x);
     const ImVec2 around{0.6F * margin(scale), 0.3F * margin(scale)};
     list.AddRectFilled({corner.x - around.x, corner.y - around.y},
@@ -174,7 +171,7 @@ SceneAnswer draw_scene_overlay(session::Session &session, OpenedRecord &opened,
                                const SceneOverlay &shown, const Rectangle &view, float scale) {
     SceneAction action = SceneAction::none;
     float top = view.corner.y + margin(scale) + height_of_stop();
-    float bottom = view.corner.y + view.size.y;
+    float bottom = view.end().y;
     if (const std::optional<SceneMessage> message = message_for(shown.now)) {
         action = draw_message(*message, view, scale, top);
     }
@@ -212,7 +209,7 @@ std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale) {
          {"top", Viewpoint::top, "The same from above; key T."},
          {"front", Viewpoint::front, "The same from the front, level; key F."}}};
     const ui::Scope scope("view");
-    ImGui::SetNextWindowPos({view.corner.x + view.size.x - width_of_view_buttons() - margin(scale),
+    ImGui::SetNextWindowPos({view.end().x - width_of_view_buttons() - margin(scale),
                              view.corner.y + 2.0F * margin(scale) + height_of_stop()});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0F, 0.0F});
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0.0F);

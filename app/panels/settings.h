@@ -10,7 +10,7 @@
 //   recent = ["/home/ann/bone.glb"]
 #pragma once
 
-#include "app/view/shown_things.h"
+#include "app/view/view_state.h"
 
 #include <cstddef>
 #include <filesystem>

@@ -1,9 +1,6 @@
-#include "app/panels/stability_field.h"
-
 #include "app/panels/stability_tab.h"
+
 #include "app/plots/axis.h"
-#include "app/plots/canvas.h"
-#include "app/plots/plot.h"
 #include "app/widgets/widgets.h"
 
 #include <algorithm>
@@ -67,8 +64,7 @@ void draw_cells(Canvas &canvas, const StabilityGrid &grid, const PlotArea &area)
     for (int row = 0; row < StabilityGrid::kRows; ++row) {
         for (int column = 0; column < StabilityGrid::kColumns; ++column) {
             const ImVec2 corner{area.where.corner.x + width * static_cast<float>(column),
-                                area.where.corner.y + area.where.size.y -
-                                    height * static_cast<float>(row + 1)};
+                                area.where.end().y - height * static_cast<float>(row + 1)};
             canvas.fill({corner, {width + 0.5F, height + 0.5F}},
                         colour_of(grid.at(column, row), grid.period_s));
             if (!is_stable(column, row) && (column + row) % 2 == 0) {
@@ -81,8 +77,7 @@ void draw_cells(Canvas &canvas, const StabilityGrid &grid, const PlotArea &area)
     for (int row = 0; row < StabilityGrid::kRows; ++row) {
         for (int column = 0; column < StabilityGrid::kColumns; ++column) {
             const float left = area.where.corner.x + width * static_cast<float>(column);
-            const float top =
-                area.where.corner.y + area.where.size.y - height * static_cast<float>(row + 1);
+            const float top = area.where.end().y - height * static_cast<float>(row + 1);
             if (column + 1 < StabilityGrid::kColumns &&
                 is_stable(column, row) != is_stable(column + 1, row)) {
                 canvas.line({left + width, top}, {left + width, top + height}, boundary);

@@ -1,21 +1,31 @@
 #include "app/panels/tuning_consequences.h"
 
-#include "app/panels/held_dR.h"
 #include "app/plots/symbols.h"
-
 #include "app/widgets/widgets.h"
 #include "base/print.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
+#include "engine/control/observed_motor.h"
 #include "engine/control/tuning.h"
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <array>
 
 namespace springdrive::app {
 
 namespace {
+
+/// A motor's active dR: larger than requested if too little is known of its R.
+double dR_of_motor_Ohm(const session::Session &session, std::size_t motor) {
+    const servo::ServoSample &now = session.latest();
+    const control::ObservedMotor &R = now.motor[motor];
+    const double dR_Ohm = std::max(session.tuning().now().dR_Ohm, control::held_up_dR_Ohm(R));
+    const servo::WindingStatus &winding = now.winding[motor];
+    return winding.is_limited ? std::max(dR_Ohm, R.mean.resistance_Ohm - winding.R_hat_limit_Ohm)
+                              : dR_Ohm;
+}
 
 /// A number with its unit, laid out as `label   value unit`; explained by its label.
 void show(const char *label, CheckedFormat<double> format, double value, const char *unit) {
@@ -30,6 +40,76 @@ void show(const char *label, CheckedFormat<double> format, double value, const c
 }
 
 } // namespace
+
+double active_dR_Ohm(const session::Session &session) {
+    return std::max(
+        {dR_of_motor_Ohm(session, 0), dR_of_motor_Ohm(session, 1), dR_of_motor_Ohm(session, 2)});
+}
+
+void draw_observed_resistances(session::Session &session) {
+    const ui::ExplainedRow row(explanation_of("observe R", "Ω"));
+    bool is_wanted = session.wants_resistance_observed();
+    if (ui::checkbox("observe R", is_wanted)) {
+        session.observe_resistance(is_wanted);
+    }
+    const control::ObservedMotors &R = session.latest().motor;
+    if (!R.front().is_observed) {
+        if (is_wanted) {
+            ImGui::SameLine();
+            ui::text(kFaintInk, "no inductance");
+        }
+        return;
+    }
+    constexpr double kUnknown_Ohm = 0.02;
+    for (std::size_t j = 0; j < R.size(); ++j) {
+        const control::ResistanceEstimate &mean = R[j].mean;
+        const bool is_known = R[j].is_trusted && mean.deviation_Ohm < kUnknown_Ohm;
+        ImGui::SameLine();
+        ui::text(R[j].is_trusted ? kFaintInk : kDanger, "{}",
+                 is_known ? ui::formatted("{:.2f}", mean.resistance_Ohm)
+                          : ui::formatted("{:.1f}?", mean.resistance_Ohm));
+        ui::explain(
+            ui::formatted("motor {}: R is {:.4f} ± {:.4f} Ω, averaged over the commutator's\n"
+                          "angles, as the amplifier's sensor sees it; k_T is {:.4f} N·m/A,\n"
+                          "the sensor's offset {:.1f} mA",
+                          j + 1, mean.resistance_Ohm, mean.deviation_Ohm,
+                          R[j].torque_constant_Nm_per_A, 1e3 * R[j].offset_A));
+    }
+    ImGui::SameLine();
+    ui::text(kFaintInk, "Ω");
+}
+
+void show_held_up_dR(const session::Session &session) {
+    const servo::ServoSample &now = session.latest();
+    const double wanted_Ohm = session.tuning().now().dR_Ohm;
+    double left_s = 0.0;
+    for (std::size_t j = 0; j < now.motor.size(); ++j) {
+        if (!now.motor[j].is_trusted) {
+            ui::text(kDanger, "motor {}: its current contradicts its motion", j + 1);
+            ui::explain("a current sensor is wrong, or the motor is not the file's;\n"
+                        "to observe anew, switch \"observe R\" off and on");
+        }
+        left_s = std::max(left_s,
+                          control::touch_left_s(session.description(), j, now.motor[j], wanted_Ohm,
+                                                now.current_A[static_cast<Eigen::Index>(j)]));
+    }
+    const double active_Ohm = active_dR_Ohm(session);
+    if (!(active_Ohm > wanted_Ohm)) {
+        return;
+    }
+    constexpr double kTooLong_s = 20.0;
+    const bool are_trusted = std::ranges::all_of(now.motor, &control::ObservedMotor::is_trusted);
+    if (!are_trusted) {
+        ui::text(kDanger, "dR is held at {:.3f} Ω", active_Ohm);
+    } else if (left_s == 0.0) {
+        ui::text(kDanger, "dR is held at {:.3f} Ω by the winding guard", active_Ohm);
+    } else if (left_s > kTooLong_s) {
+        ui::text(kDanger, "dR is held at {:.3f} Ω: press on a surface", active_Ohm);
+    } else {
+        ui::text(kDanger, "dR is held at {:.3f} Ω: touch on, {:.1f} s", active_Ohm,
+                 std::max(0.1, left_s));
+    }
+}
 
 double tip_stiffness_N_per_m(const session::Session &session, const Vector3 &along) {
     control::Tuning tuning = session.tuning().now();

@@ -1,8 +1,11 @@
 #include "app/plots/axis.h"
 
+#include "app/widgets/look.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace springdrive::app {
@@ -65,6 +68,23 @@ std::vector<Tick> logarithmic_ticks(const Axis &axis, int most) {
     }
     // Between two round values: as on an axis that is not logarithmic.
     return has_label ? ticks : linear_ticks(axis, most);
+}
+
+/// Where there is no room for labels beside the curves: a frame.
+PlotArea draw_frame(Canvas &canvas, const Rectangle &where, const Axis &x, const Axis &y) {
+    const PlotArea area{
+        {where.corner, {std::max(1.0F, where.size.x), std::max(1.0F, where.size.y)}}, x, y};
+    const float right = where.corner.x + area.where.size.x;
+    const float bottom = where.corner.y + area.where.size.y;
+    ImVec4 faint = kFaintInk;
+    faint.w = 0.2F;
+    const std::array<ImVec2, 5> corners{{where.corner,
+                                         {right, where.corner.y},
+                                         {right, bottom},
+                                         {where.corner.x, bottom},
+                                         where.corner}};
+    canvas.polyline(corners, {faint, 1.0F});
+    return area;
 }
 
 } // namespace
@@ -136,6 +156,51 @@ std::string number_at_step(double value, double step) {
     }
     const int decimals = static_cast<int>(std::ceil(-std::log10(step) - kRoundOff));
     return fmt::format("{:.{}f}", value == 0.0 ? 0.0 : value, std::clamp(decimals, 0, 15));
+}
+
+PlotArea draw_axes(Canvas &canvas, const Rectangle &where, const Axis &x, const Axis &y,
+                   const std::string &x_title, const std::string &y_title) {
+    const float height = text_height();
+    const std::vector<Tick> y_ticks =
+        ticks_of(y, std::max(2, static_cast<int>(where.size.y / (2.2F * height))));
+    float widest = 0.0F;
+    for (const Tick &tick : y_ticks) {
+        widest = std::max(widest, text_width(tick.label));
+    }
+    const float left = widest + 0.6F * height;
+    const ImVec2 size{where.size.x - left - 0.6F * height, where.size.y - 2.9F * height};
+    if (size.x < 4.0F * height || size.y < 1.5F * height) {
+        return draw_frame(canvas, where, x, y);
+    }
+    const PlotArea area{{{where.corner.x + left, where.corner.y + 1.6F * height}, size}, x, y};
+    canvas.text(where.corner, kFaintInk, y_title);
+    const auto grid = [](const Tick &tick) {
+        ImVec4 faint = kFaintInk;
+        faint.w = tick.is_minor ? 0.07F : 0.2F;
+        return Stroke{faint, 1.0F};
+    };
+    const float bottom = area.where.end().y;
+    const float right = area.where.end().x;
+    for (const Tick &tick : y_ticks) {
+        const float place = area.place_y(tick.value);
+        canvas.line({area.where.corner.x, place}, {right, place}, grid(tick));
+        canvas.text(
+            {area.where.corner.x - text_width(tick.label) - 0.3F * height, place - 0.5F * height},
+            kFaintInk, tick.label);
+    }
+    const float title_width = x_title.empty() ? 0.0F : text_width(x_title) + height;
+    for (const Tick &tick :
+         ticks_of(x, std::max(2, static_cast<int>(area.where.size.x / (4.5F * height))))) {
+        const float place = area.place_x(tick.value);
+        canvas.line({place, area.where.corner.y}, {place, bottom}, grid(tick));
+        const float width = text_width(tick.label);
+        if (place + 0.5F * width < right - title_width) {
+            canvas.text({std::max(where.corner.x, place - 0.5F * width), bottom + 0.1F * height},
+                        kFaintInk, tick.label);
+        }
+    }
+    canvas.text({right - text_width(x_title), bottom + 0.1F * height}, kFaintInk, x_title);
+    return area;
 }
 
 } // namespace springdrive::app

@@ -1,9 +1,7 @@
 // Axes of plots: from values to places and back, and the values that are labelled.
 #pragma once
 
-#include "app/widgets/rectangle.h"
-
-#include <imgui.h>
+#include "app/plots/canvas.h"
 
 #include <algorithm>
 #include <string>
@@ -75,5 +73,10 @@ private:
         return static_cast<float>(std::clamp(share, -1e4, 1e4));
     }
 };
+
+/// Axes with ticks, and their titles; without the room for them, only a frame.
+/// @return the area within
+PlotArea draw_axes(Canvas &canvas, const Rectangle &where, const Axis &x, const Axis &y,
+                   const std::string &x_title, const std::string &y_title);
 
 } // namespace springdrive::app

@@ -98,9 +98,7 @@ void ScreenCanvas::polyline(std::span<const ImVec2> points, const Stroke &stroke
 }
 
 void ScreenCanvas::fill(const Rectangle &where, const ImVec4 &colour) {
-    list_.AddRectFilled(where.corner,
-                        {where.corner.x + where.size.x, where.corner.y + where.size.y},
-                        ImGui::ColorConvertFloat4ToU32(colour));
+    list_.AddRectFilled(where.corner, where.end(), ImGui::ColorConvertFloat4ToU32(colour));
 }
 
 void ScreenCanvas::dot(ImVec2 middle, float radius, const ImVec4 &colour) {
@@ -113,8 +111,7 @@ void ScreenCanvas::text(ImVec2 corner, const ImVec4 &colour, std::string_view te
 }
 
 void ScreenCanvas::clip(const Rectangle &where) {
-    list_.PushClipRect(where.corner, {where.corner.x + where.size.x, where.corner.y + where.size.y},
-                       true);
+    list_.PushClipRect(where.corner, where.end(), true);
 }
 
 void ScreenCanvas::unclip() { list_.PopClipRect(); }

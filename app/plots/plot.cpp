@@ -349,11 +349,10 @@ PlotArea draw_over_time(Canvas &canvas, const Rectangle &where, const PlotSettin
         curves_over_time(settings, source, std::max(1, static_cast<int>(area.where.size.x))));
     if (source.trace != nullptr) {
         const std::string note = "faint: " + source.trace->name;
-        draw_note(
-            canvas,
-            {area.where.corner.x + area.where.size.x - text_width(note) - 0.3F * text_height(),
-             area.where.corner.y + 0.1F * text_height()},
-            kFaintInk, note);
+        draw_note(canvas,
+                  {area.where.end().x - text_width(note) - 0.3F * text_height(),
+                   area.where.corner.y + 0.1F * text_height()},
+                  kFaintInk, note);
     }
     return area;
 }
@@ -560,23 +559,6 @@ PlotArea draw_histogram(Canvas &canvas, const Rectangle &where, const PlotSettin
     return area;
 }
 
-/// Where there is no room for labels beside the curves: a frame.
-PlotArea draw_frame(Canvas &canvas, const Rectangle &where, const Axis &x, const Axis &y) {
-    const PlotArea area{
-        {where.corner, {std::max(1.0F, where.size.x), std::max(1.0F, where.size.y)}}, x, y};
-    const float right = where.corner.x + area.where.size.x;
-    const float bottom = where.corner.y + area.where.size.y;
-    ImVec4 faint = kFaintInk;
-    faint.w = 0.2F;
-    const std::array<ImVec2, 5> corners{{where.corner,
-                                         {right, where.corner.y},
-                                         {right, bottom},
-                                         {where.corner.x, bottom},
-                                         where.corner}};
-    canvas.polyline(corners, {faint, 1.0F});
-    return area;
-}
-
 } // namespace
 
 std::string unit_title(const PlotSettings &settings) {
@@ -619,51 +601,6 @@ void draw_sample(Canvas &canvas, const SamplePlace &place, const Stroke &stroke,
     }
 }
 
-PlotArea draw_axes(Canvas &canvas, const Rectangle &where, const Axis &x, const Axis &y,
-                   const std::string &x_title, const std::string &y_title) {
-    const float height = text_height();
-    const std::vector<Tick> y_ticks =
-        ticks_of(y, std::max(2, static_cast<int>(where.size.y / (2.2F * height))));
-    float widest = 0.0F;
-    for (const Tick &tick : y_ticks) {
-        widest = std::max(widest, text_width(tick.label));
-    }
-    const float left = widest + 0.6F * height;
-    const ImVec2 size{where.size.x - left - 0.6F * height, where.size.y - 2.9F * height};
-    if (size.x < 4.0F * height || size.y < 1.5F * height) {
-        return draw_frame(canvas, where, x, y);
-    }
-    const PlotArea area{{{where.corner.x + left, where.corner.y + 1.6F * height}, size}, x, y};
-    canvas.text(where.corner, kFaintInk, y_title);
-    const auto grid = [](const Tick &tick) {
-        ImVec4 faint = kFaintInk;
-        faint.w = tick.is_minor ? 0.07F : 0.2F;
-        return Stroke{faint, 1.0F};
-    };
-    const float bottom = area.where.corner.y + area.where.size.y;
-    const float right = area.where.corner.x + area.where.size.x;
-    for (const Tick &tick : y_ticks) {
-        const float place = area.place_y(tick.value);
-        canvas.line({area.where.corner.x, place}, {right, place}, grid(tick));
-        canvas.text(
-            {area.where.corner.x - text_width(tick.label) - 0.3F * height, place - 0.5F * height},
-            kFaintInk, tick.label);
-    }
-    const float title_width = x_title.empty() ? 0.0F : text_width(x_title) + height;
-    for (const Tick &tick :
-         ticks_of(x, std::max(2, static_cast<int>(area.where.size.x / (4.5F * height))))) {
-        const float place = area.place_x(tick.value);
-        canvas.line({place, area.where.corner.y}, {place, bottom}, grid(tick));
-        const float width = text_width(tick.label);
-        if (place + 0.5F * width < right - title_width) {
-            canvas.text({std::max(where.corner.x, place - 0.5F * width), bottom + 0.1F * height},
-                        kFaintInk, tick.label);
-        }
-    }
-    canvas.text({right - text_width(x_title), bottom + 0.1F * height}, kFaintInk, x_title);
-    return area;
-}
-
 PlotArea draw_plot(Canvas &canvas, const Rectangle &where, const PlotSettings &settings,
                    const PlotSource &source, PlotCache &cache) {
     switch (settings.kind) {
@@ -702,16 +639,19 @@ PlotCache::Entry &PlotCache::entry(std::size_t channel, const PlotSource &source
     return *found;
 }
 
+void PlotCache::copy_newest(const Entry &known, const PlotSource &source) {
+    first_ = std::max({known.from, source.store.begin(), known.to - std::min(known.to, kMaxTicks)});
+    source.store.copy(known.channel, first_, std::max(first_, known.to), values_);
+}
+
 const signals::Spectrum &PlotCache::spectrum(std::size_t channel, const PlotSource &source) {
     Entry &known = entry(channel, source);
     if (!known.spectrum) {
-        const std::uint64_t from =
-            std::max({known.from, source.store.begin(), known.to - std::min(known.to, kMaxTicks)});
-        source.store.copy(channel, from, std::max(from, known.to), values_);
+        copy_newest(known, source);
         // By the ticks' own times: a view that is held may be from before a change of the rate.
         const double length_s =
             values_.size() > 1
-                ? source.store.time_s(from + values_.size() - 1) - source.store.time_s(from)
+                ? source.store.time_s(first_ + values_.size() - 1) - source.store.time_s(first_)
                 : 0.0;
         const double rate_hz =
             length_s > 0.0 ? static_cast<double>(values_.size() - 1) / length_s : source.servo_hz;
@@ -724,10 +664,8 @@ const signals::ValueHistogram &PlotCache::histogram(std::size_t channel, const P
     constexpr std::size_t kBins = 60;
     Entry &known = entry(channel, source);
     if (!known.histogram) {
-        const std::uint64_t from =
-            std::max({known.from, source.store.begin(), known.to - std::min(known.to, kMaxTicks)});
-        source.store.copy(channel, from, std::max(from, known.to), values_);
-        known.histogram = signals::automatic_histogram(values_, signals::Coverage::most, kBins);
+        copy_newest(known, source);
+        known.histogram = signals::histogram(values_, kBins);
     }
     return *known.histogram;
 }

@@ -5,9 +5,7 @@
 
 #include "app/plots/axis.h"
 #include "app/plots/canvas.h"
-#include "app/plots/spectrum.h"
-#include "app/plots/trigger.h"
-#include "app/plots/value_histogram.h"
+#include "app/plots/oscilloscope.h"
 #include "engine/record/channel_store.h"
 
 #include <array>
@@ -83,10 +81,13 @@ private:
     };
 
     Entry &entry(std::size_t channel, const PlotSource &source);
+    /// Into `values_`.
+    void copy_newest(const Entry &known, const PlotSource &source);
 
     double wall_s_ = 0.0;
     std::vector<Entry> entries_;
     std::vector<double> values_;
+    std::uint64_t first_ = 0; ///< the row of the first of them
 };
 
 /// One curve: NaN in x or y interrupts it.
@@ -108,11 +109,6 @@ struct SamplePlace {
 
 /// A short piece of a channel's curve as plots of this kind draw it, for legends.
 void draw_sample(Canvas &canvas, const SamplePlace &place, const Stroke &stroke, PlotKind kind);
-
-/// Axes with ticks, and their titles; without the room for them, only a frame.
-/// @return the area within
-PlotArea draw_axes(Canvas &canvas, const Rectangle &where, const Axis &x, const Axis &y,
-                   const std::string &x_title, const std::string &y_title);
 
 /// The unit of the values of these channels, if it is the same for all; else the units.
 [[nodiscard]] std::string unit_title(const PlotSettings &settings);

@@ -1,6 +1,6 @@
 // The menus of plots: kind, channels, units, trigger; and the legend, from which channels are
 // dragged.
-#include "app/plots/plot_menu.h"
+#include "app/plots/plot_panel.h"
 
 #include "app/plots/channel_look.h"
 #include "app/plots/symbols.h"

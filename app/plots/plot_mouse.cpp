@@ -1,8 +1,7 @@
 // The mouse on a plot: the wheel and drags zoom and pan, the pointer reads values.
-#include "app/plots/plot_mouse.h"
+#include "app/plots/plot_panel.h"
 
 #include "app/plots/channel_look.h"
-#include "app/plots/plot_panel.h"
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"
 #include "engine/session/telemetry_history.h"
@@ -133,10 +132,9 @@ void read_values(const Plot &plot, const PlotPanelState &state, const PlotSource
     switch (plot.settings.kind) {
     case PlotKind::time:
         text = values_text(plot, source);
-        ImGui::GetWindowDrawList()->AddLine(
-            {mouse.x, plot.area.where.corner.y},
-            {mouse.x, plot.area.where.corner.y + plot.area.where.size.y},
-            IM_COL32(200, 205, 210, 90));
+        ImGui::GetWindowDrawList()->AddLine({mouse.x, plot.area.where.corner.y},
+                                            {mouse.x, plot.area.where.end().y},
+                                            IM_COL32(200, 205, 210, 90));
         break;
     case PlotKind::stiffness:
         text = state.stiffness.values_at(plot.area.x_at(mouse.x));

@@ -1,15 +1,22 @@
+// Plots as files.
 #include "app/plots/plot_panel.h"
 
+#include "app/host/output.h"
+#include "app/host/output_dir.h"
 #include "app/plots/channel_look.h"
-#include "app/plots/plot_menu.h"
+#include "app/widgets/look.h"
 #include "app/widgets/widgets.h"
+#include "base/file_names.h"
+#include "base/quoting.h"
 #include "engine/session/telemetry_history.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <initializer_list>
 #include <string_view>
 #include <utility>
@@ -181,7 +188,7 @@ void draw_toolbar(PlotPanelState &state, const PlotSource &source, const record:
     const std::string text = state_text(state, live);
     ImGui::SameLine();
     const float left = ImGui::GetCursorScreenPos().x;
-    const float right = where.corner.x + where.size.x;
+    const float right = where.end().x;
     forget_old_message(state);
     if (left + text_width(text) < right) {
         ui::text(kFaintInk, "{}", text);
@@ -215,7 +222,7 @@ void draw_cursor_lines(Canvas &canvas, const PlotPanelState &state, const PlotAr
         if (x < area.where.corner.x || x > area.where.corner.x + area.where.size.x) {
             continue;
         }
-        canvas.line({x, area.where.corner.y}, {x, area.where.corner.y + area.where.size.y},
+        canvas.line({x, area.where.corner.y}, {x, area.where.end().y},
                     {kInk, 1.2F, i == 0 ? Dash::solid : Dash::dashed});
         canvas.text({x + 0.2F * text_height(), area.where.corner.y}, kInk, i == 0 ? "A" : "B");
     }
@@ -223,8 +230,8 @@ void draw_cursor_lines(Canvas &canvas, const PlotPanelState &state, const PlotAr
     const std::string text = apart_s == 0.0 ? "B − A: 0 s"
                                             : fmt::format("B − A: {:.4g} ms, {:.4g} Hz",
                                                           1e3 * apart_s, 1.0 / std::abs(apart_s));
-    canvas.text({area.where.corner.x + area.where.size.x - text_width(text) - 0.3F * text_height(),
-                 area.where.corner.y + area.where.size.y - 1.1F * text_height()},
+    canvas.text({area.where.end().x - text_width(text) - 0.3F * text_height(),
+                 area.where.end().y - 1.1F * text_height()},
                 kInk, text);
 }
 
@@ -302,8 +309,7 @@ bool draw_one(Plot &plot, PlotPanelState &state, const PlotSource &source,
               const record::ChannelStore &live, const Rectangle &where, float scale) {
     const ui::Scope scope(fmt::format("plot {}", plot.id));
     // Whatever the plot has no room for must not cover its neighbours.
-    ImGui::PushClipRect(where.corner,
-                        {where.corner.x + where.size.x, where.corner.y + where.size.y}, true);
+    ImGui::PushClipRect(where.corner, where.end(), true);
     float head = ImGui::GetFrameHeight();
     ImGui::SetCursorScreenPos(where.corner);
     if (ui::small_button("≡##menu")) {
@@ -342,6 +348,50 @@ bool draw_one(Plot &plot, PlotPanelState &state, const PlotSource &source,
     use_mouse_on_plot(plot, state, source, live);
     ImGui::PopClipRect();
     return stays;
+}
+
+/// "plots-20240531-123456.csv", or with a number if that was written in the same second.
+std::filesystem::path name_of_new_file(const char *ending) {
+    return unused_name(in_output_dir(dated_name("plots") + ending));
+}
+
+/// Each channel of any plot, once.
+std::vector<std::size_t> all_channels(const PlotPanelState &state) {
+    std::vector<std::size_t> all;
+    for (const Plot &plot : state.plots) {
+        for (const std::size_t channel : plot.settings.channels) {
+            if (std::ranges::find(all, channel) == all.end()) {
+                all.push_back(channel);
+            }
+        }
+    }
+    return all;
+}
+
+/// The names of the channels, as those above the plot in the window. @return their height
+float draw_names(Canvas &canvas, const Rectangle &where, const PlotSettings &settings) {
+    const float height = text_height();
+    std::vector<float> widths;
+    for (const std::size_t channel : settings.channels) {
+        widths.push_back(text_width(legend_text(settings, channel)) + 2.6F * height);
+    }
+    const LegendLayout layout = legend_layout(
+        widths,
+        {{where.size.x, kLegendShare * where.size.y}, 1.3F * height, text_width(kMaxHiddenText)});
+    for (std::size_t i = 0; i < layout.places.size(); ++i) {
+        const ImVec2 at{where.corner.x + layout.places[i].x, where.corner.y + layout.places[i].y};
+        const std::size_t channel = settings.channels[i];
+        if (i > 0 || !pairs_channels(settings.kind)) {
+            draw_sample(canvas, {{at.x, at.y + 0.5F * height}, 1.4F * height},
+                        look_of(channel).stroke, settings.kind);
+        }
+        canvas.text({at.x + 1.7F * height, at.y}, kInk, legend_text(settings, channel));
+    }
+    if (layout.hidden > 0) {
+        canvas.text({where.corner.x + layout.more.x, where.corner.y + layout.more.y}, kFaintInk,
+                    hidden_text(layout));
+    }
+    return layout.height;
 }
 
 } // namespace
@@ -487,8 +537,7 @@ void draw_plot_panel(session::Session &session, const PlotSubject &subject,
     const float top = begin.y + ImGui::GetFrameHeightWithSpacing();
     const float margin = ImGui::GetStyle().WindowPadding.x;
     const Rectangle where{
-        {begin.x, top},
-        {place.size.x - 2.0F * margin, place.corner.y + place.size.y - top - 0.3F * text_height()}};
+        {begin.x, top}, {place.size.x - 2.0F * margin, place.end().y - top - 0.3F * text_height()}};
     draw_toolbar(state, source, live, where, scale);
     const std::vector<Rectangle> places = plot_places(where, state.plots);
     std::size_t drawn = 0;
@@ -496,6 +545,48 @@ void draw_plot_panel(session::Session &session, const PlotSubject &subject,
         plot.cache.begin(ImGui::GetTime());
         return !draw_one(plot, state, source, live, places[drawn++], scale);
     });
+}
+
+void export_csv(PlotPanelState &state, const PlotSource &source) {
+    state.message = save_as(name_of_new_file(".csv"), [&](std::ostream &out) {
+        const std::vector<std::size_t> channels = all_channels(state);
+        out << "time_s";
+        for (const std::size_t channel : channels) {
+            out << ',' << session::channels()[channel].name;
+        }
+        out << '\n';
+        const record::ChannelStore &store = source.store;
+        for (std::uint64_t row = store.row_at(source.window.from_s);
+             row < store.end() && store.time_s(row) <= source.window.to_s; ++row) {
+            out << csv_cell(store.time_s(row));
+            for (const std::size_t channel : channels) {
+                out << ',' << csv_cell(store.value(channel, row));
+            }
+            out << '\n';
+        }
+    });
+}
+
+void export_svg(PlotPanelState &state, const PlotSource &source, const Rectangle &where,
+                float scale) {
+    SvgCanvas canvas(where, scale);
+    canvas.fill(where, ImVec4(0.115F, 0.127F, 0.15F, 1.0F));
+    const std::vector<Rectangle> places = plot_places(where, state.plots);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const Rectangle &place = places[i];
+        canvas.clip(place);
+        const float head = draw_names(canvas, place, state.plots[i].settings);
+        const Rectangle contents{{place.corner.x, place.corner.y + head},
+                                 {place.size.x, place.size.y - head}};
+        static_cast<void>(draw_contents(canvas, contents, state.plots[i], state, source));
+        canvas.unclip();
+    }
+    state.message =
+        save_as(name_of_new_file(".svg"), [&](std::ostream &out) { out << canvas.svg(); });
+}
+
+void export_png(PlotPanelState &state, const Rectangle &where) {
+    state.picture = {name_of_new_file(".png"), where}; // when the frame is complete
 }
 
 } // namespace springdrive::app

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "app/plots/plot.h"
-#include "app/plots/plot_trigger.h"
 #include "app/plots/plot_view.h"
 #include "app/plots/stiffness_curves.h"
 #include "app/widgets/rectangle.h"
@@ -10,6 +9,7 @@
 #include "engine/session/tuning_history.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -101,7 +101,7 @@ void use_mouse_on_plot(Plot &plot, PlotPanelState &state, const PlotSource &sour
 /// The menu of the trigger.
 void draw_trigger_menu(PlotPanelState &state, const record::ChannelStore &live);
 
-/// Payload of ImGui's drag and drop: a DraggedChannel, see plot_menu.h.
+/// Payload of ImGui's drag and drop: a DraggedChannel.
 inline constexpr const char *kChannelPayload = "channel";
 
 /// Each writes to a new file in the folder where the program was started, and says so in `message`.
@@ -117,5 +117,55 @@ void export_png(PlotPanelState &state, const Rectangle &where);
 /// What the panel draws of a plot apart from widgets, also into files.
 PlotArea draw_contents(Canvas &canvas, const Rectangle &where, Plot &plot, PlotPanelState &state,
                        const PlotSource &source);
+
+/// Where the entries of a legend stand, row by row, from its corner on.
+struct LegendLayout {
+    std::vector<ImVec2> places; ///< of the first entries
+    std::size_t hidden = 0;     ///< the number of the others, for which there is no room
+    ImVec2 more;                ///< where that number is shown
+    float height = 0.0F;
+};
+
+/// Of a plot's height: a legend does not need more.
+inline constexpr float kLegendShare = 0.5F;
+
+struct LegendRoom {
+    ImVec2 size;       ///< of the legend, which has one row at least
+    float row = 0.0F;  ///< height of a row
+    float more = 0.0F; ///< width of the number of those that are hidden
+};
+
+/// @param widths  of the entries; one that is wider than the room has a row of its own
+[[nodiscard]] LegendLayout legend_layout(const std::vector<float> &widths, const LegendRoom &room);
+
+/// "+3 more", or "5 channels" where none of them is shown.
+[[nodiscard]] std::string hidden_text(const LegendLayout &layout);
+inline constexpr const char *kMaxHiddenText = "999 channels";
+
+/// The channel's name, with what it is for where it is for something else than the others.
+[[nodiscard]] std::string legend_text(const PlotSettings &settings, std::size_t channel);
+
+/// " A 1  B 3  Δ 2 N": a channel's values at two times, and their difference; "–" where nothing is
+/// kept.
+[[nodiscard]] std::string values_under_cursors(std::size_t channel,
+                                               const std::array<double, 2> &cursor_s,
+                                               const record::ChannelStore &store, bool in_si);
+
+/// The channels of a plot by their curves and names; a click removes one, a drag moves it to
+/// another plot. Those that do not fit are counted, and named by a tooltip. @return its height
+float draw_legend(Plot &plot, const PlotPanelState &state, const PlotSource &source, ImVec2 room);
+
+/// The payload of ImGui's drag and drop.
+struct DraggedChannel {
+    std::size_t channel = 0;
+    std::uint32_t plot = 0; ///< the id of the one whose legend it comes from; 0: from a list
+};
+
+/// Moves the channel into the plot; from a list, or if `copies`, it stays where it was, too.
+void drop_channel(std::vector<Plot> &plots, Plot &plot, const DraggedChannel &dragged, bool copies);
+
+/// Angle and radius at a place in a polar plot: "30.0°, 1.5 N".
+[[nodiscard]] std::string polar_text(const PlotArea &area, ImVec2 place,
+                                     const PlotSettings &settings);
 
 } // namespace springdrive::app

@@ -2,12 +2,15 @@
 // and two cursors.
 #pragma once
 
-#include "app/plots/trigger.h"
+#include "app/plots/oscilloscope.h"
 #include "engine/record/channel_store.h"
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace springdrive::app {
 
@@ -69,6 +72,53 @@ private:
     double end_s_ = 0.0;               ///< of a held view
     double reference_end_s_ = 0.0;
     std::shared_ptr<const record::ChannelStore> held_;
+};
+
+enum class TriggerSource : std::uint8_t { off, contact, trip, gain_change, level };
+
+inline constexpr std::array<const char *, 5> kTriggerSourceLabels{"off", "contact", "trip",
+                                                                  "gain change", "level"};
+inline constexpr std::array<const char *, 4> kTriggerEdgeLabels{"rises above", "falls below",
+                                                                "passes", "changes"};
+
+struct PlotTriggerSettings {
+    TriggerSource source = TriggerSource::off;
+    // For TriggerSource::level.
+    std::size_t channel = 0;
+    signals::TriggerEdge edge = signals::TriggerEdge::rising;
+    double level_si = 0.0;
+    bool repeats = false;
+    double pre_share = 0.25; ///< of the span, before the event
+
+    friend bool operator==(const PlotTriggerSettings &, const PlotTriggerSettings &) = default;
+};
+
+class PlotTrigger {
+public:
+    /// Waits for the next event with these settings. @param span_s  that is shown
+    void arm(const PlotTriggerSettings &settings, double span_s, const record::ChannelStore &live);
+
+    /// Takes the rows since the last call, and shows the event once the time behind it is over.
+    void advance(const record::ChannelStore &live, PlotView &view);
+
+    [[nodiscard]] const PlotTriggerSettings &settings() const { return settings_; }
+    /// For display: "armed", "collecting", "stopped at the event".
+    [[nodiscard]] const char *state_text() const;
+
+    std::string searched; ///< in the menu's list of channels
+
+private:
+    [[nodiscard]] bool fires(const record::ChannelStore &live, std::uint64_t row);
+
+    struct Watch {
+        std::size_t channel = 0;
+        signals::EdgeDetector detector;
+    };
+
+    PlotTriggerSettings settings_;
+    signals::Trigger trigger_{signals::TriggerSettings{}};
+    std::vector<Watch> watches_; ///< any of them fires it
+    std::uint64_t next_row_ = 0;
 };
 
 } // namespace springdrive::app

@@ -12,6 +12,7 @@
 #include "app/view/view_state.h"
 #include "engine/contact/contact.h"
 #include "engine/contact/proxy/haptic_surface.h"
+#include "engine/session/session.h"
 
 #include <deque>
 #include <optional>
@@ -77,6 +78,24 @@ private:
     double depth_m_ = kGentle_m;
     bool is_on_ = false;
     bool is_pressed_ = false;
+};
+
+class HandLift {
+public:
+    void start() { left_m_ = kClear_m; }
+    void stop() { left_m_ = 0.0; }
+    [[nodiscard]] bool is_on() const { return left_m_ > 0.0; }
+
+    /// Once a frame: along the normal while the tip touches, else upwards, until the tip is clear
+    /// of the surface by some distance, or the hand cannot get further.
+    /// @param is_inside  whether the tip lies in a solid
+    void update(session::Session &session, bool is_inside, double frame_s);
+
+private:
+    static constexpr double kSpeed_m_per_s = 0.06;
+    static constexpr double kClear_m = 0.01;
+
+    double left_m_ = 0.0; ///< to go in free space; 0: it is off
 };
 
 } // namespace springdrive::app

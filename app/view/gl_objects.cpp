@@ -2,6 +2,7 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <vector>
@@ -98,6 +99,8 @@ std::map<std::string, GLint, std::less<>> uniform_locations(GLuint program) {
     return locations;
 }
 
+thread_local int calls_of_thread = 0;
+
 } // namespace
 
 void check_gl(std::string_view where) {
@@ -106,26 +109,6 @@ void check_gl(std::string_view where) {
                                  std::string(where));
     }
 }
-
-GLuint BufferKind::create() {
-    GLuint name = 0;
-    glGenBuffers(1, &name);
-    return name;
-}
-void BufferKind::destroy(GLuint name) noexcept { glDeleteBuffers(1, &name); }
-
-GLuint QueryKind::create() {
-    GLuint name = 0;
-    glGenQueries(1, &name);
-    return name;
-}
-void QueryKind::destroy(GLuint name) noexcept { glDeleteQueries(1, &name); }
-
-namespace {
-
-thread_local int calls_of_thread = 0;
-
-} // namespace
 
 void draw_arrays(GLenum mode, GLsizei count) {
     ++calls_of_thread;
@@ -138,37 +121,6 @@ void draw_elements(GLenum mode, GLsizei count) {
 }
 
 int draw_calls() { return calls_of_thread; }
-
-GLuint VertexArrayKind::create() {
-    GLuint name = 0;
-    glGenVertexArrays(1, &name);
-    return name;
-}
-void VertexArrayKind::destroy(GLuint name) noexcept { glDeleteVertexArrays(1, &name); }
-
-GLuint TextureKind::create() {
-    GLuint name = 0;
-    glGenTextures(1, &name);
-    return name;
-}
-void TextureKind::destroy(GLuint name) noexcept { glDeleteTextures(1, &name); }
-
-GLuint FramebufferKind::create() {
-    GLuint name = 0;
-    glGenFramebuffers(1, &name);
-    return name;
-}
-void FramebufferKind::destroy(GLuint name) noexcept { glDeleteFramebuffers(1, &name); }
-
-GLuint RenderbufferKind::create() {
-    GLuint name = 0;
-    glGenRenderbuffers(1, &name);
-    return name;
-}
-void RenderbufferKind::destroy(GLuint name) noexcept { glDeleteRenderbuffers(1, &name); }
-
-GLuint ProgramKind::create() { return glCreateProgram(); }
-void ProgramKind::destroy(GLuint name) noexcept { glDeleteProgram(name); }
 
 Program::Program(std::string name, std::string_view vertex, std::string_view fragment,
                  std::span<const std::string_view> defines)
@@ -258,6 +210,77 @@ DepthTexture::DepthTexture(int size) {
 void DepthTexture::bind(int unit) const {
     glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
     glBindTexture(GL_TEXTURE_2D, texture_.name());
+}
+
+MultisampledTarget::Buffers::Buffers(int wanted, int wide, int high) : width(wide), height(high) {
+    GLint most = 0;
+    glGetIntegerv(GL_MAX_SAMPLES, &most);
+    const GLint samples = std::min(wanted, most);
+    glBindRenderbuffer(GL_RENDERBUFFER, colour.name());
+    glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA8, width, height);
+    glBindRenderbuffer(GL_RENDERBUFFER, depth.name());
+    glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH_COMPONENT24, width, height);
+    glBindRenderbuffer(GL_RENDERBUFFER, 0);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour.name());
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth.name());
+    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+        throw std::runtime_error("OpenGL cannot draw into a framebuffer with several samples");
+    }
+}
+
+void MultisampledTarget::begin(int width, int height) {
+    if (buffers_ == nullptr || buffers_->width != width || buffers_->height != height) {
+        buffers_.reset(); // first, so that both are never held
+        buffers_ = std::make_unique<Buffers>(samples_, width, height);
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, buffers_->framebuffer.name());
+    glViewport(0, 0, width, height);
+}
+
+void MultisampledTarget::end(GLuint to, int x, int y) const {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, buffers_->framebuffer.name());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to);
+    glBlitFramebuffer(0, 0, buffers_->width, buffers_->height, x, y, x + buffers_->width,
+                      y + buffers_->height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, to);
+}
+
+void FrameLoadMeter::begin() {
+    take_answer();
+    is_within_ = !is_asked_;
+    if (is_within_) {
+        calls_before_ = draw_calls();
+        glBeginQuery(GL_PRIMITIVES_GENERATED, primitives_.name());
+        glBeginQuery(GL_SAMPLES_PASSED, samples_.name());
+    }
+}
+
+void FrameLoadMeter::end() {
+    if (is_within_) {
+        glEndQuery(GL_SAMPLES_PASSED);
+        glEndQuery(GL_PRIMITIVES_GENERATED);
+        calls_ = draw_calls() - calls_before_;
+        is_asked_ = true;
+        is_within_ = false;
+    }
+}
+
+void FrameLoadMeter::take_answer() {
+    if (!is_asked_) {
+        return;
+    }
+    GLuint is_there = GL_FALSE; // of the samples, which are known last
+    glGetQueryObjectuiv(samples_.name(), GL_QUERY_RESULT_AVAILABLE, &is_there);
+    if (is_there == GL_FALSE) {
+        return;
+    }
+    GLuint primitives = 0;
+    GLuint samples = 0;
+    glGetQueryObjectuiv(primitives_.name(), GL_QUERY_RESULT, &primitives);
+    glGetQueryObjectuiv(samples_.name(), GL_QUERY_RESULT, &samples);
+    latest_ = {calls_, primitives, samples};
+    is_asked_ = false;
 }
 
 } // namespace springdrive::app

@@ -1,9 +1,9 @@
-// OpenGL objects that are deleted with their owner. Shaders are compiled here, and OpenGL errors
-// are converted to exceptions. Everything here needs a current GL context.
+// OpenGL objects that are deleted with their owner, a framebuffer with several samples per pixel,
+// and what a frame takes. Shaders are compiled here, and OpenGL errors are converted to exceptions.
+// Everything here needs a current GL context.
 #pragma once
 
 #include <epoxy/gl.h>
-
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -45,40 +46,26 @@ private:
     GLuint name_;
 };
 
-struct BufferKind {
-    static GLuint create();
-    static void destroy(GLuint name) noexcept;
-};
-struct VertexArrayKind {
-    static GLuint create();
-    static void destroy(GLuint name) noexcept;
-};
-struct TextureKind {
-    static GLuint create();
-    static void destroy(GLuint name) noexcept;
-};
-struct FramebufferKind {
-    static GLuint create();
-    static void destroy(GLuint name) noexcept;
-};
-struct RenderbufferKind {
-    static GLuint create();
-    static void destroy(GLuint name) noexcept;
-};
-struct QueryKind {
-    static GLuint create();
-    static void destroy(GLuint name) noexcept;
+/// By two functions of OpenGL that make and delete any number of names.
+template <auto &generate, auto &remove> struct GlKind {
+    static GLuint create() {
+        GLuint name = 0;
+        generate(1, &name);
+        return name;
+    }
+    static void destroy(GLuint name) noexcept { remove(1, &name); }
 };
 struct ProgramKind {
-    static GLuint create();
-    static void destroy(GLuint name) noexcept;
+    static GLuint create() { return glCreateProgram(); }
+    static void destroy(GLuint name) noexcept { glDeleteProgram(name); }
 };
 
-using Buffer = GlName<BufferKind>;
-using VertexArray = GlName<VertexArrayKind>;
-using Framebuffer = GlName<FramebufferKind>;
-using Renderbuffer = GlName<RenderbufferKind>;
-using Query = GlName<QueryKind>;
+using Buffer = GlName<GlKind<glGenBuffers, glDeleteBuffers>>;
+using VertexArray = GlName<GlKind<glGenVertexArrays, glDeleteVertexArrays>>;
+using Framebuffer = GlName<GlKind<glGenFramebuffers, glDeleteFramebuffers>>;
+using Renderbuffer = GlName<GlKind<glGenRenderbuffers, glDeleteRenderbuffers>>;
+using Query = GlName<GlKind<glGenQueries, glDeleteQueries>>;
+using Texture = GlName<GlKind<glGenTextures, glDeleteTextures>>;
 
 // As OpenGL's own, and counted.
 void draw_arrays(GLenum mode, GLsizei count);
@@ -131,7 +118,7 @@ public:
     [[nodiscard]] GLuint name() const { return texture_.name(); }
 
 private:
-    GlName<TextureKind> texture_;
+    Texture texture_;
 };
 
 /// A square texture of depths. Reading compares with a depth: 1 where that is not behind, filtered
@@ -144,7 +131,63 @@ public:
     [[nodiscard]] GLuint name() const { return texture_.name(); }
 
 private:
-    GlName<TextureKind> texture_;
+    Texture texture_;
+};
+
+class MultisampledTarget {
+public:
+    /// @param samples  per pixel, as far as OpenGL has them; 0 for a plain framebuffer
+    explicit MultisampledTarget(int samples) : samples_(samples) {}
+
+    /// Binds it to be drawn into, with this size. Its contents are undefined.
+    /// @throw std::runtime_error if OpenGL cannot draw into it
+    void begin(int width, int height);
+
+    /// Copies it, each pixel the mean of its samples, into the framebuffer `to`, which is bound
+    /// afterwards. @param x, y  lower left corner there
+    void end(GLuint to, int x, int y) const;
+
+private:
+    struct Buffers {
+        Buffers(int samples, int width, int height);
+
+        Framebuffer framebuffer;
+        Renderbuffer colour;
+        Renderbuffer depth;
+        int width;
+        int height;
+    };
+
+    int samples_;
+    std::unique_ptr<Buffers> buffers_; ///< of the size that was used last
+};
+
+/// Of one frame, with the passes for its shadows.
+struct FrameLoad {
+    int draw_calls = 0;
+    std::uint64_t primitives = 0; ///< triangles and lines that were sent
+    std::uint64_t samples = 0;    ///< that passed the depth test, of all passes
+};
+
+/// Measures one frame after the other. The card answers later: a frame is left out while the one
+/// before is not answered, so that measuring never waits.
+class FrameLoadMeter {
+public:
+    void begin();
+    void end();
+
+    [[nodiscard]] const FrameLoad &latest() const { return latest_; }
+
+private:
+    void take_answer();
+
+    Query primitives_;
+    Query samples_;
+    bool is_asked_ = false;  ///< and not answered
+    bool is_within_ = false; ///< a frame that is measured
+    int calls_before_ = 0;
+    int calls_ = 0; ///< of the frame that is asked for
+    FrameLoad latest_;
 };
 
 } // namespace springdrive::app

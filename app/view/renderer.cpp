@@ -4,8 +4,7 @@
 #include "app/view/flat_marks.h"
 #include "app/view/gl_vector.h"
 #include "app/view/linkage_solids.h"
-#include "app/view/marker_solids.h"
-#include "app/view/touch_marks.h"
+#include "app/view/markers.h"
 
 #include <array>
 #include <string_view>

@@ -3,15 +3,10 @@
 #pragma once
 
 #include "app/view/camera.h"
-#include "app/view/flat_painter.h"
-#include "app/view/floor.h"
-#include "app/view/frame_load.h"
 #include "app/view/gl_objects.h"
-#include "app/view/lit_programs.h"
-#include "app/view/multisampled_target.h"
+#include "app/view/painters.h"
 #include "app/view/scene_meshes.h"
-#include "app/view/shadow_map.h"
-#include "app/view/solid_painter.h"
+#include "app/view/shadows.h"
 #include "app/view/view_state.h"
 #include "engine/scene/scene.h"
 

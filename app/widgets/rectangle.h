@@ -9,9 +9,10 @@ struct Rectangle {
     ImVec2 corner; ///< top left
     ImVec2 size;
 
+    [[nodiscard]] ImVec2 end() const { return {corner.x + size.x, corner.y + size.y}; }
+
     [[nodiscard]] bool contains(ImVec2 point) const {
-        return point.x >= corner.x && point.y >= corner.y && point.x < corner.x + size.x &&
-               point.y < corner.y + size.y;
+        return point.x >= corner.x && point.y >= corner.y && point.x < end().x && point.y < end().y;
     }
 
     [[nodiscard]] friend bool operator==(const Rectangle &a, const Rectangle &b) {

@@ -132,6 +132,13 @@ void wrapped(const ImVec4 &colour, CheckedFormat<std::type_identity_t<Values>...
     show_text(colour, fmt::vformat(format.text(), fmt::make_format_args(values...)), true);
 }
 
+/// In the colour of danger; nothing if it is empty.
+inline void show_error(const std::string &error) {
+    if (!error.empty()) {
+        show_text(kDanger, error, true);
+    }
+}
+
 /// The tooltip of the previous item, also of one that is disabled.
 void explain(std::string_view text);
 

@@ -352,10 +352,10 @@ void Window::write_screenshot(std::ostream &out, const Rectangle &part) const {
     const bool is_whole = part.size.x <= 0.0F || part.size.y <= 0.0F;
     const int left = is_whole ? 0 : pixel(part.corner.x, last_frame_size_.width - 1);
     const int top = is_whole ? 0 : pixel(part.corner.y, last_frame_size_.height - 1);
-    const int right = is_whole ? last_frame_size_.width
-                               : pixel(part.corner.x + part.size.x, last_frame_size_.width);
-    const int bottom = is_whole ? last_frame_size_.height
-                                : pixel(part.corner.y + part.size.y, last_frame_size_.height);
+    const int right =
+        is_whole ? last_frame_size_.width : pixel(part.end().x, last_frame_size_.width);
+    const int bottom =
+        is_whole ? last_frame_size_.height : pixel(part.end().y, last_frame_size_.height);
     const std::ptrdiff_t row = std::ptrdiff_t{3} * last_frame_size_.width;
     const std::ptrdiff_t part_row = std::ptrdiff_t{3} * (right - left);
     std::vector<unsigned char> top_down;

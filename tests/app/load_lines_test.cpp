@@ -1,4 +1,4 @@
-#include "app/stage/load_lines.h"
+#include "app/stage/open_session.h"
 
 #include <gtest/gtest.h>
 

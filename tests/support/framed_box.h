@@ -1,7 +1,7 @@
 // A camera that shows a box from the home viewpoint.
 #pragma once
 
-#include "app/view/framing.h"
+#include "app/view/camera.h"
 
 namespace springdrive::testing {
 

@@ -3,11 +3,10 @@
 #pragma once
 
 #include "app/view/camera.h"
-#include "app/view/lit_programs.h"
-#include "app/view/multisampled_target.h"
+#include "app/view/gl_objects.h"
+#include "app/view/painters.h"
 #include "app/view/scene_meshes.h"
-#include "app/view/shadow_map.h"
-#include "app/view/solid_painter.h"
+#include "app/view/shadows.h"
 #include "app/widgets/rectangle.h"
 #include "engine/scene/scene.h"
 

@@ -23,16 +23,6 @@ using CanvasTest = testing::ImGuiFrame;
 
 const Rectangle kPicture{{100.0F, 50.0F}, {640.0F, 360.0F}};
 
-TEST(XmlCheck, FindsWhatIsWrong) {
-    EXPECT_EQ(error_about_xml(R"(<a x="1 2" y=""><b/>text &amp; more</a>)"), "");
-    for (const char *wrong :
-         {"<a>", "<a></b>", "<a><b></a></b>", "<a>&</a>", "<a> < </a>", "<a x=1/>", R"(<a x="<"/>)",
-          R"(<a x="nan"/>)", R"(<a x="1.0,-inf "/>)", R"(<a x="1"y="2"/>)", R"(<a x="1" x="2"/>)",
-          "<a/>text", "<a>\x01</a>", R"(<a><b id="c"/><b id="c"/></a>)"}) {
-        EXPECT_NE(error_about_xml(wrong), "") << wrong;
-    }
-}
-
 // --- SVG ---
 
 TEST_F(CanvasTest, SvgOfEverythingIsWellFormed) {
@@ -58,21 +48,15 @@ TEST_F(CanvasTest, SvgOfEverythingIsWellFormed) {
     EXPECT_EQ(check.error(), "");
     EXPECT_GT(check.elements(), 1000);
     EXPECT_NE(svg.find("K_θ &lt; 25° &amp; \"e_W\" &gt; 'µs'"), std::string::npos);
-}
-
-TEST_F(CanvasTest, SvgHasItsSizeAndCountsFromItsCorner) {
-    SvgCanvas canvas(kPicture, 1.0F);
-    canvas.line(kPicture.corner, {740.0F, 410.0F}, {{1.0F, 0.0F, 0.0F, 0.5F}, 1.0F});
-    const std::string svg = canvas.svg();
+    EXPECT_EQ(error_about_xml(SvgCanvas(kPicture, 1.0F).svg()), "");
+    // Its size, and places from its corner on.
+    SvgCanvas line(kPicture, 1.0F);
+    line.line(kPicture.corner, kPicture.end(), {{1.0F, 0.0F, 0.0F, 0.5F}, 1.0F});
     for (const char *part :
          {"width=\"640\"", "height=\"360\"", "viewBox=\"0 0 640 360\"", "0.00,0.00 640.00,360.00",
           "stroke=\"rgb(255,0,0)\"", "stroke-opacity=\"0.50\""}) {
-        EXPECT_NE(svg.find(part), std::string::npos) << part << " in " << svg;
+        EXPECT_NE(line.svg().find(part), std::string::npos) << part << " in " << line.svg();
     }
-}
-
-TEST_F(CanvasTest, SvgOfNothingIsWellFormed) {
-    EXPECT_EQ(error_about_xml(SvgCanvas(kPicture, 1.0F).svg()), "");
 }
 
 // --- the window ---
@@ -92,20 +76,8 @@ public:
     }
 
     ScreenCanvas &canvas() { return canvas_; }
-    [[nodiscard]] float top() const {
-        float top = list_.VtxBuffer.front().pos.y;
-        for (const ImDrawVert &vertex : list_.VtxBuffer) {
-            top = std::min(top, vertex.pos.y);
-        }
-        return top;
-    }
-    [[nodiscard]] float bottom() const {
-        float bottom = list_.VtxBuffer.front().pos.y;
-        for (const ImDrawVert &vertex : list_.VtxBuffer) {
-            bottom = std::max(bottom, vertex.pos.y);
-        }
-        return bottom;
-    }
+    [[nodiscard]] float top() const { return y_range().first; }
+    [[nodiscard]] float bottom() const { return y_range().second; }
     [[nodiscard]] float height() const { return bottom() - top(); }
     /// Begins and ends of the pieces of a horizontal line.
     [[nodiscard]] std::vector<float> ends() const {
@@ -148,6 +120,12 @@ public:
     [[nodiscard]] int vertices() const { return list_.VtxBuffer.Size; }
 
 private:
+    [[nodiscard]] std::pair<float, float> y_range() const {
+        const auto [top, bottom] = std::ranges::minmax(
+            list_.VtxBuffer, {}, [](const ImDrawVert &vertex) { return vertex.pos.y; });
+        return {top.pos.y, bottom.pos.y};
+    }
+
     ImDrawList list_;
     ScreenCanvas canvas_;
 };
@@ -171,27 +149,26 @@ TEST_F(CanvasTest, LineWidthsFollowTheScale) {
     }
 }
 
-TEST_F(CanvasTest, ASolidLineIsOnePiece) {
-    Drawing drawing(1.0F);
-    drawing.canvas().line({10.0F, 100.0F}, {200.0F, 100.0F}, {kWhite, 2.0F});
-    EXPECT_EQ(drawing.ends(), (std::vector<float>{10.0F, 200.0F}));
-}
-
 TEST_F(CanvasTest, DashesAndDotsHaveTheLengthsOfTheSvg) {
+    struct Case {
+        float scale;
+        float length;
+        Stroke stroke;
+        std::vector<float> ends;
+    };
     // 6 widths drawn and 4 not; or 1.5 and 2.5.
-    const std::vector<float> dashes{0.0F, 12.0F, 20.0F, 32.0F, 40.0F, 50.0F};
-    Drawing dashed(1.0F);
-    dashed.canvas().line({0.0F, 9.0F}, {50.0F, 9.0F}, {kWhite, 2.0F, Dash::dashed});
-    ASSERT_EQ(dashed.ends().size(), dashes.size());
-    for (std::size_t i = 0; i < dashes.size(); ++i) {
-        EXPECT_NEAR(dashed.ends()[i], dashes[i], 1e-3F);
-    }
-    Drawing dotted(2.0F);
-    dotted.canvas().line({0.0F, 9.0F}, {14.0F, 9.0F}, {kWhite, 1.0F, Dash::dotted});
-    const std::vector<float> dots{0.0F, 3.0F, 8.0F, 11.0F};
-    ASSERT_EQ(dotted.ends().size(), dots.size());
-    for (std::size_t i = 0; i < dots.size(); ++i) {
-        EXPECT_NEAR(dotted.ends()[i], dots[i], 1e-3F);
+    for (const Case &known :
+         {Case{1.0F, 200.0F, {kWhite, 2.0F}, {0.0F, 200.0F}},
+          Case{
+              1.0F, 50.0F, {kWhite, 2.0F, Dash::dashed}, {0.0F, 12.0F, 20.0F, 32.0F, 40.0F, 50.0F}},
+          Case{2.0F, 14.0F, {kWhite, 1.0F, Dash::dotted}, {0.0F, 3.0F, 8.0F, 11.0F}}}) {
+        Drawing drawing(known.scale);
+        drawing.canvas().line({0.0F, 9.0F}, {known.length, 9.0F}, known.stroke);
+        const std::vector<float> ends = drawing.ends();
+        ASSERT_EQ(ends.size(), known.ends.size());
+        for (std::size_t i = 0; i < ends.size(); ++i) {
+            EXPECT_NEAR(ends[i], known.ends[i], 1e-3F);
+        }
     }
     SvgCanvas svg(kPicture, 1.0F);
     svg.line({0.0F, 9.0F}, {50.0F, 9.0F}, {kWhite, 2.0F, Dash::dashed});

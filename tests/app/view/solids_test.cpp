@@ -1,10 +1,9 @@
-// Covers app/view/shapes.cpp, solids.cpp, linkage_solids.cpp and marker_solids.cpp.
+// Covers app/view/solids.cpp and app/view/linkage_solids.cpp: shapes, where they are placed, and
+// that no part of the linkage passes through another.
 #include "app/view/linkage_solids.h"
-#include "app/view/marker_solids.h"
 
 #include "app/view/gl_vector.h"
 #include "tests/support/devices.h"
-#include "tests/support/framed_box.h"
 
 #include <Eigen/Geometry>
 #include <glm/geometric.hpp>
@@ -12,10 +11,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <random>
+#include <set>
+#include <utility>
+#include <vector>
 
 namespace springdrive::app {
 namespace {
@@ -116,6 +118,19 @@ TEST(Spindle, RunsFromPointToPointAtItsRadiusUnmirrored) {
     }
 }
 
+TEST(Spindle, PointsOfSolidsAreWhereTheyAreDrawn) {
+    const std::vector<Solid> solids{
+        spindle(Shape::cylinder, {0.0, 0.1, 0.0}, {0.0, 0.4, 0.0}, 0.02, kTipColour)};
+    Vector3 lower_m = Vector3::Constant(1e9);
+    Vector3 upper_m = Vector3::Constant(-1e9);
+    for (const Vector3 &point_m : drawn_points(solids)) {
+        lower_m = lower_m.cwiseMin(point_m);
+        upper_m = upper_m.cwiseMax(point_m);
+    }
+    EXPECT_LT((lower_m - Vector3(-0.02, 0.1, -0.02)).norm(), kFloat_m);
+    EXPECT_LT((upper_m - Vector3(0.02, 0.4, 0.02)).norm(), kFloat_m);
+}
+
 TEST(LinkageSolids, ForearmRunsFromTheElbowToTheTip) {
     const device::PhantomGeometry geometry = testing::phantom_1_0().geometry;
     const device::LinkagePose pose = device::linkage_pose(geometry, Vector3(0.3, 0.2, -0.15));
@@ -146,69 +161,123 @@ TEST(LinkageSolids, AreRedWhenTripped) {
     }
 }
 
-class Markers : public ::testing::Test {
-protected:
-    Markers() {
-        camera =
-            testing::framed_box(Vector3(-0.1, -0.1, -0.1), Vector3(0.1, 0.1, 0.1), {880.0, 520.0});
-        state.touching = true;
-        state.proxy_m = Vector3(0.02, 0.03, -0.01);
-        state.normal = Vector3(2.0, 3.0, 6.0) / 7.0;
-        state.tip_m = state.proxy_m - 0.004 * state.normal;
-        state.tip_force_N = Vector3(1.0, 2.0, 2.0);
+/// Inside the unit shape by more than float's rounding of coordinates; see
+/// solids.h.
+bool is_inside(Shape shape, const glm::vec4 &at) {
+    constexpr float kInside = 1.0F - 1e-4F;
+    const float across = std::hypot(at.x, at.y);
+    if (shape == Shape::ball) {
+        return std::hypot(across, at.z) < kInside;
     }
-    [[nodiscard]] std::vector<Solid> solids() const {
-        return marker_solids(state, MarkerScale{camera, 520.0, 1.0});
-    }
-
-    Camera camera;
-    ViewState state;
-};
-
-TEST_F(Markers, ArrowStandsOnTheProxyAndIsAsLongAsTheForce) {
-    const Solid head = only_one(solids(), Shape::cone);
-    const Vector3 expected_m = state.proxy_m + kArrowMetresPerNewton * state.tip_force_N;
-    EXPECT_LT((end_of(head) - expected_m).norm(), kFloat_m);
-    // The neck is on the way.
-    const Vector3 neck_m = start_of(head) - state.proxy_m;
-    EXPECT_LT(neck_m.cross(state.tip_force_N.normalized()).norm(), kFloat_m);
+    const float radius = shape == Shape::taper ? 1.0F + at.z * (kTaperEnd - 1.0F) : 1.0F;
+    return at.z > 1.0F - kInside && at.z < kInside && across < kInside * radius;
 }
 
-TEST_F(Markers, ArrowStandsOnTheTipInFreeSpace) {
-    state.touching = false;
-    const std::vector<Solid> drawn = solids();
-    const Vector3 expected_m = state.tip_m + kArrowMetresPerNewton * state.tip_force_N;
-    EXPECT_LT((end_of(only_one(drawn, Shape::cone)) - expected_m).norm(), kFloat_m);
-    EXPECT_TRUE(std::none_of(drawn.begin(), drawn.end(),
-                             [](const Solid &solid) { return solid.shape == Shape::ball; }));
-}
-
-TEST_F(Markers, ThereIsNoArrowWithoutAForceOrWithOneThatIsNoNumber) {
-    for (const Vector3 &force_N :
-         {Vector3(Vector3::Zero()),
-          Vector3(Vector3::Constant(std::numeric_limits<double>::quiet_NaN()))}) {
-        state.tip_force_N = force_N;
-        for (const Solid &solid : solids()) {
-            ASSERT_NE(solid.shape, Shape::cone);
-            ASSERT_TRUE(start_of(solid).allFinite());
+/// Points all over the surface, in the world.
+std::vector<glm::vec4> surface_points(const Solid &solid) {
+    constexpr int kAroundShape = 16;
+    constexpr int kAlongShape = 40;
+    std::vector<glm::vec4> points;
+    for (int row = 0; row <= kAlongShape; ++row) {
+        for (int column = 0; column < kAroundShape; ++column) {
+            const float angle =
+                2.0F * std::numbers::pi_v<float> * static_cast<float>(column) / kAroundShape;
+            const float along = static_cast<float>(row) / kAlongShape;
+            float radius = solid.shape == Shape::taper ? 1.0F + along * (kTaperEnd - 1.0F) : 1.0F;
+            float z = along;
+            if (solid.shape == Shape::ball) {
+                z = 2.0F * along - 1.0F;
+                radius = std::sqrt(std::max(0.0F, 1.0F - z * z));
+            }
+            points.push_back(solid.model * glm::vec4(radius * std::cos(angle),
+                                                     radius * std::sin(angle), z, 1.0F));
         }
     }
+    return points;
 }
 
-TEST_F(Markers, BallsKeepALegibleSizeFromAfar) {
-    camera.zoom(-15.0, camera.target_m());
-    const Solid proxy = only_one(solids(), Shape::ball);
-    const double radius_m = (end_of(proxy) - start_of(proxy)).norm();
-    EXPECT_GT(radius_m, kProxyRadius_m);
-    EXPECT_GT(radius_m / camera.metres_per_pixel(state.proxy_m, 520.0), 3.0);
+/// A joint's axis, about which two parts meet, and how far from it.
+struct Joint {
+    Vector3 at_m{Vector3::Zero()};
+    double radius_m = 0.0;
+};
+
+/// Where a pair may meet: not at all where the radius is 0. The radii are those
+/// of the drums and pins of linkage_solids.cpp, with a tenth of a millimetre
+/// for facets and rounding.
+Joint joint_of(LinkagePart a, LinkagePart b, const device::LinkagePose &pose) {
+    using enum LinkagePart;
+    const auto is = [&](LinkagePart first, LinkagePart second) {
+        return (a == first && b == second) || (a == second && b == first);
+    };
+    if (is(base, upper_arm) || is(base, crank)) {
+        return {pose.base_m, 0.0171};
+    }
+    if (is(upper_arm, forearm)) {
+        return {pose.elbow_m, 0.0086};
+    }
+    if (is(crank, rod)) {
+        return {pose.crank_m, 0.0049};
+    }
+    if (is(rod, forearm)) {
+        return {pose.coupling_m, 0.0049};
+    }
+    return {};
 }
 
-TEST_F(Markers, TargetRingFacesTheCamera) {
-    camera.orbit(123.0, 45.0);
-    const Solid target = only_one(solids(), Shape::ring);
-    const Vector3 axis = (end_of(target) - start_of(target)).normalized();
-    EXPECT_NEAR(std::abs(axis.dot(camera.forward())), 1.0, 1e-5);
+Vector3 axis_of(double q1_rad) { return {std::cos(q1_rad), 0.0, -std::sin(q1_rad)}; }
+
+class Linkage : public ::testing::TestWithParam<device::DeviceDescription> {};
+
+TEST_P(Linkage, NoPartPassesThroughAnotherAwayFromTheirJoint) {
+    const device::DeviceDescription &device = GetParam();
+    const double floor_m = device.workspace.centre_m.y() - device.workspace.size_m.y() / 2.0;
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> share(-0.5, 0.5);
+    std::set<std::pair<LinkagePart, LinkagePart>> met;
+    int poses = 0;
+    for (int trial = 0; poses < 60 && trial < 1000; ++trial) {
+        const Vector3 tip_m =
+            device.workspace.centre_m + device.workspace.size_m.cwiseProduct(
+                                            Vector3(share(random), share(random), share(random)));
+        const auto q_rad = device::joint_angles_rad(device.geometry, tip_m);
+        if (!q_rad || !device.joint_limits.allow(*q_rad)) {
+            continue;
+        }
+        ++poses;
+        const device::LinkagePose pose = device::linkage_pose(device.geometry, *q_rad);
+        const Vector3 axis = axis_of((*q_rad)[0]);
+        const std::vector<LinkageSolid> parts = linkage_parts(pose, floor_m, false);
+        for (const LinkageSolid &one : parts) {
+            const std::vector<glm::vec4> points = surface_points(one.solid);
+            for (const LinkageSolid &other : parts) {
+                if (one.part == other.part) {
+                    continue;
+                }
+                const Joint joint = joint_of(one.part, other.part, pose);
+                const glm::mat4 to_shape = glm::inverse(other.solid.model);
+                for (const glm::vec4 &point : points) {
+                    if (!is_inside(other.solid.shape, to_shape * point)) {
+                        continue;
+                    }
+                    met.insert(std::minmax(one.part, other.part));
+                    const Vector3 offset_m = Vector3(point.x, point.y, point.z) - joint.at_m;
+                    const double from_axis_m = (offset_m - offset_m.dot(axis) * axis).norm();
+                    ASSERT_LT(from_axis_m, joint.radius_m)
+                        << "part " << static_cast<int>(one.part) << " is inside part "
+                        << static_cast<int>(other.part) << " with the tip at " << tip_m.transpose();
+                }
+            }
+        }
+    }
+    EXPECT_EQ(poses, 60);
+    // Not vacuous: what shares a joint was found to meet; the crank's hub touches
+    // the motors only.
+    EXPECT_EQ(met.size(), 4U);
 }
+
+INSTANTIATE_TEST_SUITE_P(Devices, Linkage,
+                         ::testing::Values(testing::phantom_1_0(), testing::phantom_premium_1_5()));
 
 } // namespace
 } // namespace springdrive::app

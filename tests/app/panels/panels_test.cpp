@@ -1,0 +1,177 @@
+// Covers what panels compute: the stiffness that a touch has met (app/panels/hand_tab.cpp), the
+// shipped tunings (app/panels/tuning_files.h, assets/tunings), and the field of the stability tab
+// (app/panels/stability_tab.h), except its drawing.
+#include "app/panels/panels.h"
+#include "app/panels/stability_tab.h"
+#include "app/panels/tuning_files.h"
+#include "engine/control/tuning_file.h"
+#include "engine/lab/limits/auto_tune.h"
+#include "engine/lab/loops/tuning_constraints.h"
+#include "engine/session/telemetry_history.h"
+#include "tests/support/devices.h"
+#include "tests/support/files.h"
+#include "tests/support/stability_cases.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <random>
+#include <set>
+#include <string>
+#include <string_view>
+
+namespace springdrive::app {
+namespace {
+
+/// Ticks of a contact under a wall of this stiffness, pressed to `depth_m` and back.
+session::TelemetryHistory pressed(double stiffness_N_per_m, double depth_m, double noise_N) {
+    session::TelemetryHistory history(testing::phantom_1_0().geometry, 1000.0);
+    std::mt19937_64 random(5);
+    std::normal_distribution<> noise(0.0, 1.0);
+    const Vector3 normal = Vector3(0.3, 0.9, -0.2).normalized();
+    for (int tick = 0; tick < 1000; ++tick) {
+        servo::ServoSample sample;
+        sample.time_s = 1e-3 * tick;
+        const double depth = depth_m * std::sin(3.14 * tick / 1000.0);
+        sample.contact.touching = tick > 100; // before: free, however large the force
+        sample.contact.normal = normal;
+        sample.contact.x0_m = depth * normal;
+        // A force across the normal must not count.
+        const Vector3 across = normal.cross(Vector3::UnitX());
+        sample.tip_force_N = (stiffness_N_per_m * depth + 0.2 + noise_N * noise(random)) * normal +
+                             3.0 * std::sin(0.1 * tick) * across;
+        history.add(sample);
+    }
+    return history;
+}
+
+TEST(MeasuredStiffness, IsTheSlopeOfTheForceAlongTheNormal) {
+    for (const double stiffness : {50.0, 1300.0, 9000.0}) {
+        const auto history = pressed(stiffness, 0.004, 0.0);
+        const StiffnessMeasured found = measured_stiffness(history.store(), 0.0, 1.0);
+        EXPECT_NEAR(found.slope_N_per_m, stiffness, 1e-6 * stiffness);
+        EXPECT_LT(found.deviation_N_per_m, 1e-3 * stiffness);
+    }
+}
+
+TEST(MeasuredStiffness, ItsDeviationIsThatOfItsErrors) {
+    const auto history = pressed(1300.0, 0.004, 0.1);
+    const StiffnessMeasured found = measured_stiffness(history.store(), 0.0, 1.0);
+    EXPECT_NEAR(found.slope_N_per_m, 1300.0, 4.0 * found.deviation_N_per_m);
+    // σ/√Σ(x − x̄)², of some 900 ticks whose depths spread by 1.2 mm.
+    EXPECT_NEAR(found.deviation_N_per_m, 0.1 / (std::sqrt(900.0) * 0.0012), 1.0);
+}
+
+TEST(MeasuredStiffness, NeedsAChangeOfDepth) {
+    const auto still = pressed(1300.0, 2e-5, 0.0);
+    EXPECT_TRUE(std::isnan(measured_stiffness(still.store(), 0.0, 1.0).slope_N_per_m));
+    const auto history = pressed(1300.0, 0.004, 0.0);
+    EXPECT_TRUE(std::isnan(measured_stiffness(history.store(), 0.0, 0.09).slope_N_per_m)); // free
+    EXPECT_TRUE(std::isnan(measured_stiffness(history.store(), 5.0, 6.0).slope_N_per_m));
+}
+
+control::TuningFile read(std::string_view name) {
+    return control::read_whole_tuning_file(testing::assets() / "tunings" /
+                                           (std::string(name) + ".toml"));
+}
+
+TEST(Presets, AreTheFilesInTheFolder) {
+    std::set<std::string> named;
+    for (const Preset &preset : kPresets) {
+        EXPECT_NE(std::find(kPresetLabels.begin(), kPresetLabels.end(), preset.label),
+                  kPresetLabels.end());
+        named.insert(std::string(preset.file) + ".toml");
+    }
+    std::set<std::string> there;
+    for (const auto &entry : std::filesystem::directory_iterator(testing::assets() / "tunings")) {
+        there.insert(entry.path().filename());
+    }
+    EXPECT_EQ(named, there);
+}
+
+TEST(Presets, DependOnTheServo) {
+    EXPECT_EQ(preset_file("soft", 250.0, 3.0), "soft");
+    EXPECT_EQ(preset_file("firm", 10'000.0, 0.0), "firm");
+    EXPECT_EQ(preset_file("stiffest", 999.0, 0.0), "");
+    EXPECT_EQ(preset_file("stiffest", 1.0 / 1e-3, 0.0), "stiffest_1kHz");
+    EXPECT_EQ(preset_file("stiffest", 3999.0, 0.0), "stiffest_1kHz");
+    EXPECT_EQ(preset_file("stiffest", 1.0 / 2.5e-4, 0.0), "stiffest_4kHz");
+    EXPECT_EQ(preset_file("stiffest", 10'000.0, 0.0), "stiffest_4kHz");
+    EXPECT_EQ(preset_file("stiffest", 4000.0, 0.5), "");
+    EXPECT_EQ(preset_file("softest", 1000.0, 0.0), "");
+}
+
+/// The stiffest are what `springdrive tune` found for their servo rate, and at no rate for which
+/// they are offered is the margin gone.
+TEST(Presets, TheStiffestAreStableAtEveryRateForWhichTheyAreOffered) {
+    for (const double servo_hz : {1000.0, 1500.0, 2500.0, 3999.0, 4000.0, 6000.0, 10'000.0}) {
+        const std::string name = preset_file("stiffest", servo_hz, 0.0);
+        const control::TuningFile file = read(name);
+        loops::StabilityCase which;
+        which.device = testing::phantom_1_0();
+        which.tuning = file.tuning;
+        which.period_s = 1.0 / servo_hz;
+        loops::TuningConstraints loops(which);
+        loops::Gains gains = loops::gains_of(file.tuning);
+        gains.K_P_V_per_rad *= limits::AutoTuneRequest{}.margin;
+        gains.K_D_Vs_per_rad *= limits::AutoTuneRequest{}.margin;
+        EXPECT_EQ(loops.first_unstable(gains), loops.count()) << name << " at " << servo_hz;
+    }
+}
+
+TEST(Presets, TheStiffestHaveTheMarginsThatWereFound) {
+    for (const Preset &preset : kPresets) {
+        const control::TuningFile file = read(preset.file);
+        EXPECT_EQ(file.margins.has_value(), preset.min_servo_hz > 0.0) << preset.file;
+        if (file.margins) {
+            EXPECT_NEAR(file.margins->servo_hz, preset.min_servo_hz, 1e-6) << preset.file;
+            EXPECT_EQ(file.margins->delay_periods, 0.0) << preset.file;
+            EXPECT_GE(file.margins->gain, limits::AutoTuneRequest{}.margin * (1.0 - 1e-3));
+        }
+    }
+}
+
+TEST(StabilityGrid, SpreadsByRatioBetweenItsEnds) {
+    EXPECT_GT(StabilityGrid::K_P_V_per_rad(0), StabilityGrid::kMin_K_P_V_per_rad);
+    EXPECT_LT(StabilityGrid::K_P_V_per_rad(StabilityGrid::kColumns - 1),
+              StabilityGrid::kMax_K_P_V_per_rad);
+    const double ratio = StabilityGrid::dR_Ohm(1) / StabilityGrid::dR_Ohm(0);
+    EXPECT_NEAR(StabilityGrid::dR_Ohm(9) / StabilityGrid::dR_Ohm(8), ratio, 1e-12);
+    // Half a cell lies beyond the centres of the outermost.
+    EXPECT_NEAR(StabilityGrid::dR_Ohm(0) * StabilityGrid::dR_Ohm(StabilityGrid::kRows - 1),
+                StabilityGrid::kMin_dR_Ohm * StabilityGrid::kMax_dR_Ohm, 1e-12);
+}
+
+TEST(StabilityGrid, EveryCellIsWhatASingleTuningGives) {
+    BackgroundTalk talk;
+    const StabilityGrid grid = stability_grid(testing::firm(), talk);
+    ASSERT_EQ(grid.eigenvalue.size(),
+              static_cast<std::size_t>(StabilityGrid::kColumns * StabilityGrid::kRows));
+    EXPECT_EQ(talk.share, 1.0);
+    int stable = 0;
+    for (int row = 0; row < StabilityGrid::kRows; row += 3) {
+        for (int column = 0; column < StabilityGrid::kColumns; column += 5) {
+            // Set in the tuning, whereas the grid sets the net resistance.
+            loops::StabilityCase there = testing::firm();
+            there.tuning.K_P_V_per_rad = StabilityGrid::K_P_V_per_rad(column);
+            there.tuning.dR_Ohm = StabilityGrid::dR_Ohm(row);
+            // The motors of this device are equal, so both are the same except for rounding.
+            EXPECT_NEAR(grid.at(column, row), loops::worst_member(there).eigenvalue, 1e-9);
+            stable += grid.at(column, row) < 1.0 ? 1 : 0;
+        }
+    }
+    EXPECT_GT(stable, 5); // both sides of the limit occur
+    EXPECT_LT(stable, 43);
+}
+
+TEST(StabilityGrid, EndsEarlyWhereNobodyWantsIt) {
+    BackgroundTalk talk;
+    talk.is_cancelled = true;
+    const StabilityGrid grid = stability_grid(testing::firm(), talk);
+    EXPECT_EQ(grid.at(3, 3), 0.0); // not computed
+}
+
+} // namespace
+} // namespace springdrive::app
