@@ -1,5 +1,6 @@
-// Covers app/panels/window_habits.cpp and app/panels/window_menu.cpp: size of text, panels,
-// pictures and recent files, which are remembered.
+// Covers what the window remembers, and the first minute: app/panels/window_habits.cpp, the menu,
+// the keys, the first minute's plate and what is drawn in app/panels/window_overlays.cpp and
+// legend.cpp.
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/shown_window.h"
@@ -22,7 +23,54 @@ using testing::ShownWindow;
 
 double scale_of(const Report &report) { return report.all().at("window").at("scale"); }
 
+bool is_switched_on(const Report &report, const std::string &label) {
+    return report.item("legend/" + label).at("value");
+}
+
 constexpr testing::WindowSize kOwnSize{1280, 720, 1.0, false};
+
+TEST(WindowHabits, TheFirstMinuteIsDismissedForGoodAndTheLegendRemembered) {
+    const fs::path folder = testing::fresh_folder("first_minute");
+    {
+        ShownWindow window({"--settings", folder / "settings"});
+        window.wait_until_running();
+        const Report report = window.look();
+        EXPECT_TRUE(report.shows("No device is attached"));
+        EXPECT_TRUE(report.shows("press where it is to touch"));
+        EXPECT_TRUE(report.shows("press on the surface"));
+        // Between the scene and the plots: it hides neither.
+        const double top = report.item("Start").at("y");
+        const double height = report.item("Start").at("height");
+        EXPECT_NEAR(top + height, report.item("Plots").at("y").get<double>(), 1.0);
+        window.click("Start/keys  F1");
+        EXPECT_TRUE(window.look().shows("emergency stop, at any time"));
+        window.person().key("Escape");
+        window.click("Start/got it");
+        EXPECT_FALSE(window.look().find("Start"));
+        EXPECT_TRUE(window.look().shows("left press on the scene: touch there"));
+        window.click("legend/legend");
+        window.click("legend/trace of 5 s");
+        window.click("legend/normal");
+    }
+    const std::string written = testing::contents_of(folder / "settings");
+    for (const char *line :
+         {"dismissed_start = true\n", "opens_legend = true\n",
+          "drawn = [\"tip\", \"height\", \"hand\", \"proxy\", \"force\", \"trace\"]\n"}) {
+        EXPECT_NE(written.find(line), std::string::npos) << line << " in " << written;
+    }
+    ShownWindow again({"--settings", folder / "settings"});
+    again.wait_until_running();
+    EXPECT_FALSE(again.look().find("Start"));
+    EXPECT_TRUE(is_switched_on(again.look(), "trace of 5 s"));
+    EXPECT_FALSE(is_switched_on(again.look(), "normal"));
+    again.click("legend/fold");
+    EXPECT_TRUE(again.look().find("legend/legend"));
+    again.click("window/menu");
+    again.click("reset the settings");
+    again.wait_until([](const Report &report) { return report.find("Start") != nullptr; },
+                     "the plate is there again");
+    EXPECT_FALSE(fs::exists(folder / "settings"));
+}
 
 TEST(WindowHabits, KeysHidePanelsAndChangeTheTextWhichIsRemembered) {
     const fs::path folder = testing::fresh_folder("habits");
@@ -62,11 +110,14 @@ TEST(WindowHabits, KeysHidePanelsAndChangeTheTextWhichIsRemembered) {
     EXPECT_NEAR(scale_of(again.look()), 1.0, 1e-6);
     again.person().key("F10");
     EXPECT_TRUE(again.look().find("Tuning"));
-    fs::remove_all(folder);
 }
 
-TEST(WindowHabits, TextGrowsNoFurtherThanThePanelsAllow) {
-    ShownWindow window;
+TEST(WindowHabits, PicturesAndRecentFilesAreOfferedAndTextGrowsNoFurtherThanPanelsAllow) {
+    const fs::path folder = testing::fresh_folder("habits_recent");
+    const fs::path own = testing::fresh_folder("habits_picture");
+    const fs::path scene = folder / "my own scene.gltf";
+    fs::copy_file(testing::assets() / "scenes/plate.gltf", scene);
+    ShownWindow window({"--settings", folder / "settings"}, {}, own);
     window.wait_until_running();
     window.person().key("ctrl+equal");
     const double largest = scale_of(window.look());
@@ -76,35 +127,7 @@ TEST(WindowHabits, TextGrowsNoFurtherThanThePanelsAllow) {
     EXPECT_EQ(scale_of(window.look()), largest);
     window.person().key("ctrl+0");
     EXPECT_EQ(scale_of(window.look()), 1.0);
-}
 
-TEST(WindowHabits, F9WritesAPictureOfTheWindowWhereSessionsAreKept) {
-    const fs::path folder = testing::fresh_folder("habits_picture");
-    ShownWindow window({}, {}, folder);
-    window.wait_until_running();
-    window.person().key("F9");
-    window.wait_until([](const Report &report) { return report.shows("picture: springdrive-"); },
-                      "it says where");
-    const auto picture = std::ranges::find_if(
-        fs::directory_iterator(folder), fs::directory_iterator(),
-        [](const fs::directory_entry &entry) { return entry.path().extension() == ".png"; });
-    ASSERT_NE(picture, fs::directory_iterator());
-    const std::string png = testing::contents_of(picture->path());
-    ASSERT_GT(png.size(), 24U);
-    // Width and height follow the names of the file and of its first chunk.
-    EXPECT_EQ(png.substr(16, 8), std::string("\0\0\x05\0\0\0\x02\xd0", 8)); // 1280, 720
-    fs::remove_all(folder);
-    window.person().key("F9");
-    window.wait_until([](const Report &report) { return report.shows("cannot be"); },
-                      "it says why not");
-}
-
-TEST(WindowHabits, RecentFilesAreOpenedFromTheMenu) {
-    const fs::path folder = testing::fresh_folder("habits_recent");
-    const fs::path scene = folder / "my own scene.gltf";
-    fs::copy_file(testing::assets() / "scenes/plate.gltf", scene);
-    ShownWindow window({"--settings", folder / "settings"});
-    window.wait_until_running();
     window.enter("Scene/path", scene);
     const auto shows_it = [](const Report &report) {
         return report.item("Scene/files").at("text") == "my own scene.gltf";
@@ -123,7 +146,22 @@ TEST(WindowHabits, RecentFilesAreOpenedFromTheMenu) {
     fs::remove(scene);
     window.click("window/menu");
     EXPECT_FALSE(window.look().item("my own scene.gltf").value("enabled", true));
-    fs::remove_all(folder);
+    window.person().key("Escape");
+
+    window.person().key("F9");
+    window.wait_until([](const Report &report) { return report.shows("picture: springdrive-"); },
+                      "it says where");
+    const auto picture = std::ranges::find_if(
+        fs::directory_iterator(own), fs::directory_iterator(),
+        [](const fs::directory_entry &entry) { return entry.path().extension() == ".png"; });
+    ASSERT_NE(picture, fs::directory_iterator());
+    // Width and height follow the names of the file and of its first chunk.
+    EXPECT_EQ(testing::contents_of(picture->path()).substr(16, 8),
+              std::string("\0\0\x05\0\0\0\x02\xd0", 8)); // 1280, 720
+    fs::remove_all(own);
+    window.person().key("F9");
+    window.wait_until([](const Report &report) { return report.shows("cannot be"); },
+                      "it says why not");
 }
 
 TEST(WindowHabits, DamagedSettingsAreSaidInOneLineAndKept) {
@@ -140,7 +178,6 @@ TEST(WindowHabits, DamagedSettingsAreSaidInOneLineAndKept) {
               std::string::npos);
     EXPECT_NE(testing::contents_of(folder / "settings.damaged").find("= \"huge\""),
               std::string::npos);
-    fs::remove_all(folder);
 }
 
 TEST(WindowHabits, ResetSettingsBeginsAnewAlsoWithADamagedFile) {
@@ -152,7 +189,6 @@ TEST(WindowHabits, ResetSettingsBeginsAnewAlsoWithADamagedFile) {
     EXPECT_EQ(window.program().end(SIGTERM).exit_status, 0);
     EXPECT_EQ(window.program().error().find("damaged"), std::string::npos);
     EXPECT_FALSE(fs::exists(folder / "settings.damaged"));
-    fs::remove_all(folder);
 }
 
 } // namespace

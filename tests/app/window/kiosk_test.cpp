@@ -1,5 +1,7 @@
 // Covers app/exhibit/{kiosk,kiosk_screen,lost_display}.cpp: an exhibit as its visitors,
-// its demonstrator and its computer treat it. See kiosk_storm_test.cpp for all of that at once.
+// its demonstrator and its computer treat it, and the tour of the ordinary window. See
+// kiosk_storm_test.cpp for all of that at once. And app/visitors/visitor_window.cpp with
+// app/commands/study/study_try.cpp: "Can you feel it?", with a visitor at mouse and keyboard.
 #include "app/exhibit/course.h"
 #include "app/exhibit/kiosk_limits.h"
 #include "app/exhibit/lost_display.h"
@@ -12,13 +14,15 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <memory>
-#include <optional>
+#include <regex>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -61,6 +65,11 @@ protected:
     }
     void wait_until_driven(double limit_s = 20.0) {
         window().wait_until(is_running, "the motors run", limit_s);
+    }
+    Report wait_until_stopped() {
+        return window().wait_until(
+            [](const Report &report) { return is_in(report, servo::SafetyState::tripped); },
+            "stopped");
     }
     void expect_stays_stopped(double seconds) {
         constexpr double kBetween_s = 0.2;
@@ -105,20 +114,16 @@ std::vector<std::string> threads_of(pid_t process) {
     return names;
 }
 
-// See draw_without_threads. Without it llvmpipe has a thread for each processor.
-TEST_F(KioskInTheWindow, DrawsWithoutLlvmpipesThreads) {
+TEST_F(KioskInTheWindow, FillsTheScreenWithoutPanelsAndNoKeyNoFileAndNoTitleBarLeadsOut) {
+    std::ofstream(folder() / "own.csv") << "t,x,y,z\n0,0,0.05,0\n1,0,0.05,0\n";
     open();
-    wait_for("Touch to begin");
+    wait_until_driven();
+    // See draw_without_threads. Without it llvmpipe has a thread for each processor.
     const std::vector<std::string> names = threads_of(window().program().process());
     EXPECT_GE(names.size(), 2U); // the servo has one
     for (const std::string &name : names) {
         EXPECT_FALSE(name.starts_with("llvmpipe")) << name;
     }
-}
-
-TEST_F(KioskInTheWindow, FillsTheScreenAndAttractsWithoutPanels) {
-    open();
-    wait_until_driven();
     const Report report = window().look();
     EXPECT_EQ(width_of(report), kExhibit.width);
     EXPECT_EQ(report.all().at("window").at("height"), kExhibit.height);
@@ -136,33 +141,6 @@ TEST_F(KioskInTheWindow, FillsTheScreenAndAttractsWithoutPanels) {
     }
     EXPECT_EQ(shown.column("limit_tip_force_N"), exhibit::kiosk_limits().tip_force_N);
     EXPECT_EQ(shown.column("limit_voltage_V"), exhibit::kiosk_limits().voltage_V);
-}
-
-// Half a degree at two metres is 6.5 % of the height of the picture, see kiosk_screen.h. A
-// direction takes more: a whole degree.
-TEST_F(KioskInTheWindow, ShowsTheWrongDirectionByAnArrowThatIsSeenFromTwoMetres) {
-    open();
-    take_turn();
-    window().click("choices/next scene");
-    wait_for("The wrong direction");
-    const auto force_N = [](const Report &report) {
-        const nlohmann::json *const item = report.find("read-outs/force");
-        return item != nullptr ? std::stod(item->at("text").get<std::string>()) : 0.0;
-    };
-    // The scripted hand presses with some 1.5 N.
-    const Report shown = window().wait_until(
-        [&](const Report &now) { return force_N(now) > 1.3 && now.find("marks/arrow") != nullptr; },
-        "it presses", 40.0);
-    const nlohmann::json &arrow = shown.item("marks/arrow");
-    const double length =
-        std::hypot(arrow.at("width").get<double>(), arrow.at("height").get<double>());
-    EXPECT_GT(length, 2.0 * 0.065 * kExhibit.height) << "at " << force_N(shown) << " N";
-}
-
-TEST_F(KioskInTheWindow, NoKeyNoFileAndNoTitleBarLeadsOut) {
-    std::ofstream(folder() / "own.csv") << "t,x,y,z\n0,0,0.05,0\n1,0,0.05,0\n";
-    open();
-    wait_until_driven();
     take_turn();
     const Report before = window().look();
     for (const char *const key :
@@ -196,30 +174,9 @@ TEST_F(KioskInTheWindow, NoKeyNoFileAndNoTitleBarLeadsOut) {
               std::string::npos);
 }
 
-TEST_F(KioskInTheWindow, StopsByTheButtonUntilAPersonLetsItGoOn) {
-    open();
-    wait_until_driven();
-    window().click("stop/stop");
-    const Report stopped = window().wait_until(
-        [](const Report &report) { return is_in(report, servo::SafetyState::tripped); }, "stopped");
-    EXPECT_EQ(stopped.column("trip_cause"), static_cast<double>(servo::TripCause::emergency_stop));
-    wait_for("Is nobody in its way?");
-    touch(); // a visitor who touches anything else
-    window().click("choices/next visitor");
-    expect_stays_stopped(2.0 * exhibit::TripRecovery::kPause_s);
-    window().click("condition/go on");
-    wait_until_driven();
-    window().person().key("F12");
-    window().wait_until(
-        [](const Report &report) { return is_in(report, servo::SafetyState::tripped); },
-        "stopped by the key");
-    EXPECT_EQ(window().program().end(SIGTERM).exit_status, 0);
-    const std::string log_text = testing::contents_of(log());
-    EXPECT_NE(log_text.find("stopped: emergency stop"), std::string::npos) << log_text;
-    EXPECT_NE(log_text.find("2 stops, 1 healed"), std::string::npos) << log_text;
-}
-
-TEST_F(KioskInTheWindow, TheNextVisitorFindsAllAsItWas) {
+/// Half a degree at two metres is 6.5 % of the height of the picture, see kiosk_screen.h. A
+/// direction takes more: a whole degree.
+TEST_F(KioskInTheWindow, ShowsAnArrowThatIsSeenFromTwoMetresStopsAndTheNextFindsAllAsItWas) {
     open();
     wait_until_driven();
     take_turn();
@@ -228,6 +185,18 @@ TEST_F(KioskInTheWindow, TheNextVisitorFindsAllAsItWas) {
     const double fresh_width = fresh.item("device and scene").at("width");
     window().click("choices/next scene");
     wait_for("The wrong direction");
+    const auto force_N = [](const Report &report) {
+        const nlohmann::json *const item = report.find("read-outs/force");
+        return item != nullptr ? std::stod(item->at("text").get<std::string>()) : 0.0;
+    };
+    // The scripted hand presses with some 1.5 N.
+    const Report shown = window().wait_until(
+        [&](const Report &now) { return force_N(now) > 1.3 && now.find("marks/arrow") != nullptr; },
+        "it presses", 40.0);
+    const nlohmann::json &arrow = shown.item("marks/arrow");
+    const double length =
+        std::hypot(arrow.at("width").get<double>(), arrow.at("height").get<double>());
+    EXPECT_GT(length, 2.0 * 0.065 * kExhibit.height) << "at " << force_N(shown) << " N";
     window().click("choices/my turn");
     wait_for("Your turn");
     window().click("choices/other map");
@@ -240,10 +209,14 @@ TEST_F(KioskInTheWindow, TheNextVisitorFindsAllAsItWas) {
     EXPECT_GT(std::abs(used.item("device and scene").at("width").get<double>() - fresh_width),
               2.0 * kByPose);
     EXPECT_GT(std::abs(used.column("tip_x_m")), 0.005);
-    window().person().key("F12");
-    window().wait_until(
-        [](const Report &report) { return is_in(report, servo::SafetyState::tripped); }, "stopped");
+    // A stop by the button holds until a person lets it go on, who is no visitor.
+    window().click("stop/stop");
+    const Report stopped = wait_until_stopped();
+    EXPECT_EQ(stopped.column("trip_cause"), static_cast<double>(servo::TripCause::emergency_stop));
+    wait_for("Is nobody in its way?");
+    touch(); // a visitor who touches anything else
     window().click("choices/next visitor");
+    expect_stays_stopped(2.0 * exhibit::TripRecovery::kPause_s);
     window().click("condition/go on");
     wait_for("A stiff wall");
     wait_until_driven();
@@ -253,36 +226,29 @@ TEST_F(KioskInTheWindow, TheNextVisitorFindsAllAsItWas) {
     EXPECT_EQ(next.column("map"), static_cast<double>(control::MotionMap::transpose));
     EXPECT_NEAR(next.item("device and scene").at("width").get<double>(), fresh_width, kByPose);
     EXPECT_TRUE(next.shows("Watch"));
+    window().person().key("F12");
+    wait_until_stopped();
     EXPECT_EQ(window().program().end(SIGTERM).exit_status, 0);
-    EXPECT_NE(testing::contents_of(log()).find("visitor 2 begins"), std::string::npos);
+    const std::string log_text = testing::contents_of(log());
+    EXPECT_NE(log_text.find("visitor 2 begins"), std::string::npos) << log_text;
+    EXPECT_NE(log_text.find("stopped: emergency stop"), std::string::npos) << log_text;
+    EXPECT_NE(log_text.find("2 stops, 1 healed"), std::string::npos) << log_text;
 }
 
 TEST_F(KioskInTheWindow, ComesBackWhenItsDeviceIsPluggedInAgainAndAPersonLetsItGoOn) {
     open({"--device", "emulated", "--fault", "unplug@4-6"});
     wait_for("The device is not connected.");
     wait_for("Is nobody in its way?");
+    window().person().key("F12"); // during the other stop
     expect_stays_stopped(2.0 * exhibit::TripRecovery::kPause_s);
     window().click("condition/go on");
     window().wait_until(is_running, "it runs again", 30.0);
     EXPECT_EQ(window().program().end(SIGTERM).exit_status, 0);
     const std::string log_text = testing::contents_of(log());
     EXPECT_NE(log_text.find("the device is there again"), std::string::npos) << log_text;
-    EXPECT_NE(log_text.find("the device was lost 1 time;"), std::string::npos) << log_text;
-}
-
-TEST_F(KioskInTheWindow, ItsBoardsStopSwitchHoldsAfterItsRelease) {
-    open({"--device", "emulated", "--fault", "stop@4-8"});
-    wait_until_driven();
-    wait_for("Is nobody in its way?");
-    window().person().key("F12"); // during the other stop
-    expect_stays_stopped(4.0 + 2.0 * exhibit::TripRecovery::kPause_s);
-    window().click("condition/go on");
-    window().wait_until(is_running, "it runs again", 30.0);
-    EXPECT_EQ(window().program().end(SIGTERM).exit_status, 0);
-    const std::string log_text = testing::contents_of(log());
-    EXPECT_NE(log_text.find("its stop switch"), std::string::npos) << log_text;
     EXPECT_NE(log_text.find("stopped by hand while it was stopped"), std::string::npos) << log_text;
     EXPECT_NE(log_text.find("a person lets it go on"), std::string::npos) << log_text;
+    EXPECT_NE(log_text.find("the device was lost 1 time;"), std::string::npos) << log_text;
 }
 
 TEST(KioskOptions, RefusesWhatIsNotForVisitorsInOneLine) {
@@ -333,6 +299,168 @@ TEST(KioskDisplay, ALostOneEndsTheProgramInOneLineAndInTheLog) {
     EXPECT_NE(ending.error.find("springdrive: the display is lost"), std::string::npos)
         << ending.error;
     EXPECT_NE(testing::contents_of(log).find("end, the display is lost: "), std::string::npos);
+}
+
+TEST(TourInTheWindow, TouchesTheFirstSceneAndEndsWithEscape) {
+    ShownWindow window;
+    window.wait_until_running();
+    const double K_P = window.look().column("K_P_V_per_rad");
+    window.click("window/menu");
+    window.click("tour of the scenes");
+    window.wait_until([](const Report &report) { return report.shows("A stiff wall"); },
+                      "the first scene");
+    window.wait_until([](const Report &report) { return report.column("touching") != 0.0; },
+                      "the scripted hand touches it");
+    EXPECT_TRUE(window.look().shows("the hand follows a path"));
+    window.person().key("Escape");
+    window.wait_until([](const Report &report) { return report.shows("left press on the scene"); },
+                      "the hand is its user's");
+    const Report after = window.look();
+    EXPECT_EQ(after.column("K_P_V_per_rad"), K_P);
+    EXPECT_EQ(after.column("safety_state"), static_cast<double>(servo::SafetyState::running));
+    EXPECT_NE(after.find("Tuning"), nullptr);
+}
+
+/// The shipped protocol with two trials and no practice.
+fs::path short_protocol(const fs::path &folder) {
+    std::string text =
+        testing::contents_of(testing::assets() / "protocols" / "can_you_feel_it.toml");
+    for (const auto &[pattern, replacement] : {std::pair{"\nfewest_trials = 34\nmost_trials = 34",
+                                                         "\nfewest_trials = 2\nmost_trials = 2"},
+                                               std::pair{"\nfewest_trials = 3\nmost_trials = 3",
+                                                         "\nfewest_trials = 0\nmost_trials = 0"}}) {
+        EXPECT_NE(text.find(pattern), std::string::npos);
+        text = std::regex_replace(text, std::regex(pattern), replacement);
+    }
+    const fs::path file = folder / "short.toml";
+    std::ofstream(file) << text;
+    return file;
+}
+
+/// Files that this test has open, from whoever started it (CTest, say): a program inherits them.
+std::set<fs::path> inherited_files() {
+    std::set<fs::path> files;
+    for (const fs::directory_entry &entry : fs::directory_iterator("/proc/self/fd")) {
+        std::error_code gone;
+        files.insert(fs::read_symlink(entry.path(), gone));
+    }
+    return files;
+}
+
+/// Regular files that a process has open for writing, apart from its standard error and from what
+/// it inherited.
+std::vector<std::string> written_files(pid_t process) {
+    const fs::path proc = "/proc/" + std::to_string(process);
+    const fs::path error = fs::read_symlink(proc / "fd/2");
+    const std::set<fs::path> inherited = inherited_files();
+    std::vector<std::string> files;
+    for (const fs::directory_entry &entry : fs::directory_iterator(proc / "fd")) {
+        std::error_code gone;
+        const fs::path target = fs::read_symlink(entry.path(), gone);
+        const std::string number = entry.path().filename();
+        if (gone || target == error || inherited.contains(target) ||
+            !fs::is_regular_file(target, gone)) {
+            continue;
+        }
+        const std::string info = testing::contents_of(proc / "fdinfo" / number);
+        const std::size_t flags = info.find("flags:");
+        const unsigned long mode = std::stoul(info.substr(flags + 6), nullptr, 8);
+        if ((mode & 3UL) != 0) { // not O_RDONLY
+            files.push_back(target);
+        }
+    }
+    return files;
+}
+
+std::vector<fs::path> names_in(const fs::path &folder) {
+    std::vector<fs::path> names;
+    for (const fs::directory_entry &entry : fs::recursive_directory_iterator(folder)) {
+        names.push_back(entry.path());
+    }
+    std::ranges::sort(names);
+    return names;
+}
+
+class VisitorsInTheWindow : public ::testing::Test {
+protected:
+    VisitorsInTheWindow()
+        : folder_(testing::fresh_folder("visitors")), protocol_(short_protocol(folder_)),
+          display_(1280, 720),
+          program_(display_, {"study", "try", protocol_.string(), "--report"}, folder_),
+          person_(display_) {
+        wait_for("Can you feel it?"); // by then there is one window only
+        person_.wait_for_window();
+    }
+
+    Report look() {
+        program_.send_line("report");
+        const auto line = program_.read_line(std::chrono::seconds(60));
+        if (!line) {
+            throw std::runtime_error("the window does not report: " + program_.error());
+        }
+        return Report(nlohmann::json::parse(*line));
+    }
+
+    Report wait_for(const std::string &text, double limit_s = 40.0) {
+        const auto start = std::chrono::steady_clock::now();
+        for (;;) {
+            Report report = look();
+            if (report.shows(text)) {
+                return report;
+            }
+            if (std::chrono::steady_clock::now() - start > std::chrono::duration<double>(limit_s)) {
+                ADD_FAILURE() << "not shown: " << text << "; but\n" << report.texts();
+                return report;
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+    }
+
+    void click_choice(int number) {
+        const Report report = look();
+        const nlohmann::json &item = report.item("visitor/choice " + std::to_string(number));
+        person_.click(item.at("x").get<float>() + 0.5F * item.at("width").get<float>(),
+                      item.at("y").get<float>() + 0.5F * item.at("height").get<float>());
+    }
+
+    fs::path folder_;
+    fs::path protocol_;
+    testing::VirtualDisplay display_;
+    testing::RunningProgram program_;
+    testing::Person person_;
+};
+
+TEST_F(VisitorsInTheWindow, FromTheStartToTheCurveAndToTheNextOneWithoutAFile) {
+    const std::vector<fs::path> before = names_in(folder_);
+    const Report start = wait_for("Can you feel it?");
+    EXPECT_EQ(start.all().at("window").at("width"), 1280.0); // it fills the screen
+    EXPECT_EQ(start.all().at("window").at("height"), 720.0);
+    EXPECT_TRUE(start.shows("Nothing of this is kept"));
+    click_choice(2); // "Guess"
+    wait_for("Hold the pen");
+    click_choice(1); // "Go on"
+    for (int trial = 0; trial < 2; ++trial) {
+        wait_for("Press 1 or 2.");
+        EXPECT_EQ(written_files(program_.process()), std::vector<std::string>{});
+        if (trial == 0) {
+            click_choice(1);
+            wait_for("Hold still"); // above the mark: the next one
+        } else {
+            person_.key("2");
+        }
+    }
+    const Report curve = wait_for("These were guesses");
+    EXPECT_FALSE(curve.item("visitor/curve").at("text").get<std::string>().empty());
+    EXPECT_EQ(written_files(program_.process()), std::vector<std::string>{});
+    EXPECT_EQ(names_in(folder_), before);
+    person_.key("Return");
+    wait_for("Can you feel it?");
+    person_.key("ctrl+alt+q");
+    const testing::Ending ending = program_.end(0);
+    EXPECT_EQ(ending.exit_status, 0) << ending.error;
+    EXPECT_NE(ending.error.find("1 visit begun; nothing of them was stored"), std::string::npos)
+        << ending.error;
+    EXPECT_EQ(names_in(folder_), before);
 }
 
 } // namespace

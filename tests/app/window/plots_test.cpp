@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -182,88 +183,29 @@ Columns exported_csv(ShownWindow &window, const std::filesystem::path &folder) {
     return columns_of(exported(window, folder, "CSV, what is shown", ".csv"));
 }
 
-std::uint32_t big_endian(std::string_view bytes) {
-    std::uint32_t number = 0;
-    for (const char byte : bytes.substr(0, 4)) {
-        number = number << 8U | static_cast<unsigned char>(byte);
-    }
-    return number;
-}
-
-/// The check sum of PNG's chunks.
-std::uint32_t crc_of(std::string_view bytes) {
-    std::uint32_t crc = 0xffffffffU;
-    for (const char byte : bytes) {
-        crc ^= static_cast<unsigned char>(byte);
-        for (int bit = 0; bit < 8; ++bit) {
-            crc = (crc & 1U) != 0 ? crc >> 1U ^ 0xedb88320U : crc >> 1U;
-        }
-    }
-    return ~crc;
-}
-
 struct PngSize {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
 };
 
-/// Of a file whose chunks are whole; 0 × 0 otherwise.
-PngSize png_size(std::string_view bytes) {
-    constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
-    if (bytes.substr(0, kSignature.size()) != kSignature) {
-        return {};
-    }
-    PngSize size;
-    bytes.remove_prefix(kSignature.size());
-    while (bytes.size() >= 12) {
-        const std::uint32_t length = big_endian(bytes);
-        if (bytes.size() < length + std::size_t{12} ||
-            big_endian(bytes.substr(8 + length)) != crc_of(bytes.substr(4, 4 + length))) {
-            return {};
+/// 0 × 0 of what does not begin and end as such a file does.
+PngSize png_size(const std::string &bytes) {
+    constexpr std::string_view kBegin("\x89PNG\r\n\x1a\n\0\0\0\15IHDR", 16);
+    const auto number = [&](std::size_t at) {
+        std::uint32_t value = 0;
+        for (const char byte : bytes.substr(at, 4)) { // big endian
+            value = value << 8U | static_cast<unsigned char>(byte);
         }
-        const std::string_view name = bytes.substr(4, 4);
-        if (name == "IHDR") {
-            size = {big_endian(bytes.substr(8)), big_endian(bytes.substr(12))};
-        } else if (name == "IEND") {
-            return size;
-        }
-        bytes.remove_prefix(length + std::size_t{12});
-    }
-    return {};
+        return value;
+    };
+    return bytes.starts_with(kBegin) && bytes.ends_with("IEND\xae\x42\x60\x82")
+               ? PngSize{number(16), number(20)}
+               : PngSize{};
 }
 
 // --- view ---
 
-TEST(PlotsInTheWindow, AHeldViewStaysAndALiveOneMoves) {
-    const std::filesystem::path folder = folder_with_touches("plots_hold");
-    ShownWindow window(touching(folder), kWindow, folder);
-    window.wait_until_running();
-    const ShownPlot live = first_plot(window);
-    EXPECT_TRUE(live.is_live);
-    EXPECT_DOUBLE_EQ(live.x_from, -5.0); // before now
-    EXPECT_DOUBLE_EQ(live.x_to, 0.0);
-    window.click("Plots/hold");
-    EXPECT_EQ(window.look().item("Plots/hold").at("text"), "live");
-    const ShownPlot held = first_plot(window);
-    EXPECT_NEAR(held.length(), 5.0, 1e-9);
-    EXPECT_GT(held.x_to, 0.0);
-    expect_it_stays(window, "held by the button");
-    const Columns first = exported_csv(window, folder);
-    window.let_pass(1.0); // so that the files have different names
-    EXPECT_EQ(exported_csv(window, folder).at("time_s"), first.at("time_s"));
-    window.click("Plots/hold");
-    EXPECT_TRUE(first_plot(window).is_live);
-    window.let_pass(1.0);
-    EXPECT_GT(exported_csv(window, folder).at("time_s").back(), first.at("time_s").back() + 1.0);
-    // A new span keeps the end of a held view.
-    window.click("Plots/hold");
-    const ShownPlot before = first_plot(window);
-    window.choose("Plots/span", "1 s");
-    EXPECT_EQ(first_plot(window).x_to, before.x_to);
-    EXPECT_NEAR(first_plot(window).length(), 1.0, 1e-9);
-}
-
-TEST(PlotsInTheWindow, TheWheelZoomsAboutThePointerAndADragPans) {
+TEST(PlotsInTheWindow, AreZoomedMovedMadeLargerAndClosed) {
     ShownWindow window({}, kWindow);
     window.wait_until_running();
     const ShownPlot live = first_plot(window);
@@ -310,11 +252,7 @@ TEST(PlotsInTheWindow, TheWheelZoomsAboutThePointerAndADragPans) {
     EXPECT_EQ(returned.x_to, 0.0);
     EXPECT_EQ(returned.y_from, live.y_from);
     EXPECT_EQ(returned.y_to, live.y_to);
-}
-
-TEST(PlotsInTheWindow, NoZoomIsTooMuch) {
-    ShownWindow window({}, kWindow);
-    window.wait_until_running();
+    // No zoom is too much.
     window.choose("Plots/sets", "spectrum of the force");
     const auto zoom = [&window](std::size_t index, int notches) {
         const Point mouse = plots_of(window.look()).at(index).point(0.9);
@@ -337,24 +275,21 @@ TEST(PlotsInTheWindow, NoZoomIsTooMuch) {
     window.person().wheel(far.point(0.2).x, far.point(0.2).y, -5);
     expect_same_x(plots_of(window.look()).at(1), far);
     EXPECT_TRUE(window.look().shows("running"));
-}
-
-TEST(PlotsInTheWindow, LargerOnesCoverTheSceneAndEachCanBeClosed) {
-    ShownWindow window({}, kWindow);
-    window.wait_until_running();
+    // Larger ones cover the scene, and each can be closed.
     const auto height = [&] { return window.look().item("Plots").at("height").get<double>(); };
-    const double before = height();
+    const double low = height();
     window.click("Plots/large");
     EXPECT_GT(height(), 0.8 * kWindow.height);
     testing::expect_side_by_side(window.look(), "Plots", "larger");
     window.click("Plots/large");
-    EXPECT_EQ(height(), before);
+    EXPECT_EQ(height(), low);
     const Point handle = window.point_in("Plots/handle");
     window.person().drag(handle, {handle.x, handle.y - 50.0F}, 0.1);
-    EXPECT_NEAR(height(), before + 50.0, 3.0);
-    for (const std::string plot : {"plot 1", "plot 2"}) {
-        window.click(plot + "/menu");
-        window.click(plot + "/menu/close");
+    EXPECT_NEAR(height(), low + 50.0, 3.0);
+    for (const ShownPlot &plot : plots_of(window.look())) {
+        const std::string id = plot.id.substr(0, plot.id.rfind('/'));
+        window.click(id + "/menu");
+        window.click(id + "/menu/close");
     }
     EXPECT_TRUE(plots_of(window.look()).empty());
     window.choose("Plots/sets", "add a plot");
@@ -363,7 +298,7 @@ TEST(PlotsInTheWindow, LargerOnesCoverTheSceneAndEachCanBeClosed) {
 
 // --- channels ---
 
-TEST(PlotsInTheWindow, TheMenuListsEveryColumnAndTheSearchNarrowsIt) {
+TEST(PlotsInTheWindow, ChannelsAreSearchedAddedRemovedAndDraggedToOtherPlots) {
     ShownWindow window({}, kWindow);
     window.wait_until_running();
     window.click("plot 2/menu");
@@ -397,11 +332,15 @@ TEST(PlotsInTheWindow, TheMenuListsEveryColumnAndTheSearchNarrowsIt) {
     window.click("plot 2/force_N"); // in the legend
     EXPECT_EQ(plots_of(window.look()).at(1).channels, "");
     EXPECT_FALSE(window.look().shows("STOPPED"));
-}
-
-TEST(PlotsInTheWindow, ADragTakesAChannelToAnotherPlot) {
-    ShownWindow window({}, kWindow);
-    window.wait_until_running();
+    // A drag with Ctrl copies, one without moves.
+    toggle_channel(window, "plot 2", "force_N");
+    const std::string plain = first_plot(window).channels;
+    window.person().press_key("Control_L");
+    window.person().drag(window.point_in("plot 2/force_N"), first_plot(window).point(0.5), 0.3);
+    window.person().release_key("Control_L");
+    EXPECT_EQ(first_plot(window).channels, plain + ", force_N");
+    EXPECT_EQ(plots_of(window.look()).at(1).channels, "force_N");
+    window.click("plot 1/force_N");
     const std::string before = first_plot(window).channels;
     window.person().drag(window.point_in("plot 2/force_N"), first_plot(window).point(0.5), 0.1);
     EXPECT_EQ(first_plot(window).channels, before + ", force_N");
@@ -422,9 +361,40 @@ TEST(PlotsInTheWindow, ADragTakesAChannelToAnotherPlot) {
     EXPECT_EQ(first_plot(window).channels, before + ", force_N, tip_x_m");
 }
 
-TEST(PlotsInTheWindow, AMapKeepsItsNameAndItsPastWhenTheOtherIsUsed) {
-    const std::filesystem::path folder = folder_with_touches("plots_map");
-    ShownWindow window(touching(folder), kWindow, folder);
+// --- what is held and exported ---
+
+TEST(PlotsInTheWindow, AHeldViewStaysAndExportsWhatTheRecordHoldsBitForBit) {
+    const std::filesystem::path folder = folder_with_touches("plots_record");
+    std::vector<std::string> arguments = touching(folder);
+    arguments.insert(arguments.end(), {"--record", folder / "all.record"});
+    ShownWindow window(arguments, kWindow, folder);
+    window.wait_until_running();
+    const ShownPlot live = first_plot(window);
+    EXPECT_TRUE(live.is_live);
+    EXPECT_DOUBLE_EQ(live.x_from, -5.0); // before now
+    EXPECT_DOUBLE_EQ(live.x_to, 0.0);
+    window.click("Plots/hold");
+    EXPECT_EQ(window.look().item("Plots/hold").at("text"), "live");
+    const ShownPlot held = first_plot(window);
+    EXPECT_NEAR(held.length(), 5.0, 1e-9);
+    EXPECT_GT(held.x_to, 0.0);
+    expect_it_stays(window, "held by the button");
+    const Columns first = exported_csv(window, folder);
+    window.let_pass(1.0); // so that the files have different names
+    EXPECT_EQ(exported_csv(window, folder).at("time_s"), first.at("time_s"));
+    window.click("Plots/hold");
+    EXPECT_TRUE(first_plot(window).is_live);
+    window.let_pass(1.0);
+    EXPECT_GT(exported_csv(window, folder).at("time_s").back(), first.at("time_s").back() + 1.0);
+    // A new span keeps the end of a held view.
+    window.click("Plots/hold");
+    const ShownPlot before = first_plot(window);
+    window.choose("Plots/span", "1 s");
+    EXPECT_EQ(first_plot(window).x_to, before.x_to);
+    EXPECT_NEAR(first_plot(window).length(), 1.0, 1e-9);
+    window.choose("Plots/span", "5 s");
+    window.click("Plots/hold");
+    // A map keeps its name and its past when the other one is used.
     window.wait_until([](const Report &report) { return report.column("touching") != 0.0; },
                       "the tip touches");
     const auto legend = [&] {
@@ -437,9 +407,9 @@ TEST(PlotsInTheWindow, AMapKeepsItsNameAndItsPastWhenTheOtherIsUsed) {
         }
         return texts;
     };
-    const auto before = legend();
-    EXPECT_EQ(before.at("Plots/plot 1/transpose_measured_rad"), "transpose, measured");
-    EXPECT_EQ(before.at("Plots/plot 1/inverse_error_rad"), "inverse, ideal");
+    const auto names = legend();
+    EXPECT_EQ(names.at("Plots/plot 1/transpose_measured_rad"), "transpose, measured");
+    EXPECT_EQ(names.at("Plots/plot 1/inverse_error_rad"), "inverse, ideal");
     window.let_pass(0.3);
     window.choose("Gains/map", "inverse (18)");
     window.wait_until(
@@ -447,23 +417,56 @@ TEST(PlotsInTheWindow, AMapKeepsItsNameAndItsPastWhenTheOtherIsUsed) {
             return report.column("map") == 0.0 && report.column("touching") != 0.0;
         },
         "the tip touches with the inverse map");
-    EXPECT_EQ(legend(), before);
+    EXPECT_EQ(legend(), names);
     window.let_pass(0.3);
-    const Columns shown = exported_csv(window, folder);
+    const Columns maps = exported_csv(window, folder);
     int of_transpose = 0;
     int of_inverse = 0;
-    for (std::size_t row = 0; row < shown.at("time_s").size(); ++row) {
-        const bool has_transpose = !std::isnan(shown.at("transpose_measured_rad")[row]);
-        const bool has_inverse = !std::isnan(shown.at("inverse_measured_rad")[row]);
+    for (std::size_t row = 0; row < maps.at("time_s").size(); ++row) {
+        const bool has_transpose = !std::isnan(maps.at("transpose_measured_rad")[row]);
+        const bool has_inverse = !std::isnan(maps.at("inverse_measured_rad")[row]);
         EXPECT_FALSE(has_transpose && has_inverse) << row;
         of_transpose += has_transpose ? 1 : 0;
         of_inverse += has_inverse ? 1 : 0;
     }
     EXPECT_GT(of_transpose, 100); // its past is still its own
     EXPECT_GT(of_inverse, 50);
+    // Bit for bit.
+    for (const char *channel : {"tick", "tip_x_m", "lateness_s", "touching", "scene_id"}) {
+        toggle_channel(window, "plot 2", channel);
+    }
+    window.let_pass(1.0); // so that the files have different names
+    window.click("Plots/hold");
+    const Columns shown = exported_csv(window, folder);
+    window.person().close_window();
+    ASSERT_EQ(window.program().end(0).exit_status, 0) << window.program().error();
+    std::string columns = "time_s";
+    for (const auto &[name, values] : shown) {
+        const bool is_derived = name == "force_N" || name.ends_with("_measured_rad");
+        columns += name == "time_s" || is_derived ? "" : ',' + name;
+    }
+    const testing::Ending ending = testing::run_program(
+        {"export", folder / "all.record", "--csv", folder / "record.csv", "--columns", columns});
+    ASSERT_EQ(ending.exit_status, 0) << ending.error;
+    const Columns recorded = columns_of(folder / "record.csv");
+    ASSERT_EQ(recorded.size(), shown.size() - 3);
+    const std::vector<double> &times_s = recorded.at("time_s");
+    const auto first_row = static_cast<std::size_t>(
+        std::ranges::find(times_s, shown.at("time_s").front()) - times_s.begin());
+    ASSERT_LE(first_row + shown.at("time_s").size(), times_s.size());
+    ASSERT_GT(shown.at("time_s").size(), 1000U);
+    for (const auto &[name, values] : recorded) {
+        for (std::size_t row = 0; row < shown.at(name).size(); ++row) {
+            const double there = values[first_row + row];
+            const double here = shown.at(name)[row];
+            ASSERT_TRUE(std::bit_cast<std::uint64_t>(here) == std::bit_cast<std::uint64_t>(there) ||
+                        (std::isnan(here) && std::isnan(there)))
+                << name << ", row " << row << ": " << here << " and " << there;
+        }
+    }
 }
 
-// --- trigger and cursors ---
+// --- trigger, cursors and pictures ---
 
 void arm_on_contact(ShownWindow &window) {
     window.click("Plots/trigger");
@@ -492,9 +495,38 @@ void expect_stop_at_contact(ShownWindow &window, const std::filesystem::path &fo
     EXPECT_NEAR((time_s[first] - shown.x_from) / shown.length(), 0.25, 1e-3);
 }
 
-TEST(PlotsInTheWindow, TheTriggerStopsAtAContactAndCanBeArmedAgain) {
+/// "force A 1.2  B 3.4  Δ 2.2 N": the three numbers.
+std::array<double, 3> numbers_of(const std::string &legend) {
+    std::array<double, 3> numbers{};
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const std::string_view mark = std::array{" A ", "  B ", "  Δ "}[i];
+        at = legend.find(mark, at);
+        if (at == std::string::npos) {
+            ADD_FAILURE() << legend;
+            return numbers;
+        }
+        at += mark.size();
+        numbers[i] = std::stod(legend.substr(at));
+    }
+    return numbers;
+}
+
+/// Where a text begins in an SVG file; nothing if it is not there.
+std::optional<Point> place_of(const std::string &svg, const std::string &text) {
+    const std::size_t end = svg.find('>' + text + "</text>");
+    const std::size_t begin = svg.rfind("<text x=\"", end);
+    if (end == std::string::npos || begin == std::string::npos) {
+        return std::nullopt;
+    }
+    const std::string tag = svg.substr(begin, end - begin);
+    return Point{std::stof(tag.substr(tag.find("x=\"") + 3)),
+                 std::stof(tag.substr(tag.find("y=\"") + 3))};
+}
+
+TEST(PlotsInTheWindow, TheTriggerStopsCursorsReadAndPicturesAreFilesThatOthersRead) {
     const std::filesystem::path folder = folder_with_touches("plots_trigger");
-    ShownWindow window(touching(folder), {}, folder); // wide enough for messages
+    ShownWindow window(touching(folder), {1600, 720}, folder); // room for values and messages
     window.wait_until_running();
     toggle_channel(window, "plot 2", "touching");
     window.choose("Plots/span", "1 s");
@@ -516,28 +548,8 @@ TEST(PlotsInTheWindow, TheTriggerStopsAtAContactAndCanBeArmedAgain) {
     window.click("Plots/trigger/arm");
     window.wait_until([](const Report &report) { return report.shows("waiting"); },
                       "the window says that it waits");
-}
-
-/// "force A 1.2  B 3.4  Δ 2.2 N": the three numbers.
-std::array<double, 3> numbers_of(const std::string &legend) {
-    std::array<double, 3> numbers{};
-    std::size_t at = 0;
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-        const std::string_view mark = std::array{" A ", "  B ", "  Δ "}[i];
-        at = legend.find(mark, at);
-        if (at == std::string::npos) {
-            ADD_FAILURE() << legend;
-            return numbers;
-        }
-        at += mark.size();
-        numbers[i] = std::stod(legend.substr(at));
-    }
-    return numbers;
-}
-
-TEST(PlotsInTheWindow, CursorsShowTheValuesThereAndTheirDifference) {
-    const std::filesystem::path folder = folder_with_touches("plots_cursors");
-    ShownWindow window(touching(folder), {1600, 720}, folder); // room for values in the legend
+    // Cursors show the values there and their difference.
+    toggle_channel(window, "plot 2", "touching");
     window.wait_until([](const Report &report) { return report.column("touching") != 0.0; },
                       "the tip touches");
     window.let_pass(0.3);
@@ -584,68 +596,8 @@ TEST(PlotsInTheWindow, CursorsShowTheValuesThereAndTheirDifference) {
     EXPECT_NEAR(cursors_of(window.look())[1], plot.x_from + 0.9 * plot.length(), 2.0 * pixel);
     expect_values();
     testing::expect_side_by_side(window.look(), "Plots", "with cursors");
-}
-
-// --- export ---
-
-TEST(PlotsInTheWindow, ExportsWhatTheRecordHoldsBitForBit) {
-    const std::filesystem::path folder = folder_with_touches("plots_record");
-    std::vector<std::string> arguments = touching(folder);
-    arguments.insert(arguments.end(), {"--record", folder / "all.record"});
-    ShownWindow window(arguments, kWindow, folder);
-    for (const char *channel : {"tick", "tip_x_m", "lateness_s", "touching", "scene_id"}) {
-        toggle_channel(window, "plot 2", channel);
-    }
-    window.wait_until([](const Report &report) { return report.column("touching") != 0.0; },
-                      "the tip touches");
-    window.let_pass(0.2);
-    window.click("Plots/hold");
-    const Columns shown = exported_csv(window, folder);
-    window.person().close_window();
-    ASSERT_EQ(window.program().end(0).exit_status, 0) << window.program().error();
-    std::string names = "time_s";
-    for (const auto &[name, values] : shown) {
-        const bool is_derived = name == "force_N" || name.ends_with("_measured_rad");
-        names += name == "time_s" || is_derived ? "" : ',' + name;
-    }
-    const testing::Ending ending = testing::run_program(
-        {"export", folder / "all.record", "--csv", folder / "record.csv", "--columns", names});
-    ASSERT_EQ(ending.exit_status, 0) << ending.error;
-    const Columns recorded = columns_of(folder / "record.csv");
-    ASSERT_EQ(recorded.size(), shown.size() - 3);
-    const std::vector<double> &times_s = recorded.at("time_s");
-    const auto first = static_cast<std::size_t>(
-        std::ranges::find(times_s, shown.at("time_s").front()) - times_s.begin());
-    ASSERT_LE(first + shown.at("time_s").size(), times_s.size());
-    ASSERT_GT(shown.at("time_s").size(), 1000U);
-    for (const auto &[name, values] : recorded) {
-        for (std::size_t row = 0; row < shown.at(name).size(); ++row) {
-            const double there = values[first + row];
-            const double here = shown.at(name)[row];
-            ASSERT_TRUE(std::bit_cast<std::uint64_t>(here) == std::bit_cast<std::uint64_t>(there) ||
-                        (std::isnan(here) && std::isnan(there)))
-                << name << ", row " << row << ": " << here << " and " << there;
-        }
-    }
-}
-
-/// Where a text begins in an SVG file; nothing if it is not there.
-std::optional<Point> place_of(const std::string &svg, const std::string &text) {
-    const std::size_t end = svg.find('>' + text + "</text>");
-    const std::size_t begin = svg.rfind("<text x=\"", end);
-    if (end == std::string::npos || begin == std::string::npos) {
-        return std::nullopt;
-    }
-    const std::string tag = svg.substr(begin, end - begin);
-    return Point{std::stof(tag.substr(tag.find("x=\"") + 3)),
-                 std::stof(tag.substr(tag.find("y=\"") + 3))};
-}
-
-TEST(PlotsInTheWindow, PicturesAreFilesThatOthersReadAndWhatFailsIsSaid) {
-    const std::filesystem::path folder = folder_with_touches("plots_pictures");
-    ShownWindow window(touching(folder), {}, folder); // wide enough for messages
-    window.wait_until([](const Report &report) { return report.column("touching") != 0.0; },
-                      "the tip touches");
+    // Pictures, and what is said where they fail.
+    window.click("Plots/cursors");
     for (const char *set : {"force and its direction", "figure 6, live"}) {
         window.choose("Plots/sets", set);
         window.let_pass(1.0); // so that the files have different names
@@ -678,141 +630,6 @@ TEST(PlotsInTheWindow, PicturesAreFilesThatOthersReadAndWhatFailsIsSaid) {
         EXPECT_TRUE(report.shows("cannot be written") || report.shows("…")) << entry;
     }
     EXPECT_TRUE(window.look().shows("running"));
-}
-
-TEST(PngSizeOfPlotsTest, IsThatOfWholeFilesOnly) {
-    const std::string header("IHDR\0\0\0\3\0\0\0\2\10\2\0\0\0", 17);
-    const auto chunk = [](const std::string &contents) {
-        const auto number = [](std::uint32_t value) {
-            std::string bytes;
-            for (const unsigned shift : {24U, 16U, 8U, 0U}) {
-                bytes += static_cast<char>(value >> shift & 0xffU);
-            }
-            return bytes;
-        };
-        return number(static_cast<std::uint32_t>(contents.size() - 4)) + contents +
-               number(crc_of(contents));
-    };
-    const std::string whole = "\x89PNG\r\n\x1a\n" + chunk(header) + chunk("IEND");
-    EXPECT_EQ(png_size(whole).width, 3U);
-    EXPECT_EQ(png_size(whole).height, 2U);
-    EXPECT_EQ(crc_of("IEND"), 0xae426082U);
-    std::string damaged = whole;
-    damaged[20] = 'x';
-    EXPECT_EQ(png_size(damaged).width, 0U);
-    EXPECT_EQ(png_size(whole.substr(0, whole.size() - 1)).width, 0U);
-    EXPECT_EQ(png_size("").width, 0U);
-}
-
-// --- what fits where ---
-
-Point middle_of(const nlohmann::json &item) {
-    return {item.at("x").get<float>() + 0.5F * item.at("width").get<float>(),
-            item.at("y").get<float>() + 0.5F * item.at("height").get<float>()};
-}
-
-class PlotSets : public ::testing::TestWithParam<WindowSize> {};
-
-/// Of a menu; the entries of its list are clipped.
-void expect_within_window(ShownWindow &window, const std::string &scope) {
-    (void)window.look(); // it finds its place
-    const Report report = window.look();
-    const auto &size = report.all().at("window");
-    int items = 0;
-    for (const auto &item : report.all().at("items")) {
-        const std::string id = item.at("id");
-        if (id.starts_with(scope) && item.at("kind") != "entry") {
-            ++items;
-            EXPECT_GE(item.at("x"), 0.0) << id;
-            EXPECT_GE(item.at("y"), 0.0) << id;
-            EXPECT_LE(item.at("x").get<double>() + item.at("width").get<double>(),
-                      size.at("width").get<double>())
-                << id;
-            EXPECT_LE(item.at("y").get<double>() + item.at("height").get<double>(),
-                      size.at("height").get<double>())
-                << id;
-        }
-    }
-    EXPECT_GT(items, 3) << scope;
-}
-
-TEST_P(PlotSets, AreShownSideBySideAndMenusFit) {
-    ShownWindow window({}, GetParam());
-    window.wait_until_running();
-    window.click("plot 2/menu");
-    expect_within_window(window, "Plots/plot 2/menu/");
-    close_menu(window);
-    window.click("Plots/trigger");
-    window.choose("Plots/trigger/source", "level");
-    expect_within_window(window, "Plots/trigger/");
-    close_menu(window);
-    window.click("Plots/sets");
-    struct Entry {
-        std::string text;
-        Point middle;
-    };
-    std::vector<Entry> sets;
-    const Report open = window.look();
-    for (const auto &item : open.all().at("items")) {
-        const std::string id = item.at("id");
-        if (id.starts_with("Plots/sets/") && item.at("text") != "add a plot") {
-            sets.push_back({item.at("text"), middle_of(item)});
-        }
-    }
-    EXPECT_GE(sets.size(), 7U);
-    const Point list = middle_of(open.item("Plots/sets"));
-    for (const Entry &set : sets) {
-        window.person().click(set.middle.x, set.middle.y);
-        window.person().move_to(1.0F, 1.0F);
-        const Report report = window.look();
-        testing::expect_side_by_side(report, "Plots", set.text);
-        for (const ShownPlot &plot : plots_of(report)) {
-            const nlohmann::json &item = report.item(plot.id);
-            const double right = item.at("x").get<double>() + item.at("width").get<double>();
-            const double bottom = item.at("y").get<double>() + item.at("height").get<double>();
-            EXPECT_LE(plot.left + plot.width, right + 1.0) << set.text << ", " << plot.id;
-            EXPECT_LE(plot.top + plot.height, bottom + 1.0) << set.text << ", " << plot.id;
-            EXPECT_GT(plot.height, 12.0) << set.text << ", " << plot.id;
-        }
-        window.person().click(list.x, list.y);
-    }
-}
-
-INSTANTIATE_TEST_SUITE_P(Sizes, PlotSets,
-                         ::testing::Values(WindowSize{640, 400, 1.0}, WindowSize{1280, 720, 1.0},
-                                           WindowSize{2560, 1440, 2.0}),
-                         [](const auto &size) { return std::to_string(size.param.width); });
-
-TEST(PlotsInTheWindow, ADragWithCtrlCopiesAChannel) {
-    ShownWindow window({}, kWindow);
-    window.wait_until_running();
-    const std::string before = first_plot(window).channels;
-    window.person().press_key("Control_L");
-    window.person().drag(window.point_in("plot 2/force_N"), first_plot(window).point(0.5), 0.3);
-    window.person().release_key("Control_L");
-    EXPECT_EQ(first_plot(window).channels, before + ", force_N");
-    EXPECT_EQ(plots_of(window.look()).at(1).channels, "force_N");
-}
-
-TEST(PlotsInTheWindow, TenPlotsFitASmallWindow) {
-    const std::filesystem::path folder = folder_with_touches("ten_plots");
-    ShownWindow window(touching(folder), {640, 400, 1.0}, folder);
-    window.wait_until_running();
-    window.choose("Plots/sets", "figure 6, live");
-    for (int i = 0; i < 8; ++i) {
-        window.choose("Plots/sets", "add a plot");
-    }
-    window.person().move_to(1.0F, 1.0F);
-    const Report report = window.look();
-    EXPECT_EQ(plots_of(report).size(), 10U);
-    testing::expect_side_by_side(report, "Plots", "ten");
-    for (const ShownPlot &plot : plots_of(report)) {
-        const nlohmann::json &item = report.item(plot.id);
-        EXPECT_LE(plot.left + plot.width,
-                  item.at("x").get<double>() + item.at("width").get<double>() + 1.0);
-        EXPECT_LE(plot.top + plot.height,
-                  item.at("y").get<double>() + item.at("height").get<double>() + 1.0);
-    }
 }
 
 } // namespace

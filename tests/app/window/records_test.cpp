@@ -1,5 +1,5 @@
-// Covers records and kept sessions in the window: app/panels/opened_record.cpp,
-// app/panels/session_keeper.cpp, app/panels/record_tab.cpp.
+// Covers records and kept sessions in the window: app/panels/record_tab.cpp,
+// app/panels/session_keeper.cpp.
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
 #include "tests/support/shown_window.h"
@@ -8,7 +8,6 @@
 
 #include <csignal>
 #include <fstream>
-#include <iterator>
 
 namespace springdrive::app {
 namespace {
@@ -16,16 +15,6 @@ namespace {
 using testing::Report;
 using testing::run_program;
 using testing::ShownWindow;
-
-/// A record of a drawn device that touches a sphere.
-std::filesystem::path recorded(const std::filesystem::path &folder) {
-    std::filesystem::path file = folder / "touch.rec";
-    const testing::Ending ending =
-        run_program({"record", file, "--lockstep", "--seconds", "6", "--device-seed", "7",
-                     "--scene", testing::assets() / "scenes/sphere.gltf"});
-    EXPECT_EQ(ending.exit_status, 0) << ending.error;
-    return file;
-}
 
 double position_s(const Report &report) { return report.item("record/position").at("value"); }
 
@@ -43,51 +32,23 @@ std::filesystem::path run_in(const std::filesystem::path &folder) {
     return found;
 }
 
-std::string text_of(const std::filesystem::path &file) {
-    std::ifstream stream(file);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
+class RecordsInTheWindow : public ::testing::Test {
+protected:
+    /// Of a drawn device that touches a sphere.
+    static void SetUpTestSuite() {
+        folder_ = testing::fresh_folder("window_records");
+        const testing::Ending ending = run_program(
+            {"record", folder_ / "touch.rec", "--lockstep", "--seconds", "6", "--device-seed", "7",
+             "--scene", testing::assets() / "scenes/sphere.gltf"});
+        ASSERT_EQ(ending.exit_status, 0) << ending.error;
+    }
 
-TEST(RecordsInTheWindow, ARecordIsPlayedSteppedAndLeft) {
-    const std::filesystem::path folder = testing::fresh_folder("window_records");
-    const std::filesystem::path file = recorded(folder);
-    ShownWindow window({"--scene", testing::assets() / "scenes/sphere.gltf"}, {}, folder);
-    window.wait_until_running();
-    window.click("Scene/Record");
-    window.choose("Record/files", "touch.rec");
-    window.wait_until(shows_record, "the record is shown");
-    EXPECT_TRUE(window.look().shows("Record: touch.rec"));
-    EXPECT_FALSE(window.look().shows("Not its scene"));
-    EXPECT_NEAR(position_s(window.look()), 0.0, 1e-3);
-    // In the plots time ends where the record stands.
-    window.person().key("period");
-    window.person().key("period");
-    window.person().key("comma");
-    EXPECT_NEAR(position_s(window.look()), 1e-3, 1e-6);
-    window.person().key("p");
-    const Report played = window.wait_until(
-        [](const Report &report) { return position_s(report) > 1.0; }, "it plays");
-    window.person().key("p");
-    const double stands_s = position_s(window.look());
-    EXPECT_EQ(position_s(window.look()), stands_s);
-    EXPECT_NEAR(window.look().item("plot 1/area").at("numbers").at("x_to"), stands_s, 1e-9);
-    // The servo went on, and the mouse moved no hand that is not shown.
-    EXPECT_GT(played.column("tick"), 1000.0);
-    window.person().key("r");
-    EXPECT_FALSE(shows_record(window.look()));
-    EXPECT_EQ(window.look().item("plot 1/area").at("numbers").at("x_to"), 0.0);
-    window.person().key("r");
-    EXPECT_EQ(position_s(window.look()), stands_s);
-    window.click("Record/close");
-    EXPECT_FALSE(shows_record(window.look()));
-    std::filesystem::remove_all(folder);
-}
+    inline static std::filesystem::path folder_;
+};
 
-TEST(RecordsInTheWindow, OtherGainsAreComputedForTheSameMotion) {
-    const std::filesystem::path folder = testing::fresh_folder("window_what_if");
-    recorded(folder);
+TEST_F(RecordsInTheWindow, OtherGainsAreComputedForTheSameMotion) {
     ShownWindow window({"--scene", testing::assets() / "scenes/plate.gltf", "--open", "touch.rec"},
-                       {}, folder);
+                       {}, folder_);
     window.wait_until(shows_record, "the record is shown");
     EXPECT_TRUE(window.look().shows("Not its scene: it was recorded on 'sphere.gltf'"));
     window.click("Scene/Record");
@@ -119,42 +80,70 @@ TEST(RecordsInTheWindow, OtherGainsAreComputedForTheSameMotion) {
     EXPECT_LT(force_N[1], 2.6 * force_N[0]);
     window.click("Record/load its tuning");
     EXPECT_EQ(window.look().item("Gains/dR_Ohm/typed").at("value"), 0.5);
-    std::filesystem::remove_all(folder);
 }
 
-TEST(RecordsInTheWindow, FilesAreDroppedByTheirKind) {
-    const std::filesystem::path folder = testing::fresh_folder("window_drops");
-    const std::filesystem::path file = recorded(folder);
+TEST_F(RecordsInTheWindow, ARecordIsPlayedSteppedAndLeftAndWhatIsNoneIsRefused) {
+    const std::filesystem::path folder = testing::fresh_folder("window_played");
+    std::filesystem::copy(folder_ / "touch.rec", folder);
+    std::ofstream(folder / "text.rec") << "this is no record";
     std::ofstream(folder / "up.csv") << "t,x,y,z\n0,0,0.05,0\n1,0.02,0.05,0\n";
-    ShownWindow window({"--scene", testing::assets() / "scenes/plate.gltf"}, {}, folder);
+    ShownWindow window({"--scene", testing::assets() / "scenes/sphere.gltf"}, {}, folder);
     window.wait_until_running();
+    window.click("Scene/Record");
+    for (const std::string name : {"text.rec", "nothing"}) {
+        window.enter("Record/path", name);
+        window.wait_until([&](const Report &report) { return report.shows(name + ": "); },
+                          "refused");
+        EXPECT_FALSE(shows_record(window.look()));
+    }
+    testing::expect_refused(run_program({"demo", "--open", folder / "nothing.rec"}),
+                            "nothing.rec: not found");
+    window.choose("Record/files", "touch.rec");
+    window.wait_until(shows_record, "the record is shown");
+    EXPECT_TRUE(window.look().shows("Record: touch.rec"));
+    EXPECT_FALSE(window.look().shows("Not its scene"));
+    EXPECT_NEAR(position_s(window.look()), 0.0, 1e-3);
+    // In the plots time ends where the record stands.
+    window.person().key("period");
+    window.person().key("period");
+    window.person().key("comma");
+    EXPECT_NEAR(position_s(window.look()), 1e-3, 1e-6);
+    window.person().key("p");
+    const double tick = window.look().column("tick");
+    const Report played = window.wait_until(
+        [](const Report &report) { return position_s(report) > 1.0; }, "it plays");
+    window.person().key("p");
+    const double stands_s = position_s(window.look());
+    EXPECT_EQ(position_s(window.look()), stands_s);
+    EXPECT_NEAR(window.look().item("plot 1/area").at("numbers").at("x_to"), stands_s, 1e-9);
+    // The servo went on, and the mouse moved no hand that is not shown.
+    EXPECT_GT(played.column("tick"), tick + 900.0);
+    window.person().key("r");
+    EXPECT_FALSE(shows_record(window.look()));
+    EXPECT_EQ(window.look().item("plot 1/area").at("numbers").at("x_to"), 0.0);
+    window.person().key("r");
+    EXPECT_EQ(position_s(window.look()), stands_s);
+    window.click("Record/close");
+    EXPECT_FALSE(shows_record(window.look()));
+
+    // Files are dropped by their kind.
     window.person().drop_files(200.0F, 200.0F, {folder / "up.csv"});
     window.wait_until(
         [](const Report &report) { return std::abs(report.column("tip_x_m") - 0.02) < 2e-3; },
         "the hand follows the path");
-    window.person().drop_files(200.0F, 200.0F, {file});
+    window.person().drop_files(200.0F, 200.0F, {folder / "touch.rec"});
     window.wait_until(shows_record, "the record is shown");
     window.person().key("r");
-    window.person().drop_files(200.0F, 200.0F, {testing::assets() / "scenes/sphere.gltf"});
-    window.wait_until([](const Report &report) { return report.shows("sphere.gltf"); },
+    window.click("Scene/Scene");
+    window.person().drop_files(200.0F, 200.0F, {testing::assets() / "scenes/plate.gltf"});
+    window.wait_until([](const Report &report) { return report.shows("plate.gltf"); },
                       "the scene is shown");
-    std::filesystem::remove_all(folder);
-}
-
-TEST(RecordsInTheWindow, AFileThatIsNoRecordIsRefusedInALine) {
-    const std::filesystem::path folder = testing::fresh_folder("window_no_record");
-    std::ofstream(folder / "touch.rec") << "this is no record";
-    ShownWindow window({}, {}, folder);
-    window.wait_until_running();
-    window.click("Scene/Record");
-    window.enter("Record/path", "touch.rec");
-    window.wait_until([](const Report &report) { return report.shows("touch.rec: "); }, "refused");
-    EXPECT_FALSE(shows_record(window.look()));
-    window.enter("Record/path", "nothing");
-    window.wait_until([](const Report &report) { return report.shows("nothing: "); }, "refused");
-    testing::expect_refused(run_program({"demo", "--open", folder / "nothing.rec"}),
-                            "nothing.rec: not found");
-    std::filesystem::remove_all(folder);
+    std::filesystem::remove_all(folder); // where it was started
+    window.person().key("ctrl+s");
+    window.wait_until([](const Report &report) { return report.shows("springdrive-"); },
+                      "why it cannot be kept");
+    EXPECT_EQ(window.look().find("Servo/kept"), nullptr);
+    EXPECT_EQ(window.look().column("trip_cause"), 0.0);
 }
 
 TEST(KeepingInTheWindow, AKeptSessionIsReplayedTomorrow) {
@@ -183,7 +172,7 @@ TEST(KeepingInTheWindow, AKeptSessionIsReplayedTomorrow) {
     }
     const std::filesystem::path run = run_in(folder);
     ASSERT_FALSE(run.empty());
-    EXPECT_EQ(text_of(run / "notes.txt"), "softer than steel");
+    EXPECT_EQ(testing::contents_of(run / "notes.txt"), "softer than steel");
     EXPECT_TRUE(std::filesystem::exists(run / "screenshot-1.png"));
     const testing::Ending replayed = run_program({"replay", run});
     EXPECT_EQ(replayed.exit_status, 0) << replayed.out << replayed.error;
@@ -201,17 +190,6 @@ TEST(KeepingInTheWindow, AKeptSessionIsReplayedTomorrow) {
     tomorrow.click("Record/load its tuning");
     EXPECT_EQ(tomorrow.look().item("Gains/dR_Ohm/typed").at("value"), 0.4);
     std::filesystem::remove_all(folder);
-}
-
-TEST(KeepingInTheWindow, AFolderThatCannotBeMadeIsSaid) {
-    const std::filesystem::path folder = testing::fresh_folder("window_not_kept");
-    ShownWindow window({}, {}, folder);
-    window.wait_until_running();
-    std::filesystem::remove_all(folder); // where it was started
-    window.person().key("ctrl+s");
-    window.wait_until([](const Report &report) { return report.shows("springdrive-"); }, "said");
-    EXPECT_EQ(window.look().find("Servo/kept"), nullptr);
-    EXPECT_EQ(window.look().column("trip_cause"), 0.0);
 }
 
 } // namespace

@@ -1,6 +1,6 @@
-// Covers app/panels/scene_card.cpp: what a scene says that there is to feel.
+// Covers what a scene says that there is to feel, what is drawn in it, and the messages over it:
+// app/panels/scene_card.cpp, app/panels/legend.cpp, app/panels/scene_overlay.cpp.
 #include "tests/support/devices.h"
-#include "tests/support/files.h"
 #include "tests/support/shown_window.h"
 
 #include <gtest/gtest.h>
@@ -51,8 +51,15 @@ TEST(SceneInTheWindow, OneKeyShowsTheWrongDirectionAndTheRightOne) {
         "back with the button"); // 25°
 }
 
-TEST(SceneInTheWindow, TheSentenceCanBePutAwayAndBroughtBack) {
-    ShownWindow window({"--scene", scene_of("plate")});
+TEST(SceneInTheWindow, TheSentenceIsPutAwayAndTheTourGoesFromSceneToScene) {
+    const std::filesystem::path folder = testing::fresh_folder("own_model");
+    std::ofstream(folder / "own.gltf")
+        << R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{)"
+        << R"("attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,)"
+        << R"("count":3,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[)"
+        << R"({"byteLength":36,"uri":"data:;base64,)" // (0, 0, 0), (1, 0, 0), (0, 1, 0)
+        << R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+    ShownWindow window({"--scene", scene_of("plate")}, {}, folder);
     EXPECT_TRUE(window.look().shows("Press on it"));
     window.click("lesson/put away");
     EXPECT_FALSE(window.look().shows("Press on it"));
@@ -62,37 +69,118 @@ TEST(SceneInTheWindow, TheSentenceCanBePutAwayAndBroughtBack) {
     window.choose("Scene/files", "slope.gltf"); // another scene has something new to say
     window.wait_until([](const Report &report) { return report.shows("A slope without friction"); },
                       "the other scene's sentence");
-}
-
-TEST(SceneInTheWindow, GoesFromSceneToScene) {
-    ShownWindow window({"--scene", scene_of("slope")});
     window.wait_until_running(); // until then a message takes room
     window.click("lesson/next"); // in the order of the tour
     const Report next = window.wait_until(
         [](const Report &report) { return report.shows("From hard to soft"); }, "the next scene");
     EXPECT_TRUE(next.shows("η 0.75")); // on its pad
-    const auto goes_to = [&](const char *button, const char *title) {
-        window.click(button);
+    for (const auto &[button, title] : {std::pair{"previous", "A slope without friction"},
+                                        {"previous", "The wrong direction"},
+                                        {"previous", "A stiff wall"},
+                                        {"previous", "A blow"}, // the last is before the first
+                                        {"next", "A stiff wall"}}) {
+        window.click(std::string("lesson/") + button);
         window.wait_until([&](const Report &report) { return report.shows(title); }, title);
-    };
-    goes_to("lesson/previous", "A slope without friction");
-    goes_to("lesson/previous", "The wrong direction");
-    goes_to("lesson/previous", "A stiff wall");
-    goes_to("lesson/previous", "A blow"); // the last is before the first
-    goes_to("lesson/next", "A stiff wall");
+    }
+    window.enter("Scene/path", "own.gltf"); // a model of one's own has no plate
+    window.wait_until(
+        [](const Report &report) { return report.find("lesson/put away") == nullptr; }, "no plate");
+    EXPECT_TRUE(window.look().shows("own.gltf"));
+    std::filesystem::remove_all(folder);
 }
 
-TEST(SceneInTheWindow, AModelOfOnesOwnHasNoPlate) {
-    const std::filesystem::path folder = testing::fresh_folder("own_model");
-    std::ofstream(folder / "own.gltf")
-        << R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{)"
-        << R"("attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,)"
-        << R"("count":3,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[)"
-        << R"({"byteLength":36,"uri":"data:;base64,)" // (0, 0, 0), (1, 0, 0), (0, 1, 0)
-        << R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
-    ShownWindow window({"--scene", folder / "own.gltf"});
-    EXPECT_TRUE(window.look().shows("own.gltf"));
-    EXPECT_EQ(window.look().find("lesson/put away"), nullptr);
+TEST(LegendInTheWindow, EachSwitchAddsOrTakesAwayWhatItNames) {
+    const std::filesystem::path folder = testing::fresh_folder("legend");
+    std::ofstream(folder / "down.csv") << "t,x,y,z\n0,0,0.06,0\n1.5,0,0.06,0\n2.2,0,-0.008,0\n";
+    ShownWindow window({"--scene", scene_of("plate"), "--path", folder / "down.csv"});
+    window.wait_until(
+        [](const Report &report) {
+            return report.column("touching") != 0.0 && report.column("time_s") > 4.0;
+        },
+        "the tip is pressed and at rest");
+    window.click("legend/legend");
+    const auto switched_on = [](const Report &report, const std::string &label) -> bool {
+        return report.item("legend/" + label).at("value");
+    };
+    // How much is drawn as marks.
+    const auto marks = [](const Report &report) -> std::string {
+        return report.item("marks").at("text");
+    };
+    for (const auto &[label, is_on] :
+         std::initializer_list<std::pair<std::string, bool>>{{"tip", true},
+                                                             {"height", true},
+                                                             {"hand", true},
+                                                             {"proxy", true},
+                                                             {"normal", true},
+                                                             {"force", true},
+                                                             {"forces of both maps", false},
+                                                             {"contact plane", false},
+                                                             {"set-point", false},
+                                                             {"stiffness at the tip", false},
+                                                             {"trace of 5 s", false},
+                                                             {"direction errors", false},
+                                                             {"stiffnesses", false}}) {
+        // A tip at rest leaves no trace.
+        window.person().key("d");
+        window.person().key("d");
+        const Report before = window.look();
+        EXPECT_EQ(switched_on(before, label), is_on) << label;
+        window.click("legend/" + label);
+        EXPECT_EQ(switched_on(window.look(), label), !is_on) << label;
+        if (label != "height") { // there is none on the surface
+            EXPECT_NE(marks(window.look()), marks(before)) << label;
+        }
+        window.click("legend/" + label);
+    }
+    EXPECT_FALSE(window.look().shows("0 … ")); // ranges stand with what is on
+    window.click("legend/stiffness at the tip");
+    window.click("legend/direction errors");
+    EXPECT_TRUE(window.look().shows(" N/mm"));
+    EXPECT_TRUE(window.look().shows("0 … "));
+    EXPECT_EQ(window.look().column("trip_cause"), 0.0);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(SceneMessagesInTheWindow, ATipThatStartsInsideIsPulledOutByTheButton) {
+    const std::filesystem::path folder = testing::fresh_folder("starts_inside");
+    // The hand holds still there, and can be moved after a moment.
+    std::ofstream(folder / "held.csv") << "t,x,y,z\n0,0,-0.009,0\n0.2,0,-0.009,0\n";
+    ShownWindow window({"--scene", scene_of("plate"), "--path", folder / "held.csv"});
+    window.wait_until(
+        [](const Report &report) { return report.find("inside/pull it out") != nullptr; },
+        "the tip is inside");
+    EXPECT_TRUE(window.look().shows("The tip is inside: pull out."));
+    const double before_m = window.look().column("tip_y_m");
+    window.click("inside/pull it out");
+    const Report out = window.wait_until(
+        [](const Report &report) { return report.find("inside") == nullptr; }, "it is out");
+    EXPECT_GT(out.column("tip_y_m"), before_m);
+    EXPECT_EQ(out.column("trip_cause"), 0.0);
+    window.wait_until_running();
+    EXPECT_FALSE(window.look().shows("inside"));
+}
+
+TEST(SceneMessagesInTheWindow, AResetInContactSaysWhatIsMissingAndAButtonLiftsTheTip) {
+    const std::filesystem::path folder = testing::fresh_folder("lifted");
+    // Down into the plate, where it stays until the path's end, and a second longer.
+    std::ofstream(folder / "down.csv") << "t,x,y,z\n0,0,0.06,0\n1.5,0,0.06,0\n2.5,0,-0.01,0\n";
+    ShownWindow window({"--scene", scene_of("plate"), "--path", folder / "down.csv"});
+    window.wait_until([](const Report &report) { return report.column("touching") != 0.0; },
+                      "the tip touches");
+    window.person().key("F12");
+    window.click("stopped/Reset");
+    window.wait_until(
+        [](const Report &report) {
+            return report.find("waiting") && report.shows("until the tip is lifted off");
+        },
+        "the window says that the tip must be lifted");
+    window.wait_until(
+        [](const Report &report) { return report.find("waiting/lift the tip") != nullptr; },
+        "the path is over, and the button is there");
+    EXPECT_TRUE(window.look().shows("Lift the tip to start."));
+    window.click("waiting/lift the tip");
+    window.wait_until_running();
+    EXPECT_EQ(window.look().column("touching"), 0.0);
 }
 
 } // namespace
