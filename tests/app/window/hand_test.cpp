@@ -43,9 +43,10 @@ Place drawing_of(const Report &report) {
 }
 
 /// Moves the hand within the picture, and waits until the tip has followed, in free space.
-void drag_tip(ShownWindow &window, testing::Point from) {
+/// @param by_px  to the right
+void drag_tip(ShownWindow &window, testing::Point from, float by_px) {
     const double before_m = window.look().column("tip_x_m");
-    window.person().drag(from, {from.x + 30.0F, from.y}, 0.3);
+    window.person().drag(from, {from.x + by_px, from.y}, 0.3);
     window.wait_until(
         [&](const Report &report) { return std::abs(report.column("tip_x_m") - before_m) > 0.004; },
         "the hand follows", 5.0);
@@ -60,9 +61,9 @@ TEST(HandInTheWindow, DragsMoveItBesideTheSceneAndAPressTouchesThereSlidesAndLif
     const testing::Point spot{
         caption.at("x").get<float>() + 0.5F * caption.at("width").get<float>(),
         caption.at("y").get<float>() + caption.at("height").get<float>() + 12.0F};
-    drag_tip(window, {60.0F, 330.0F}); // on the floor
+    drag_tip(window, {60.0F, 330.0F}, 30.0F); // on the floor
     window.person().press_key("Shift_L");
-    drag_tip(window, spot);
+    drag_tip(window, spot, -30.0F); // back
     window.person().release_key("Shift_L");
 
     window.person().move_to(spot.x, spot.y);
@@ -243,6 +244,21 @@ TEST(PlantInTheWindow, RateDelayEffectsAndDeviceChangeWhileItRunsAndTheDoctorNam
     EXPECT_TRUE(window.look().shows("PHANTOM 1.0, simulated"));
     window.wait_until_running();
     window.click("Scene/Plant");
+    // The doctor is offered where no board is found on USB.
+    window.click("Plant/device");
+    if (window.look().find("Plant/device/doctor…") != nullptr) {
+        const auto shows_answer = [](const Report &report) {
+            return report.shows("disk for records in");
+        };
+        window.click("Plant/device/doctor…");
+        const Report answer = window.wait_until(shows_answer, "the doctor's answer");
+        EXPECT_TRUE(answer.shows("board on USB: none is connected")) << answer.texts();
+        EXPECT_NE(answer.find("board on USB/copy"), nullptr) << answer.texts();
+        window.person().key("Escape");
+        window.wait_until([&](const Report &report) { return !shows_answer(report); }, "closed");
+    } else {
+        window.person().key("Escape");
+    }
     window.enter("Plant/rate", "2000");
     window.wait_until([](const Report &report) { return report.column("since_last_s") == 5e-4; },
                       "twice as fast");
@@ -260,21 +276,6 @@ TEST(PlantInTheWindow, RateDelayEffectsAndDeviceChangeWhileItRunsAndTheDoctorNam
     EXPECT_EQ(window.look().item("Plant/gravity").at("value"), false);
     EXPECT_EQ(window.look().item("Plant/motor tolerances").at("enabled"), false);
     EXPECT_EQ(window.look().column("trip_cause"), 0.0);
-    // The doctor is offered where no board is found on USB.
-    window.click("Plant/device");
-    if (window.look().find("Plant/device/doctor…") != nullptr) {
-        const auto shows_answer = [](const Report &report) {
-            return report.shows("disk for records in");
-        };
-        window.click("Plant/device/doctor…");
-        const Report answer = window.wait_until(shows_answer, "the doctor's answer");
-        EXPECT_TRUE(answer.shows("board on USB: none is connected")) << answer.texts();
-        EXPECT_NE(answer.find("board on USB/copy"), nullptr) << answer.texts();
-        window.person().key("Escape");
-        window.wait_until([&](const Report &report) { return !shows_answer(report); }, "closed");
-    } else {
-        window.person().key("Escape");
-    }
     window.choose("Plant/device", "simulated phantom_premium_1_5");
     window.wait_until(
         [](const Report &report) { return report.shows("PHANTOM Premium 1.5, simulated"); },
