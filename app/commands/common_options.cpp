@@ -9,7 +9,7 @@
 #include "device/core/motor/winding_guard.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning_file.h"
-#include "engine/lab/rig/scenario/touch_scene.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/servo/servo.h"
 
 #include <fmt/core.h>

@@ -10,7 +10,7 @@
 #include "device/core/device_file.h"
 #include "engine/lab/limits/locked_device.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
-#include "engine/lab/rig/configuration.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 
 #include <cstdint>
 #include <iostream>

@@ -3,7 +3,7 @@
 #include "app/commands/common_options.h"
 #include "base/input_error.h"
 #include "device/core/device_file.h"
-#include "engine/lab/rig/configuration.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 
 #include <fmt/core.h>
 

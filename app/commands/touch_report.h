@@ -4,7 +4,6 @@
 #include "engine/contact/mesh/mesh_preparation.h"
 #include "engine/lab/rig/scenario/touch_path.h"
 #include "engine/lab/rig/touch_check.h"
-#include "engine/lab/rig/touch_run.h"
 
 #include <cstddef>
 #include <optional>

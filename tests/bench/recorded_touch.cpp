@@ -2,7 +2,6 @@
 
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
-#include "engine/lab/rig/scenario/touch_scene.h"
 #include "engine/scene/scene_surface.h"
 #include "tests/bench/touch_path.h"
 #include "tests/support/devices.h"

@@ -4,7 +4,6 @@
 #include "base/input_error.h"
 #include "engine/control/motion_control.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
-#include "engine/lab/rig/configuration.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/servo_rig.h"
 

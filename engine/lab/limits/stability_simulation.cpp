@@ -2,7 +2,6 @@
 
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/lab/rig/quantisation_chatter.h"
 #include "engine/lab/rig/rotor_simulation.h"
 
 #include <algorithm>

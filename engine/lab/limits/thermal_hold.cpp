@@ -7,7 +7,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/motion_control.h"
-#include "engine/lab/rig/configuration.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 
 #include <fmt/core.h>
 

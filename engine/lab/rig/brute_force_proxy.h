@@ -4,7 +4,6 @@
 
 #include "base/vector.h"
 #include "engine/contact/proxy/analytic_shape.h"
-#include "engine/lab/rig/nearby_triangles.h"
 #include "engine/lab/rig/plain_triangles.h"
 
 #include <cstddef>
@@ -30,6 +29,8 @@ public:
     explicit BruteForceProxy(std::span<const PlainTriangle> triangles,
                              std::span<const contact::AnalyticShape> shapes = {},
                              double slack_m = kMinSlack_m);
+
+    [[nodiscard]] const NearbyTriangles &nearby() const { return nearby_; }
 
     struct End {
         Vector3 point_m{Vector3::Zero()};

@@ -8,7 +8,7 @@
 #include "engine/control/haptic_law.h"
 #include "engine/control/velocity_filter.h"
 #include "engine/control/virtual_wall.h"
-#include "engine/lab/rig/constraint.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
-// The triangles of a surface for independent checks of the proxy: geometry that shares no code with
-// it.
+// The triangles of a surface for independent checks of the proxy: geometry and search that share no
+// code with it.
 #pragma once
 
 #include "base/vector.h"
@@ -8,6 +8,10 @@
 #include <Eigen/Geometry>
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 namespace springdrive::rig {
@@ -47,5 +51,45 @@ struct PlainTriangle {
 /// @param facets  as preparation left them: with an area
 [[nodiscard]] std::vector<PlainTriangle>
 plain_triangles(const std::vector<contact::FacetSource> &facets);
+
+/// Whether a straight motion goes through a triangle: of a closed surface from its front, of an
+/// open one from either side. A motion that passes the rim by less than 0.1 nm counts as one
+/// through it, so that no motion between two triangles is missed; by more if round-off may shift
+/// the crossing by more, but not by 5 nm, half of what the proxy keeps.
+[[nodiscard]] bool goes_through(const PlainTriangle &triangle, const Vector3 &from_m,
+                                const Vector3 &to_m);
+
+/// A binary tree of boxes about triangles, halved at the median of the triangles' middles.
+class NearbyTriangles {
+public:
+    /// @param triangles  must outlive this
+    explicit NearbyTriangles(std::span<const PlainTriangle> triangles);
+
+    /// The triangles whose boxes are no farther than `radius_m` from a point, by ascending index.
+    [[nodiscard]] std::vector<std::size_t> within(const Vector3 &centre_m, double radius_m) const;
+
+    /// A triangle that a straight motion goes through, if there is one.
+    [[nodiscard]] std::optional<std::size_t> crossed(const Vector3 &from_m,
+                                                     const Vector3 &to_m) const;
+
+private:
+    struct Node {
+        Eigen::AlignedBox3d box;
+        std::uint32_t first = 0; ///< of its triangles in `order_`
+        std::uint32_t last = 0;  ///< one beyond
+        std::uint32_t other = 0; ///< its second half; the first follows it. 0: not halved
+    };
+
+    std::uint32_t add(std::uint32_t first, std::uint32_t last,
+                      const std::vector<Vector3> &middles_m);
+
+    /// Calls `visit(index)` for each triangle whose box satisfies `is_near`, until it returns true.
+    template <typename IsNear, typename Visit>
+    void search(const IsNear &is_near, const Visit &visit) const;
+
+    std::span<const PlainTriangle> triangles_;
+    std::vector<std::uint32_t> order_; ///< indices of triangles
+    std::vector<Node> nodes_;
+};
 
 } // namespace springdrive::rig

@@ -1,16 +1,46 @@
 #include "engine/lab/rig/touch_check.h"
 
+#include "base/assertions.h"
+#include "base/bisection.h"
 #include "base/parallel.h"
-#include "engine/lab/rig/crossing_finder.h"
-#include "engine/lab/rig/failure_rate.h"
+#include "engine/contact/proxy/proxy.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <span>
 
 namespace springdrive::rig {
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
+
+TouchStep step_of(const contact::HapticSurface &surface, const Vector3 &tip_m,
+                  const contact::Contact &contact) {
+    TouchStep step;
+    step.tip_m = tip_m;
+    step.proxy_m = contact.x0_m;
+    step.normal = contact.normal;
+    step.constraints = contact.active_constraints;
+    step.settled = contact.settled;
+    step.has_friction =
+        contact.touching && surface.materials()[contact.material].static_friction > 0.0;
+    return step;
+}
+
+/// P(at most `failures` of `trials`), each failing with probability `rate`.
+double probability_of_at_most(std::size_t failures, std::size_t trials, double rate) {
+    const auto n = static_cast<double>(trials);
+    double log_term = n * std::log1p(-rate); // of no failure
+    const double log_odds = std::log(rate) - std::log1p(-rate);
+    double sum = std::exp(log_term);
+    for (std::size_t i = 0; i < failures; ++i) {
+        const auto k = static_cast<double>(i);
+        log_term += std::log((n - k) / (k + 1.0)) + log_odds;
+        sum += std::exp(log_term);
+    }
+    return sum;
+}
 
 constexpr double kStuckShare = 0.01;
 
@@ -22,14 +52,12 @@ double angle_rad(const Vector3 &a, const Vector3 &b) {
 }
 
 /// Steps whose path crosses a triangle.
-std::vector<std::size_t> pop_throughs(const TouchRun &run,
-                                      std::span<const PlainTriangle> triangles) {
-    const CrossingFinder finder(triangles);
+std::vector<std::size_t> pop_throughs(const TouchRun &run, const NearbyTriangles &nearby) {
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < run.steps.size(); ++i) {
         const std::span<const Vector3> way = run.way(i);
         for (std::size_t piece = 0; piece + 1 < way.size(); ++piece) {
-            if (finder.crossed(way[piece], way[piece + 1])) {
+            if (nearby.crossed(way[piece], way[piece + 1])) {
                 found.push_back(i);
                 break;
             }
@@ -70,14 +98,13 @@ CheckedStep check_step(const TouchStep &step, const BruteForceProxy &brute_force
 
 /// In parts, between which progress is told.
 std::vector<CheckedStep> check_steps(const TouchRun &run, const std::vector<std::size_t> &steps,
-                                     const TouchedSurface &surface,
+                                     const BruteForceProxy &brute_force,
                                      const TouchCheckOptions &options) {
     constexpr std::size_t kParts = 100;
     std::vector<CheckedStep> checked(steps.size());
     if (steps.empty()) {
         return checked;
     }
-    const BruteForceProxy brute_force(surface.triangles, surface.shapes, options.slack_m);
     for (std::size_t part = 0; part < kParts; ++part) {
         options.progress(static_cast<double>(part) / kParts);
         const std::size_t first = steps.size() * part / kParts;
@@ -127,6 +154,77 @@ Stall longest_of(const std::vector<std::size_t> &steps) {
 
 } // namespace
 
+void TouchRun::add(const TouchStep &step, std::span<const Vector3> way_m) {
+    if (first_corner.empty()) {
+        first_corner.push_back(0);
+    }
+    steps.push_back(step);
+    corners_m.insert(corners_m.end(), way_m.begin(), way_m.end());
+    first_corner.push_back(corners_m.size());
+}
+
+TouchRun run_touch(const contact::HapticSurface &surface, std::span<const Vector3> tips_m,
+                   double radius_m, int repeats) {
+    SPRINGDRIVE_ASSERT(!tips_m.empty() && repeats >= 1);
+    TouchRun run;
+    run.steps.reserve(tips_m.size());
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+        contact::Proxy proxy(radius_m);
+        proxy.reset(tips_m.front());
+        for (std::size_t i = 0; i < tips_m.size(); ++i) {
+            const Clock::time_point start = Clock::now();
+            const contact::Contact contact = proxy.update(surface, tips_m[i]);
+            const Clock::time_point end = Clock::now();
+            const double time_ns = std::chrono::duration<double, std::nano>(end - start).count();
+            if (repeat == 0) {
+                TouchStep step = step_of(surface, tips_m[i], contact);
+                step.first_ns = step.min_ns = time_ns;
+                run.add(step, {proxy.path().begin(), proxy.path().end()});
+            } else {
+                run.steps[i].min_ns = std::min(run.steps[i].min_ns, time_ns);
+            }
+        }
+    }
+    return run;
+}
+
+std::optional<UpdateTimes> update_times(const TouchRun &run, bool touching,
+                                        double TouchStep::*time_ns) {
+    std::vector<double> times_ns;
+    for (const TouchStep &step : run.steps) {
+        if (step.is_touching() == touching) {
+            times_ns.push_back(step.*time_ns);
+        }
+    }
+    if (times_ns.empty()) {
+        return std::nullopt;
+    }
+    std::ranges::sort(times_ns);
+    // The least time that a share of all does not exceed.
+    const auto quantile = [&](double share) {
+        const double rank = std::ceil(share * static_cast<double>(times_ns.size()));
+        return times_ns[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
+    };
+    return UpdateTimes{quantile(0.5), quantile(0.99), quantile(0.999), times_ns.back()};
+}
+
+std::size_t trials_to_exclude(double rate, double confidence) {
+    SPRINGDRIVE_ASSERT(rate > 0.0 && rate < 1.0 && confidence > 0.0 && confidence < 1.0);
+    return static_cast<std::size_t>(std::ceil(std::log1p(-confidence) / std::log1p(-rate)));
+}
+
+double rate_not_excluded(std::size_t failures, std::size_t trials, double confidence) {
+    SPRINGDRIVE_ASSERT(failures <= trials && confidence > 0.0 && confidence < 1.0);
+    if (failures == trials) {
+        return 1.0; // also without any trial
+    }
+    constexpr int kHalvings = 100; // rates may be small
+    const auto is_likely = [&](double rate) {
+        return probability_of_at_most(failures, trials, rate) > 1.0 - confidence;
+    };
+    return bisect({0.0, 1.0}, kHalvings, is_likely).fails_at;
+}
+
 bool looks_stuck(const TouchStep &before, const TouchStep &step) {
     if (!before.is_touching() || !step.is_touching() || step.has_friction) {
         return false;
@@ -139,8 +237,9 @@ bool looks_stuck(const TouchStep &before, const TouchStep &step) {
 
 TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
                           const TouchCheckOptions &options) {
+    const BruteForceProxy brute_force(surface.triangles, surface.shapes, options.slack_m);
     TouchFindings findings;
-    findings.pop_throughs = pop_throughs(run, surface.triangles);
+    findings.pop_throughs = pop_throughs(run, brute_force.nearby());
     std::vector<std::size_t> in_contact;
     std::vector<std::size_t> suspicious;
     std::vector<std::size_t> off_rest;
@@ -175,7 +274,7 @@ TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
     std::ranges::sort(to_check);
     to_check.erase(std::unique(to_check.begin(), to_check.end()), to_check.end());
 
-    const std::vector<CheckedStep> checked = check_steps(run, to_check, surface, options);
+    const std::vector<CheckedStep> checked = check_steps(run, to_check, brute_force, options);
     findings.lag_of_step_m.resize(run.steps.size());
     for (std::size_t i = 0; i < to_check.size(); ++i) {
         note(run, to_check[i], checked[i], findings);

@@ -1,18 +1,77 @@
-// Holds what a proxy did against what it should have done, by means that share nothing with it.
+// A proxy's answers along a path of the tip with their times, and what they should have been, by
+// means that share nothing with it.
 #pragma once
 
+#include "base/vector.h"
 #include "engine/contact/proxy/analytic_shape.h"
+#include "engine/contact/proxy/haptic_surface.h"
 #include "engine/lab/rig/brute_force_proxy.h"
 #include "engine/lab/rig/plain_triangles.h"
-#include "engine/lab/rig/touch_run.h"
 
 #include <cstddef>
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace springdrive::rig {
+
+/// One update of the proxy.
+struct TouchStep {
+    Vector3 tip_m{Vector3::Zero()};
+    Vector3 proxy_m{Vector3::Zero()};
+    Vector3 normal{Vector3::Zero()}; ///< of the contact; zero when free
+    int constraints = 0;             ///< 0 free, 1 face, 2 edge, 3 vertex
+    bool settled = true;
+    bool has_friction = false; ///< of the touched material: the proxy may lag
+    double first_ns = 0.0;     ///< time of the first run
+    double min_ns = 0.0;       ///< least time of all runs: without disturbance by other processes
+
+    [[nodiscard]] bool is_touching() const { return constraints > 0; }
+};
+
+struct TouchRun {
+    std::vector<TouchStep> steps;
+    std::vector<Vector3> corners_m;        ///< of the proxy's paths, one step after another
+    std::vector<std::size_t> first_corner; ///< of each step's path; one more for the end
+
+    /// The path of a step, from the proxy's last position to its new one.
+    [[nodiscard]] std::span<const Vector3> way(std::size_t step) const {
+        return {corners_m.data() + first_corner[step], corners_m.data() + first_corner[step + 1]};
+    }
+
+    /// Adds a step and its path.
+    void add(const TouchStep &step, std::span<const Vector3> way_m);
+};
+
+/// Lets a proxy follow the tip, from the first of `tips_m` on, where it starts free; repeated
+/// for timing. Times include those of reading the clock, some 20 ns.
+/// @pre there is at least one tip, and `repeats` >= 1
+[[nodiscard]] TouchRun run_touch(const contact::HapticSurface &surface,
+                                 std::span<const Vector3> tips_m, double radius_m, int repeats);
+
+/// Quantiles of times, by rank.
+struct UpdateTimes {
+    double median_ns = 0.0;
+    double p99_ns = 0.0;
+    double p99_9_ns = 0.0;
+    double max_ns = 0.0;
+};
+
+/// Of the steps that touch, or of those that do not. Nothing if there are none.
+[[nodiscard]] std::optional<UpdateTimes> update_times(const TouchRun &run, bool touching,
+                                                      double TouchStep::*time_ns);
+
+/// The trials, without any failure, after which a rate of failures is excluded:
+/// (1 − rate)ⁿ <= 1 − confidence, about 3 / rate at 95 %.
+/// @pre both lie between 0 and 1
+[[nodiscard]] std::size_t trials_to_exclude(double rate, double confidence);
+
+/// The rate that is not excluded: with a greater one, as few failures as these would be found with
+/// a probability of at most 1 − confidence. The upper limit of Clopper and Pearson (1934).
+/// @pre failures <= trials; confidence between 0 and 1
+[[nodiscard]] double rate_not_excluded(std::size_t failures, std::size_t trials, double confidence);
 
 /// A proxy farther than this from where it could be lags [m].
 inline constexpr double kLag_m = 1e-6;

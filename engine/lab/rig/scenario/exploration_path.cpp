@@ -1,4 +1,4 @@
-#include "engine/lab/rig/scenario/exploration_path.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 
 #include "base/cancellation.h"
 #include "engine/scene/surface_probe.h"

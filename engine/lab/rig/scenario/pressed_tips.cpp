@@ -16,19 +16,8 @@ constexpr double kMaxDepth_m = 2e-3;
 /// Of longitude for each tip [rad]: about 0.1 m/s in the mean on the test sphere at 1 kHz.
 constexpr double kPhaseStep = 2e-3;
 
-/// A Lissajous figure of longitude and latitude. The ratio of their frequencies is the golden one,
-/// so that it never closes.
 Vector3 direction_of(std::size_t tip) {
-    const double phase = kPhaseStep * static_cast<double>(tip);
-    const double latitude = 1.2 * std::sin(phase / std::numbers::phi);
-    return {std::cos(latitude) * std::cos(phase), std::sin(latitude),
-            std::cos(latitude) * std::sin(phase)};
-}
-
-/// Swings from one depth to another and back, slowly and out of step with the figure.
-double swing_m(std::size_t tip, double min_m, double max_m) {
-    const double share = 0.5 + 0.5 * std::sin(2.7e-3 * static_cast<double>(tip));
-    return min_m + share * (max_m - min_m);
+    return lissajous_direction(kPhaseStep * static_cast<double>(tip));
 }
 
 PressedTip pressed(const Vector3 &surface_m, const Vector3 &normal, double depth_m) {
@@ -36,6 +25,17 @@ PressedTip pressed(const Vector3 &surface_m, const Vector3 &normal, double depth
 }
 
 } // namespace
+
+Vector3 lissajous_direction(double phase) {
+    const double latitude = 1.2 * std::sin(phase / std::numbers::phi);
+    return {std::cos(latitude) * std::cos(phase), std::sin(latitude),
+            std::cos(latitude) * std::sin(phase)};
+}
+
+double swing_m(std::size_t tip, double min_m, double max_m) {
+    const double share = 0.5 + 0.5 * std::sin(2.7e-3 * static_cast<double>(tip));
+    return min_m + share * (max_m - min_m);
+}
 
 std::vector<PressedTip> tips_in_sphere(std::size_t count) {
     std::vector<PressedTip> tips;

@@ -8,6 +8,13 @@
 
 namespace springdrive::rig {
 
+/// Unit; a Lissajous figure of longitude, of a turn for each 2π of `phase`, and latitude. The ratio
+/// of their frequencies is the golden one, so that it never closes.
+[[nodiscard]] Vector3 lissajous_direction(double phase);
+
+/// Swings from one depth to another and back, slowly and out of step with the figure.
+[[nodiscard]] double swing_m(std::size_t tip, double min_m, double max_m);
+
 /// Where the tip is, and what a proxy on the true surface would do: rest at the point from which
 /// the tip was pushed in, along the normal there.
 struct PressedTip {

@@ -1,10 +1,12 @@
 #include "engine/lab/rig/scenario/scenarios.h"
 
 #include "base/assertions.h"
+#include "base/degrees.h"
+#include "base/input_error.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 
-#include <Eigen/Geometry>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
@@ -86,7 +88,101 @@ void compare_drives(Scenario &made, device::AmplifierKind drive) {
     made.simulation.longest_step_s = 50e-6;
 }
 
+/// Once the servo has started: into the plate, to and fro along it, and out again, all within
+/// `exercise_s`.
+void add_exercise(const ViceOptions &options, const Vector3 &inside_m, const Vector3 &outside_m,
+                  const Vector3 &along, std::vector<simulated::HandPath::Point> &points) {
+    constexpr double kStep_s = 0.02;
+    constexpr double kPress_s = 0.2;
+    constexpr double kStroke_rad_per_s = std::numbers::pi; // half a stroke a second
+    points.push_back({ViceOptions::kZeroFrom_s, outside_m});
+    const long steps = std::lround(options.exercise_s / kStep_s);
+    for (long i = 1; i < steps; ++i) {
+        const double time_s = static_cast<double>(i) * kStep_s;
+        const double pressed =
+            std::clamp(std::min(time_s, options.exercise_s - time_s) / kPress_s, 0.0, 1.0);
+        const double aside_m = 0.5 * ViceOptions::kStroke_m * std::sin(kStroke_rad_per_s * time_s);
+        points.push_back({ViceOptions::kZeroFrom_s + time_s,
+                          outside_m + pressed * (inside_m - outside_m + aside_m * along)});
+    }
+}
+
 } // namespace
+
+Constraint free_space() {
+    return [](const Vector3 &tip_m) {
+        contact::Contact contact;
+        contact.x0_m = tip_m;
+        return contact;
+    };
+}
+
+Constraint tied_to(const Vector3 &point_m) {
+    contact::Contact contact;
+    contact.touching = true;
+    contact.x0_m = point_m;
+    contact.tangent_projector.setZero();
+    contact.eta = 0.0;
+    return [contact](const Vector3 &) { return contact; };
+}
+
+Constraint plane(const Vector3 &point_m, const Vector3 &normal, Sides sides) {
+    return [point_m, normal, sides](const Vector3 &tip_m) {
+        contact::Contact contact;
+        const double outside_m = normal.dot(tip_m - point_m);
+        if (sides == Sides::one && outside_m >= 0.0) {
+            contact.x0_m = tip_m;
+            return contact;
+        }
+        contact.touching = true;
+        contact.x0_m = tip_m - outside_m * normal;
+        contact.tangent_projector = Matrix3::Identity() - normal * normal.transpose();
+        contact.normal = normal;
+        contact.eta = 0.0;
+        contact.active_constraints = 1;
+        return contact;
+    };
+}
+
+Constraint surface(const contact::HapticSurface &surface) {
+    return [&surface, proxy = contact::Proxy(), starts = true](const Vector3 &tip_m) mutable {
+        if (starts) {
+            proxy.reset(tip_m);
+            starts = false;
+        }
+        return proxy.update(surface, tip_m);
+    };
+}
+
+void check_configuration(const device::DeviceDescription &device, const Vector3 &q_rad) {
+    struct LimitedAngle {
+        const char *name;
+        double rad;
+        double min_rad;
+        double max_rad;
+    };
+    const device::JointLimits &limits = device.joint_limits;
+    const std::array<LimitedAngle, 4> angles{
+        {{"q1", q_rad[0], limits.min_rad[0], limits.max_rad[0]},
+         {"q2", q_rad[1], limits.min_rad[1], limits.max_rad[1]},
+         {"q3", q_rad[2], limits.min_rad[2], limits.max_rad[2]},
+         {"q3 - q2", q_rad[2] - q_rad[1], limits.min_q3_minus_q2_rad, limits.max_q3_minus_q2_rad}}};
+    for (const LimitedAngle &angle : angles) {
+        if (!(angle.rad >= angle.min_rad && angle.rad <= angle.max_rad)) { // a NaN too
+            throw InputError(fmt::format(
+                "{} is {:g}°; {} allows {:g}° to {:g}° (joint_limits of its device file)",
+                angle.name, kDegreesPerRadian * angle.rad, device.name,
+                kDegreesPerRadian * angle.min_rad, kDegreesPerRadian * angle.max_rad));
+        }
+    }
+    constexpr double kSameAngle_rad = 1e-6;
+    const std::optional<Vector3> found =
+        device::joint_angles_rad(device.geometry, device::tip_position_m(device.geometry, q_rad));
+    if (!found || !(*found - q_rad).isZero(kSameAngle_rad)) {
+        throw InputError("at these joint angles the tip is behind the base axis, where inverse "
+                         "kinematics take other angles; choose q2 and q3 with the tip in front");
+    }
+}
 
 PlacedSurface placed_sphere() {
     constexpr int kDivisions = 5;
@@ -121,29 +217,6 @@ Scenario exploration_scenario(const ScenarioSetting &setting, const PlacedSurfac
                             Eigen::AlignedBox3d(place.lower_m, place.upper_m), made.start_m, how));
     return made;
 }
-
-namespace {
-
-/// Once the servo has started: into the plate, to and fro along it, and out again, all within
-/// `exercise_s`.
-void add_exercise(const ViceOptions &options, const Vector3 &inside_m, const Vector3 &outside_m,
-                  const Vector3 &along, std::vector<simulated::HandPath::Point> &points) {
-    constexpr double kStep_s = 0.02;
-    constexpr double kPress_s = 0.2;
-    constexpr double kStroke_rad_per_s = std::numbers::pi; // half a stroke a second
-    points.push_back({ViceOptions::kZeroFrom_s, outside_m});
-    const long steps = std::lround(options.exercise_s / kStep_s);
-    for (long i = 1; i < steps; ++i) {
-        const double time_s = static_cast<double>(i) * kStep_s;
-        const double pressed =
-            std::clamp(std::min(time_s, options.exercise_s - time_s) / kPress_s, 0.0, 1.0);
-        const double aside_m = 0.5 * ViceOptions::kStroke_m * std::sin(kStroke_rad_per_s * time_s);
-        points.push_back({ViceOptions::kZeroFrom_s + time_s,
-                          outside_m + pressed * (inside_m - outside_m + aside_m * along)});
-    }
-}
-
-} // namespace
 
 Scenario vice_scenario(const ScenarioSetting &setting, const ViceOptions &options) {
     constexpr double kOutside_m = 1e-3;

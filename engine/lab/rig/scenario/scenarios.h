@@ -6,18 +6,42 @@
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/hand_path.h"
 #include "device/simulated/simulation_options.h"
+#include "engine/contact/contact.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/tuning.h"
-#include "engine/lab/rig/constraint.h"
-#include "engine/lab/rig/scenario/exploration_path.h"
 #include "engine/scene/scripted_touch.h"
 
+#include <Eigen/Geometry>
+
 #include <array>
+#include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string_view>
 
 namespace springdrive::rig {
+
+// What holds the tip, as motion control sees it: a point, a plane, a surface, or nothing.
+
+/// The contact of a tip. It may depend on earlier tips, as a proxy does.
+using Constraint = std::function<contact::Contact(const Vector3 &tip_m)>;
+
+[[nodiscard]] Constraint free_space();
+
+/// Holds the tip at a point in all directions, with η = 0.
+[[nodiscard]] Constraint tied_to(const Vector3 &point_m);
+
+/// Whether a plane also holds a tip outside it.
+enum class Sides : std::uint8_t { one, both };
+
+/// A plane through a point, with η = 0.
+/// @param normal  unit, out of the plane
+[[nodiscard]] Constraint plane(const Vector3 &point_m, const Vector3 &normal, Sides sides);
+
+/// A surface touched by a proxy that starts at the first tip.
+/// @param surface  must outlive the constraint
+[[nodiscard]] Constraint surface(const contact::HapticSurface &surface);
 
 /// A surface in the workspace, and the box that it lies in.
 struct PlacedSurface {
@@ -42,6 +66,11 @@ struct ScenarioSetting {
     double delay_periods = 0.0;
 };
 
+/// Whether a device can be held at given joint angles, to be measured there.
+/// @throw InputError naming the angle, its value and its range in degrees, where the joint limits
+///        do not allow `q_rad`, or where inverse kinematics would give other angles for that tip.
+void check_configuration(const device::DeviceDescription &device, const Vector3 &q_rad);
+
 /// A device, a tuning, a contact and a hand on its path: what a `ServoRig` or a `LawRig` runs.
 struct Scenario {
     device::DeviceDescription device;
@@ -62,6 +91,30 @@ struct Scenario {
 [[nodiscard]] Scenario scripted_touch_scenario(const ScenarioSetting &setting,
                                                const PlacedSurface &place,
                                                const scene::ScriptedTouch &how = {});
+
+/// A hand that explores a scene from above, pressing and letting go: what models of it are compared
+/// on.
+struct Exploration {
+    double rest_s = 0.05;        ///< at the start
+    double approach_s = 0.25;    ///< from the start into the surface
+    double duration_s = 2.0;     ///< in all
+    double speed_m_per_s = 0.08; ///< along the path seen from above
+    double min_depth_m = -0.001; ///< below the surface, straight down: it leaves contact,
+    double max_depth_m = 0.007;  ///< returns and presses in, repeatedly,
+    double press_hz = 3.0;       ///< at this frequency
+    double climb_m_per_s = 0.15; ///< maximum vertical speed: it runs into a wall before it rises
+                                 ///< over it
+    bool planar = false;         ///< stays in the plane of its start, x = const
+};
+
+/// Its path over what `box` holds, begun at `start_m`: a Lissajous figure seen from above over the
+/// middle 70 % of the box, or over as much of that as the device reaches. Where nothing lies below,
+/// it keeps to the height of the box's floor; where the device reaches nothing, it stays.
+[[nodiscard]] simulated::HandPath exploration_path(const device::DeviceDescription &device,
+                                                   const contact::HapticSurface &surface,
+                                                   const Eigen::AlignedBox3d &box,
+                                                   const Vector3 &start_m,
+                                                   const Exploration &how = {});
 
 /// A hand that presses and lets go all over a surface.
 [[nodiscard]] Scenario exploration_scenario(const ScenarioSetting &setting,

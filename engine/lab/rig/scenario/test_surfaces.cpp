@@ -2,10 +2,11 @@
 
 #include "base/input_error.h"
 #include "base/number_in.h"
-#include "engine/contact/mesh/mesh_triangle.h"
 #include "engine/lab/rig/scenario/blob_shape.h"
 #include "engine/lab/rig/scenario/machined_surface.h"
 #include "engine/lab/rig/scenario/scanned_surface.h"
+#include "engine/scene/fit.h"
+#include "engine/scene/gltf.h"
 
 #include <Eigen/Geometry>
 
@@ -210,6 +211,25 @@ std::optional<contact::TriangleSoup> test_surface_named(std::string_view name) {
         return machined_surface(triangles_of(name, name.substr(kCad.size())));
     }
     return std::nullopt;
+}
+
+scene::Scene touch_scene(const std::string &name, const device::Workspace &workspace,
+                         scene::LoadProgress *progress) {
+    std::optional<contact::TriangleSoup> surface = test_surface_named(name);
+    if (!surface) {
+        return scene::load_gltf(name, workspace, progress);
+    }
+    scene::BoundingBox box;
+    for (const Vector3 &vertex_m : surface->vertices_m) {
+        box.include(vertex_m);
+    }
+    scene::Scene scene;
+    scene.file = name;
+    scene.surface = std::move(*surface);
+    scene.lower_m = box.lower;
+    scene.upper_m = box.upper;
+    scene.in_metres = true;
+    return scene;
 }
 
 bool names_test_sphere(std::string_view name) { return name.starts_with(kSphere); }

@@ -2,9 +2,12 @@
 #pragma once
 
 #include "engine/contact/mesh/triangle_soup.h"
+#include "engine/scene/load_progress.h"
+#include "engine/scene/scene.h"
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace springdrive::rig {
@@ -36,6 +39,13 @@ inline constexpr std::uint64_t kTestScanSeed = 1;
 /// N, from 1000 to 2000000. Nothing for a name that does not begin so.
 /// @throw InputError for another N.
 [[nodiscard]] std::optional<contact::TriangleSoup> test_surface_named(std::string_view name);
+
+/// What to touch, by name: loads a file as `load_gltf` does, or makes what `test_surface_named`
+/// knows, in metres about the origin and with nothing to draw.
+/// @throw InputError as these do.
+/// @param progress receives the progress, if given
+[[nodiscard]] scene::Scene touch_scene(const std::string &name, const device::Workspace &workspace,
+                                       scene::LoadProgress *progress = nullptr);
 
 /// Whether it names a sphere without bumps: its true normals are known.
 [[nodiscard]] bool names_test_sphere(std::string_view name);

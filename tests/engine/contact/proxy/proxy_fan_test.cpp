@@ -3,7 +3,6 @@
 #include "engine/contact/mesh/fan_grading.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/brute_force_proxy.h"
-#include "engine/lab/rig/crossing_finder.h"
 #include "engine/lab/rig/plain_triangles.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/hard_meshes.h"
@@ -70,7 +69,7 @@ TEST(ProxyOnFans, IsWhereTheFanAsGivenLetsItBe) {
             const HapticSurface surface(soup);
             ASSERT_EQ(surface.report().graded_fans.all, 1U);
             const std::vector<rig::PlainTriangle> triangles = given_triangles(soup);
-            const rig::CrossingFinder crossings(triangles);
+            const rig::NearbyTriangles crossings(triangles);
             const rig::BruteForceProxy brute_force(triangles);
             testing::ProbingTip tip(soup, 1);
             Proxy proxy;

@@ -5,7 +5,6 @@
 #include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/brute_force_proxy.h"
-#include "engine/lab/rig/crossing_finder.h"
 #include "engine/lab/rig/plain_triangles.h"
 #include "tests/support/cases.h"
 #include "tests/support/hard_meshes.h"
@@ -146,7 +145,7 @@ private:
     std::vector<rig::PlainTriangle> triangles_;
     rig::BruteForceProxy brute_force_;
     rig::BruteForceProxy with_more_slack_;
-    rig::CrossingFinder crossings_;
+    rig::NearbyTriangles crossings_;
 };
 
 /// Whether the last of these tips leaves the proxy stuck or lets it cross the mesh.

@@ -36,29 +36,14 @@ TEST(RotorSimulation, ALockedWindingFillsByItsTimeConstant) {
     }
 }
 
-TEST(RotorSimulation, ACommandArrivesAfterTheDelay) {
-    for (const int delay : {0, 1, 3, 8}) {
-        RotorSimulationOptions options = locked_rotor();
-        options.per_position = -10.0;
-        options.delay_periods = delay;
-        RotorSimulation rotor(options);
-        for (int k = 0; k < delay; ++k) {
-            rotor.tick();
-            EXPECT_EQ(rotor.current_A(), 0.0);
-        }
-        rotor.tick();
-        EXPECT_LT(rotor.current_A(), -0.05);
-    }
-}
-
 /// A winding that is held fills from dT on, wherever in a period that is.
-TEST(RotorSimulation, AFractionOfADelaySplitsThePeriodExactly) {
-    for (const double delay : {0.001, 0.25, 0.5, 0.97, 1.3, 2.999, 7.5}) {
+TEST(RotorSimulation, ADelaySplitsThePeriodExactly) {
+    for (const double delay : {0.0, 1.0, 8.0, 0.001, 0.25, 0.5, 0.97, 1.3, 2.999, 7.5}) {
         RotorSimulationOptions options = locked_rotor();
         options.per_position = -10.0;
         options.delay_periods = delay;
         RotorSimulation rotor(options);
-        for (int k = 1; k <= 10; ++k) {
+        for (int k = 1; k <= 12; ++k) {
             rotor.tick();
             const double time_s = 1e-3 * std::max(0.0, k - delay);
             const double truth =
@@ -67,21 +52,6 @@ TEST(RotorSimulation, AFractionOfADelaySplitsThePeriodExactly) {
             EXPECT_NEAR(rotor.current_A(), truth, 1e-9 * 0.2) << delay << ", " << k;
         }
     }
-}
-
-/// Without commands it does not matter when they would come.
-TEST(RotorSimulation, AFractionMovesNothingByItself) {
-    RotorSimulationOptions options = locked_rotor();
-    options.load = {1e-5, 1e-4, 10.0};
-    RotorSimulation whole(options);
-    options.delay_periods = 0.35;
-    RotorSimulation split(options);
-    for (int k = 0; k < 20; ++k) {
-        whole.tick();
-        split.tick();
-    }
-    // 20 sub-steps of 50 µs either way: they end at 350 µs as well. Round-off.
-    EXPECT_NEAR(split.theta_rad(), whole.theta_rad(), 1e-12 * 0.01);
 }
 
 TEST(RotorSimulation, ACurrentDriveFollowsWithItsBandwidth) {
@@ -158,16 +128,6 @@ TEST(RotorSimulation, IsOfSecondOrderInTheSubStep) {
     EXPECT_LT(coarse, 5e-3 * 1e-3); // 4 rad of phase, (ωh)²/12 of it
     EXPECT_NEAR(std::log2(coarse / miss(25e-6)), 2.0, 0.05);
     EXPECT_NEAR(std::log2(miss(25e-6) / miss(12.5e-6)), 2.0, 0.05);
-}
-
-TEST(RotorSimulation, KeepsTheEnergyOfAMassOnASpring) {
-    RotorSimulation rotor(pendulum(1e-3));
-    for (int k = 0; k < 3000; ++k) {
-        rotor.tick();
-    }
-    const double energy = 0.5 * 1e-5 * rotor.rate_rad_per_s() * rotor.rate_rad_per_s() +
-                          0.5 * 40.0 * rotor.theta_rad() * rotor.theta_rad();
-    EXPECT_NEAR(energy, 0.5 * 40.0 * 1e-6, 1e-9 * 0.5 * 40.0 * 1e-6);
 }
 
 TEST(RotorSimulation, ADriveWithoutCommandsTakesTheEnergyThatItsResistanceHeats) {

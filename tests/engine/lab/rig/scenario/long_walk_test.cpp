@@ -1,9 +1,8 @@
 // A million steps at random over every scene that we have, ours and others': nothing is crossed.
 #include "engine/contact/mesh/mesh_preparation.h"
 #include "engine/contact/proxy/proxy.h"
-#include "engine/lab/rig/crossing_finder.h"
 #include "engine/lab/rig/plain_triangles.h"
-#include "engine/lab/rig/scenario/touch_scene.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/scene/scene_surface.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/cases.h"
@@ -50,7 +49,7 @@ TEST_P(LongWalk, CrossesNothing) {
     const contact::HapticSurface surface = scene::haptic_surface_of(scene);
     const std::vector<PlainTriangle> triangles =
         plain_triangles(contact::prepare_mesh(scene.surface).facets);
-    const CrossingFinder finder(triangles);
+    const NearbyTriangles finder(triangles);
     const Vector3 middle_m = 0.5 * (scene.lower_m + scene.upper_m);
     const Vector3 half_m = 0.6 * (scene.upper_m - scene.lower_m) + Vector3::Constant(2e-3);
     std::mt19937_64 random(1);
