@@ -5,6 +5,7 @@
 #include "app/doctor/machine.h"
 #include "app/doctor/probe.h"
 
+#include <string>
 #include <vector>
 
 namespace springdrive::app::doctor {
@@ -22,6 +23,10 @@ struct Evidence {
 /// Whether a board is there; then, for each that is meant, permission, firmware, speed, autosuspend
 /// and hubs.
 [[nodiscard]] std::vector<Check> usb_checks(const Evidence &evidence);
+
+/// The line of setup/70-springdrive-usb.rules: of a device with a board's numbers and its
+/// interface, for the person at the screen.
+[[nodiscard]] std::string udev_rule();
 
 // What the other checks find:
 

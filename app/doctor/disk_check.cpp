@@ -83,21 +83,6 @@ int create_nameless(const std::filesystem::path &folder) {
     return file;
 }
 
-/// @return 0, or an errno
-int write_all(int file, const std::vector<char> &bytes) {
-    for (std::size_t done = 0; done < bytes.size();) {
-        const ssize_t count = write(file, bytes.data() + done, bytes.size() - done);
-        if (count < 0 && errno != EINTR) {
-            return errno;
-        }
-        if (count == 0) {
-            return EIO;
-        }
-        done += static_cast<std::size_t>(std::max<ssize_t>(0, count));
-    }
-    return 0;
-}
-
 /// Not zeros, which some disks do not store.
 std::vector<char> noise(std::size_t size) {
     std::vector<char> bytes(size);
@@ -127,7 +112,7 @@ DiskProbe try_disk(const std::filesystem::path &folder, std::size_t second_bytes
     const Clock::time_point start = Clock::now();
     std::size_t written = 0;
     do {
-        probe.refused = write_all(file, second);
+        probe.refused = write_all(file, {second.data(), second.size()});
         const Clock::time_point wrote = Clock::now();
         if (probe.refused == 0 && fdatasync(file) != 0) {
             probe.refused = errno;

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <cstring>
 #include <system_error>
 
 namespace springdrive::app::doctor {
@@ -22,30 +23,9 @@ constexpr std::size_t kShortFile_bytes = 4096; ///< as a file of sysfs
 constexpr std::size_t kLongFile_bytes = std::size_t{256} * 1024;
 constexpr std::size_t kMaxNames = 100'000;
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 /// Digits count as one number: cpu2 is before cpu10.
-bool is_before(std::string_view a, std::string_view b) {
-    const auto number_at = [](std::string_view text) {
-        std::size_t digits = 0;
-        while (digits < text.size() && is_digit(text[digits])) {
-            ++digits;
-        }
-        return text.substr(0, digits);
-    };
-    while (!a.empty() && !b.empty()) {
-        const std::string_view x = number_at(a);
-        const std::string_view y = number_at(b);
-        if (!x.empty() && !y.empty() && x != y) {
-            return x.size() != y.size() ? x.size() < y.size() : x < y;
-        }
-        if (a.front() != b.front()) {
-            return a.front() < b.front();
-        }
-        a.remove_prefix(1);
-        b.remove_prefix(1);
-    }
-    return a.size() < b.size();
+bool is_before(const std::string &a, const std::string &b) {
+    return strverscmp(a.c_str(), b.c_str()) < 0;
 }
 
 void take_limit(int resource, std::uint64_t &soft, std::uint64_t &hard) {

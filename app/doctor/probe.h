@@ -8,7 +8,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <sys/types.h>
 #include <vector>
 
 namespace springdrive::app::doctor {
@@ -63,6 +67,30 @@ inline constexpr std::chrono::milliseconds kProbeTime{2300};
 /// All probes at once, which takes as long as the slowest, at most kProbeTime. Call while the
 /// process has no other thread: it forks.
 [[nodiscard]] Probes try_all(const Purpose &purpose);
+
+/// Work in a process of its own that may crash or never end.
+/// Used while this process has no other thread: forks.
+class ChildAnswer {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    /// Starts `work`, which sees neither standard input nor the terminal. It ends with this
+    /// process.
+    explicit ChildAnswer(const std::function<std::string()> &work);
+    ~ChildAnswer(); ///< kills the child, without waiting for one that cannot be killed
+    ChildAnswer(const ChildAnswer &) = delete;
+    ChildAnswer &operator=(const ChildAnswer &) = delete;
+
+    /// What `work` returned; none if it crashed, threw, or has not returned by then.
+    [[nodiscard]] std::optional<std::string> by(Clock::time_point deadline);
+
+private:
+    pid_t child_ = -1;
+    int pipe_ = -1;
+};
+
+/// @return 0 once all is written to an open file, or an errno
+[[nodiscard]] int write_all(int file, std::string_view bytes);
 
 // The probes of the processes, one by one.
 

@@ -1,13 +1,15 @@
 // What stands between springdrive and a board on USB.
 #include "app/doctor/checks.h"
 
-#include "app/doctor/usb_boards.h"
+#include "base/number_in.h"
 #include "device/usb/protocol.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <optional>
 #include <string>
 
 namespace springdrive::app::doctor {
@@ -15,6 +17,116 @@ namespace springdrive::app::doctor {
 namespace {
 
 using usb::BoardObstacle;
+
+constexpr const char *kDevices = "/sys/bus/usb/devices/";
+
+/// A board, by what libusb and what the kernel say.
+struct Board : usb::SurveyedBoard {
+    /// Its serial number, or where it is.
+    [[nodiscard]] std::string name() const {
+        return serial.empty() ? fmt::format("the board at {}", sysfs_name) : "board " + serial;
+    }
+    [[nodiscard]] std::string node() const {
+        return fmt::format("/dev/bus/usb/{:03}/{:03}", bus, address);
+    }
+    [[nodiscard]] std::string sysfs_folder() const { return kDevices + sysfs_name; }
+
+    /// The hubs between it and the computer, in sysfs: "1-2" before "1-2.3".
+    [[nodiscard]] std::vector<std::string> hubs() const {
+        std::vector<std::string> hubs;
+        for (std::size_t point = sysfs_name.find('.'); point != std::string::npos;
+             point = sysfs_name.find('.', point + 1)) {
+            hubs.push_back(sysfs_name.substr(0, point));
+        }
+        return hubs;
+    }
+};
+
+/// Three digits at most, as in the node's name; 0 for anything else.
+int number_of_node(const Machine &machine, const std::string &file) {
+    const std::int64_t number = machine.number(file).value_or(0);
+    return number >= 0 && number <= 999 ? static_cast<int>(number) : 0;
+}
+
+/// Where libusb has no board, or no answer, the kernel's list tells why.
+Board board_of_kernel(const Machine &machine, const std::string &name, bool has_answered) {
+    const std::string folder = kDevices + name;
+    Board board;
+    board.bus = number_of_node(machine, folder + "/busnum");
+    board.address = number_of_node(machine, folder + "/devnum");
+    board.sysfs_name = name;
+    board.serial = machine.text(folder + "/serial").value_or("");
+    board.obstacle =
+        has_answered ? usb::BoardObstacle::no_permission : usb::BoardObstacle::no_answer;
+    board.problem = "does not answer";
+    return board;
+}
+
+bool has_its_numbers(const Machine &machine, const std::string &name) {
+    return machine.text(kDevices + name + "/idVendor") == fmt::format("{:04x}", usb::kVendorId) &&
+           machine.text(kDevices + name + "/idProduct") == fmt::format("{:04x}", usb::kProductId);
+}
+
+/// Whether an interface of this device, "1-2:1.0" of "1-2", is the protocol's, of any version.
+bool has_its_interface(const Machine &machine, const std::string &name) {
+    return std::ranges::any_of(machine.names_in(kDevices), [&](const std::string &other) {
+        return other.starts_with(name + ":") &&
+               machine.text(kDevices + other + "/bInterfaceClass") ==
+                   fmt::format("{:02x}", usb::kInterfaceClass) &&
+               machine.text(kDevices + other + "/bInterfaceSubClass") ==
+                   fmt::format("{:02x}", usb::kInterfaceSubclass);
+    });
+}
+
+struct UsingProcess {
+    std::int64_t id = 0;
+    std::string name;
+};
+
+/// Those that libusb found. If none, those that the kernel has: libusb sees no board without its
+/// device node.
+std::vector<Board> boards_of(const Machine &machine, const UsbProbe &probe) {
+    std::vector<Board> boards;
+    for (const usb::SurveyedBoard &board : probe.boards) {
+        boards.push_back({board});
+    }
+    if (!boards.empty()) {
+        return boards;
+    }
+    for (const std::string &name : machine.names_in(kDevices)) {
+        if (has_its_numbers(machine, name) && has_its_interface(machine, name)) {
+            boards.push_back(board_of_kernel(machine, name, probe.has_answered));
+        }
+    }
+    return boards;
+}
+
+/// The devices that have a board's numbers, which are for tests, but not its interface.
+std::vector<std::string> others_with_its_numbers(const Machine &machine) {
+    std::vector<std::string> others;
+    std::ranges::copy_if(
+        machine.names_in(kDevices), std::back_inserter(others), [&](const std::string &name) {
+            return has_its_numbers(machine, name) && !has_its_interface(machine, name);
+        });
+    return others;
+}
+
+/// The process that has the board's node open, as far as this user may see.
+std::optional<UsingProcess> user_of(const Machine &machine, const Board &board) {
+    for (const std::string &process : machine.names_in("/proc")) {
+        const auto id = number_in<std::int64_t>(process);
+        if (!id) {
+            continue;
+        }
+        const std::string folder = "/proc/" + process;
+        for (const std::string &file : machine.names_in(folder + "/fd")) {
+            if (machine.target_of(folder + "/fd/" + file) == board.node()) {
+                return UsingProcess{*id, machine.text(folder + "/comm").value_or("a program")};
+            }
+        }
+    }
+    return std::nullopt;
+}
 
 constexpr double kFullSpeedMost_hz = 1000.0;
 
@@ -205,7 +317,7 @@ Finding hub(const Evidence &evidence, const Board &board) {
     }
     std::string found = fmt::format("{} at {}", hubs.size(), board.sysfs_name);
     for (const std::string &name : hubs) {
-        const auto product = evidence.machine.text("/sys/bus/usb/devices/" + name + "/product");
+        const auto product = evidence.machine.text(kDevices + name + "/product");
         found += fmt::format("; {}: {}", name, product.value_or("a hub"));
     }
     return {Verdict::warning, found,
@@ -229,6 +341,14 @@ constexpr std::array<BoardRow, 5> kOfEachBoard{{
 }};
 
 } // namespace
+
+std::string udev_rule() {
+    return fmt::format("SUBSYSTEM==\"usb\", ENV{{DEVTYPE}}==\"usb_device\", "
+                       "ATTR{{idVendor}}==\"{:04x}\", ATTR{{idProduct}}==\"{:04x}\", "
+                       "ENV{{ID_USB_INTERFACES}}==\"*:{:02x}{:02x}??:*\", TAG+=\"uaccess\"",
+                       usb::kVendorId, usb::kProductId, usb::kInterfaceClass,
+                       usb::kInterfaceSubclass);
+}
 
 std::vector<Check> usb_checks(const Evidence &evidence) {
     const UsbProbe &probe = evidence.probes.usb;

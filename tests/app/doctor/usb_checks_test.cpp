@@ -1,8 +1,8 @@
-// Covers app/doctor/usb_checks.cpp and usb_boards.cpp: every obstacle before a board, and the line
+// Covers app/doctor/usb_checks.cpp: every obstacle before a board, and the line
 // that removes it.
 #include "tests/app/doctor/laid_out_computer.h"
 
-#include "app/doctor/usb_boards.h"
+#include <cerrno>
 
 namespace springdrive::app::doctor {
 namespace {
@@ -244,24 +244,51 @@ TEST(DoctorUsb, HubsAreCountedAndNamed) {
     expect_wrong(usb_check(evidence, "usb_hub"), Verdict::warning,
                  "2 at 1-2.3.1; 1-2: USB2.0 Hub; 1-2.3: a hub",
                  "plug the board into the computer itself (one hub may be built into it)");
-    EXPECT_EQ((Board{good_board()}.hubs().size()), 0U);
 }
 
-TEST(DoctorUsb, OddContentsAreBorne) {
+/// Whatever the files of a computer contain.
+TEST(DoctorChecks, OddContentsAreBorne) {
     LaidOutComputer computer = with_board();
     computer.has_no("/dev/bus/usb");
+    std::vector<std::string> files{"/etc/passwd",
+                                   "/etc/group",
+                                   "/etc/security/limits.conf",
+                                   "/etc/security/limits.d/springdrive.conf",
+                                   "/proc/99999999999999999999/comm",
+                                   "/proc/sys/kernel/sched_rt_runtime_us",
+                                   "/proc/sys/kernel/version",
+                                   "/sys/kernel/realtime"};
+    for (const char *const file :
+         {"busnum", "devnum", "serial", "speed", "power/control", "power/autosuspend_delay_ms"}) {
+        files.push_back(kBoard + file);
+    }
+    for (const char *const file :
+         {"cpuidle/state2/latency", "cpuidle/state2/name", "cpuidle/state2/disable",
+          "cpufreq/scaling_governor", "cpufreq/scaling_max_freq"}) {
+        files.push_back(std::string("/sys/devices/system/cpu/cpu1/") + file);
+    }
+    computer.has("/proc/sys/kernel/sched_rt_period_us", "1000000\n");
     for (const std::string &odd :
-         {std::string(), std::string("-1"), std::string("99999999999999999999"),
-          std::string("\xff\xfe"), std::string("999999999999"), std::string(100'000, '1')}) {
-        for (const char *const file : {"busnum", "devnum", "serial", "speed", "power/control",
-                                       "power/autosuspend_delay_ms"}) {
-            computer.has(kBoard + file, odd);
+         {std::string(), std::string("\n\n"), std::string("-1"), std::string("999999999999"),
+          std::string("99999999999999999999999999"), std::string("-9223372036854775808"),
+          std::string("9223372036854775807"), std::string("0x10"), std::string("12 13"),
+          std::string("\xff\xfe\x80"), std::string(1'000'000, '7'), std::string("\0\0\0", 3),
+          std::string(":::::\n::\n\n:"), std::string("springdrive:x:46:,,,,\n"),
+          std::string(100'000, ':')}) {
+        for (const std::string &file : files) {
+            computer.has(file, odd);
         }
-        computer.has("/proc/99999999999999999999/comm", odd);
-        for (const BoardObstacle obstacle : {BoardObstacle::none, BoardObstacle::in_use}) {
-            EXPECT_EQ(usb_checks(with_obstacle(computer, obstacle)).size(), 6U);
+        for (Evidence evidence :
+             {for_usb(computer, {}), with_obstacle(computer, BoardObstacle::none),
+              with_obstacle(computer, BoardObstacle::in_use)}) {
+            EXPECT_EQ(usb_checks(evidence).size(), 6U);
+            evidence.probes.rights = {true, 80, EPERM, false, false};
+            EXPECT_NE(priority_check(evidence).fix.find("usermod"), std::string::npos);
+            for (const Check &check : all_checks(evidence)) {
+                EXPECT_LT(check.found.size(), 800U) << check.id;
+                EXPECT_EQ(check.found.find('\n'), std::string::npos) << check.id;
+            }
         }
-        EXPECT_EQ(usb_checks(for_usb(computer, {})).size(), 6U);
     }
 }
 
