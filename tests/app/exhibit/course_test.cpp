@@ -24,33 +24,19 @@ public:
     /// Ready, and nobody touches anything.
     CourseOrders wait(double seconds, bool is_ready = true) {
         CourseOrders all;
-        CourseNow now;
-        now.is_ready = is_ready;
         const double end_s = time_s + seconds;
         while (time_s < end_s - 1e-9) {
-            add(all, step(now, std::min(kFrame_s, end_s - time_s)));
+            const CourseOrders one =
+                step({.is_ready = is_ready}, std::min(kFrame_s, end_s - time_s));
+            all.scene = one.scene ? one.scene : all.scene;
+            all.resets = all.resets || one.resets;
+            all.performs = all.performs || one.performs;
+            all.leaves = all.leaves || one.leaves;
         }
         return all;
     }
-    static void add(CourseOrders &all, const CourseOrders &one) {
-        all.scene = one.scene ? one.scene : all.scene;
-        all.resets = all.resets || one.resets;
-        all.performs = all.performs || one.performs;
-        all.leaves = all.leaves || one.leaves;
-        all.visit_begins = all.visit_begins || one.visit_begins;
-    }
-    CourseOrders touch() {
-        CourseNow now;
-        now.is_ready = true;
-        now.is_touched = true;
-        return step(now);
-    }
-    CourseOrders end_show() {
-        CourseNow now;
-        now.is_ready = true;
-        now.is_shown = true;
-        return step(now);
-    }
+    CourseOrders touch() { return step({.is_touched = true, .is_ready = true}); }
+    CourseOrders end_show() { return step({.is_ready = true, .is_shown = true}); }
     /// A visit in the visitor's turn, just touched.
     void go_to_your_turn() {
         touch();
@@ -108,42 +94,24 @@ TEST(ExhibitCourse, TheVisitorMayTakeTheHandEarlier) {
     Walk walk;
     walk.touch();
     walk.wait(1.0);
-    CourseNow taken;
-    taken.is_ready = true;
-    taken.is_touched = true;
-    walk.step(taken); // a touch alone is not enough
+    walk.touch(); // is not enough
     EXPECT_EQ(walk.course.stage(), Stage::showing);
-    taken.takes_hand = true;
-    EXPECT_TRUE(walk.step(taken).leaves);
+    EXPECT_TRUE(walk.step({.is_touched = true, .takes_hand = true, .is_ready = true}).leaves);
     EXPECT_EQ(walk.course.stage(), Stage::your_turn);
 }
 
 TEST(ExhibitCourse, ASceneThatDoesNotGetReadyIsNotWaitedForForever) {
-    Walk walk;
-    walk.touch();
-    walk.wait(Course::kLoadTimeout_s - kLittle_s, false);
-    EXPECT_EQ(walk.course.stage(), Stage::showing);
-    walk.wait(2.0 * kLittle_s, false);
-    EXPECT_EQ(walk.course.stage(), Stage::your_turn);
-}
-
-TEST(ExhibitCourse, BeginsWithTheFirstSceneHoweverLongTheComputerHasRun) {
-    Course course(3);
-    CourseNow now;
-    now.time_s = 1e6;
-    const CourseOrders orders = course.update(now);
-    EXPECT_EQ(orders.gap_s, 0.0);
-    EXPECT_FALSE(orders.scene);
-    EXPECT_EQ(course.scene(), 0U);
-}
-
-TEST(ExhibitCourse, AttractsPastASceneThatDoesNotGetReady) {
     Walk walk;
     walk.wait(Course::kLoadTimeout_s - 2.0 * kFrame_s, false);
     EXPECT_EQ(walk.course.scene(), 0U);
     walk.wait(3.0 * kFrame_s, false);
     EXPECT_EQ(walk.course.scene(), 1U);
     EXPECT_TRUE(walk.wait(kFrame_s).performs);
+    walk.touch();
+    walk.wait(Course::kLoadTimeout_s - kLittle_s, false);
+    EXPECT_EQ(walk.course.stage(), Stage::showing);
+    walk.wait(2.0 * kLittle_s, false);
+    EXPECT_EQ(walk.course.stage(), Stage::your_turn);
 }
 
 TEST(ExhibitCourse, AStopEndsTheShowAndItBeginsAnew) {
@@ -166,6 +134,9 @@ TEST(ExhibitCourse, AsksWhetherSomebodyIsThereAndThenAttractsAgain) {
     ASSERT_TRUE(walk.course.leaves_in_s());
     EXPECT_NEAR(*walk.course.leaves_in_s(), Course::kIdlePrompt_s, 2.0 * kLittle_s);
     walk.wait(Course::kIdlePrompt_s - 3.0 * kLittle_s);
+    walk.touch(); // in the last moment
+    EXPECT_FALSE(walk.course.leaves_in_s());
+    walk.wait(Course::kIdle_s + Course::kIdlePrompt_s - kLittle_s);
     EXPECT_EQ(walk.course.stage(), Stage::your_turn);
     const CourseOrders orders = walk.wait(3.0 * kLittle_s);
     EXPECT_EQ(walk.course.stage(), Stage::attract);
@@ -174,23 +145,10 @@ TEST(ExhibitCourse, AsksWhetherSomebodyIsThereAndThenAttractsAgain) {
     EXPECT_EQ(walk.course.visitors(), 1U);
 }
 
-TEST(ExhibitCourse, ATouchInTheLastMomentKeepsTheVisit) {
-    Walk walk;
-    walk.go_to_your_turn();
-    walk.wait(Course::kIdle_s + Course::kIdlePrompt_s - 2.0 * kFrame_s);
-    walk.touch();
-    EXPECT_FALSE(walk.course.leaves_in_s());
-    walk.wait(Course::kIdle_s - kLittle_s);
-    EXPECT_EQ(walk.course.stage(), Stage::your_turn);
-    EXPECT_EQ(walk.course.visitors(), 1U);
-}
-
 TEST(ExhibitCourse, GoesToTheNextSceneAndRoundAgain) {
     Walk walk;
     walk.go_to_your_turn();
-    CourseNow next;
-    next.next_scene = true;
-    next.is_touched = true;
+    const CourseNow next{.is_touched = true, .next_scene = true};
     for (const std::size_t scene : {1U, 2U, 0U, 1U}) { // from your turn, then from showing
         const CourseOrders orders = walk.step(next);
         EXPECT_EQ(orders.scene, scene);
@@ -200,9 +158,7 @@ TEST(ExhibitCourse, GoesToTheNextSceneAndRoundAgain) {
 }
 
 TEST(ExhibitCourse, TheNextVisitorBeginsInAnyStage) {
-    CourseNow next;
-    next.next_visitor = true;
-    next.is_touched = true;
+    const CourseNow next{.is_touched = true, .next_visitor = true};
     Walk walk;
     for (std::size_t visitor = 1; visitor <= 3; ++visitor) {
         const CourseOrders orders = walk.step(next);
@@ -221,16 +177,18 @@ TEST(ExhibitCourse, AfterASleepItAttractsWithoutABurst) {
     walk.go_to_your_turn();
     EXPECT_EQ(walk.step({}, Course::kGap_s - kLittle_s).gap_s, 0.0);
     EXPECT_EQ(walk.course.stage(), Stage::your_turn);
-    CourseNow touched; // by what was done before the sleep
-    touched.is_touched = true;
     constexpr double kNight_s = 12.0 * 3600.0;
-    const CourseOrders orders = walk.step(touched, kNight_s);
+    // Touched by what was done before the sleep.
+    const CourseOrders orders = walk.step({.is_touched = true}, kNight_s);
     EXPECT_EQ(orders.gap_s, kNight_s);
     EXPECT_TRUE(orders.resets);
     EXPECT_EQ(orders.scene, 0U);
     EXPECT_EQ(walk.course.stage(), Stage::attract);
     EXPECT_EQ(walk.course.visitors(), 1U); // one frame, one step
     EXPECT_EQ(walk.step({}).gap_s, 0.0);
+    Course first(3); // however long the computer has run before
+    EXPECT_EQ(first.update({.time_s = 1e6}).gap_s, 0.0);
+    EXPECT_EQ(first.scene(), 0U);
 }
 
 } // namespace
