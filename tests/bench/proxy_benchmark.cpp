@@ -1,27 +1,32 @@
 // The cost of the proxy compared with Embree and FCL, as one Markdown table on standard output: a
-// row for each of some surfaces of engine/lab/rig/scenario/test_surfaces.h. docs/proxy.md describes
-// the columns.
+// row for each of some surfaces of engine/lab/rig/scenario/test_surfaces.h; or, with --fans, where
+// many triangles meet in one vertex or edge. docs/proxy.md describes the columns.
 //
 // Embree and FCL are optional (libembree-dev, libfcl-dev); without them their columns say so.
 #include "engine/contact/mesh/nearest.h"
 #include "engine/contact/proxy/haptic_surface.h"
+#include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 #include "tests/bench/other_libraries.h"
-#include "tests/bench/proxy_times.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/bench/touch_path.h"
 
 #include <CLI/CLI.hpp>
+#include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <initializer_list>
+#include <numbers>
+#include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -100,6 +105,75 @@ std::string quantiles(const std::vector<double> &times_ns, std::initializer_list
 
 std::string mean_and_p99(const std::vector<double> &times_ns) {
     return rounded(mean(times_ns)) + " / " + quantiles(times_ns, {0.99});
+}
+
+constexpr std::size_t kSweptBytes = 96'000'000;
+constexpr std::size_t kCacheLineBytes = 64;
+
+/// A proxy that has moved to the first tip from outside.
+contact::Proxy proxy_at(const contact::HapticSurface &surface, const Vector3 &tip_m) {
+    contact::Proxy proxy;
+    proxy.reset(1.5 * tip_m);
+    benchmark::DoNotOptimize(proxy.update(surface, tip_m));
+    return proxy;
+}
+
+/// Evicts everything else from the caches.
+class Sweep {
+public:
+    void operator()() {
+        for (std::size_t i = 0; i < swept_.size(); i += kCacheLineBytes) {
+            ++swept_[i];
+        }
+        benchmark::ClobberMemory();
+    }
+
+private:
+    std::vector<std::uint8_t> swept_ = std::vector<std::uint8_t>(kSweptBytes);
+};
+
+struct ProxyTimes {
+    std::vector<double> floor_ns; ///< each update's minimum of all repeats
+    std::vector<double> raw_ns;   ///< of every update of every repeat
+    double touching = 0.0;        ///< share of updates in contact
+};
+
+/// Follows the path `kRepeats` times, each time with a new proxy and identical results. The step to
+/// the first tip is not timed.
+ProxyTimes time_proxy(const contact::HapticSurface &surface, const std::vector<Vector3> &tips_m) {
+    ProxyTimes times;
+    times.raw_ns.reserve(kRepeats * tips_m.size());
+    std::size_t touching = 0;
+    for (int repeat = 0; repeat < kRepeats; ++repeat) {
+        contact::Proxy proxy = proxy_at(surface, tips_m.front());
+        for (const Vector3 &tip_m : tips_m) {
+            contact::Contact contact;
+            times.raw_ns.push_back(time_ns([&] {
+                contact = proxy.update(surface, tip_m);
+                benchmark::DoNotOptimize(contact);
+            }));
+            touching += contact.touching ? 1 : 0;
+        }
+    }
+    times.touching = static_cast<double>(touching) / static_cast<double>(times.raw_ns.size());
+    times.floor_ns = min_of_repeats(times.raw_ns);
+    return times;
+}
+
+/// The same once, with 96 MB of other memory swept before each update, so that the surface is in no
+/// cache [ns].
+std::vector<double> time_proxy_cold(const contact::HapticSurface &surface,
+                                    const std::vector<Vector3> &tips_m) {
+    Sweep sweep;
+    contact::Proxy proxy = proxy_at(surface, tips_m.front());
+    std::vector<double> times_ns;
+    times_ns.reserve(tips_m.size());
+    for (const Vector3 &tip_m : tips_m) {
+        sweep();
+        times_ns.push_back(
+            time_ns([&] { benchmark::DoNotOptimize(proxy.update(surface, tip_m)); }));
+    }
+    return times_ns;
 }
 
 /// By trying every triangle.
@@ -209,11 +283,149 @@ void run(bool quick, std::size_t only) {
     print_foot(counts, errors);
 }
 
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kFanRadius_m = 5e-3;
+constexpr int kFanTicks = 3000;
+
+/// Heights and outline of a fan, relative to its radius.
+struct FanShape {
+    const char *name;
+    double slope = 0.0;
+    double wave = 0.0;   ///< twice around
+    double rough = 0.0;  ///< of the height, at random
+    double jagged = 0.0; ///< of the outline, at random
+};
+
+constexpr FanShape kFans[]{
+    {"cap", 0.0, 0.0, 0.0, 0.2},
+    {"cone", -0.3},
+    {"pit", 0.3},
+    {"saddle", 0.0, 0.2},
+    {"jagged saddle", 0.0, 0.2, 0.0, 0.2},
+    {"rough", 0.0, 0.0, 0.04},
+    {"crumpled", 0.0, 0.0, 0.04, 0.2},
+};
+constexpr std::uint32_t kFanTriangles[]{100, 1'000, 10'000, 50'000};
+
+contact::TriangleSoup with_material(contact::TriangleSoup soup) {
+    soup.material_of_triangle.assign(soup.triangles.size(), 0);
+    soup.materials = {{"hard", 0.0}};
+    return soup;
+}
+
+contact::TriangleSoup fan_of(std::uint32_t count, const FanShape &shape) {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> one(-1.0, 1.0);
+    contact::TriangleSoup soup;
+    soup.vertices_m = {Vector3::Zero()};
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const double phi = kTurn * i / count;
+        const double out = 1.0 - shape.jagged * 0.5 * (1.0 + one(random));
+        // The height does not follow the outline, so that a jagged rim makes a fan rough too,
+        // unless it is flat.
+        const double height =
+            shape.slope + shape.wave * std::cos(2.0 * phi) + shape.rough * one(random);
+        soup.vertices_m.emplace_back(kFanRadius_m *
+                                     Vector3(out * std::cos(phi), height, out * std::sin(phi)));
+        soup.triangles.push_back({0, 1 + (i + 1) % count, 1 + i});
+    }
+    return with_material(std::move(soup));
+}
+
+/// Pages about an edge, all around but for a tenth.
+contact::TriangleSoup book_of(std::uint32_t count) {
+    contact::TriangleSoup soup;
+    soup.vertices_m = {{-kFanRadius_m, 0.0, 0.0}, {kFanRadius_m, 0.0, 0.0}};
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const double phi = 0.9 * kTurn * i / count;
+        soup.vertices_m.emplace_back(0.0, kFanRadius_m * std::cos(phi),
+                                     kFanRadius_m * std::sin(phi));
+        soup.triangles.push_back({0, 1, 2 + i});
+    }
+    return with_material(std::move(soup));
+}
+
+/// Down onto the surface, and around and across the vertex at 40 µm a tick.
+std::vector<Vector3> tips_over_fan() {
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> one(-1.0, 1.0);
+    std::vector<Vector3> tips_m;
+    for (int tick = 0; tick < kFanTicks; ++tick) {
+        const double phi = 0.01 * tick;
+        const double out_m = 4e-3 * std::sin(0.003 * tick) + 1e-5 * one(random);
+        const double height_m =
+            tick < 50 ? 3e-3 - 1e-4 * tick : -1e-3 - 5e-4 * std::sin(0.02 * tick);
+        tips_m.emplace_back(out_m * std::cos(phi), height_m, out_m * std::sin(phi));
+    }
+    return tips_m;
+}
+
+/// By how much the proxy could be nearer to the tip [m], after as many updates as it takes.
+double lag_m(contact::Proxy proxy, const contact::HapticSurface &surface, const Vector3 &tip_m,
+             const Vector3 &proxy_m) {
+    contact::Contact contact;
+    for (int i = 0; i < 100; ++i) {
+        contact = proxy.update(surface, tip_m);
+        if (contact.settled) {
+            break;
+        }
+    }
+    return (proxy_m - tip_m).norm() - (contact.x0_m - tip_m).norm();
+}
+
+void print_fan(const char *name, const contact::TriangleSoup &soup,
+               const std::vector<Vector3> &tips_m) {
+    contact::HapticSurface surface;
+    const double preparation_ns = time_ns([&] { surface = contact::HapticSurface(soup); });
+    std::vector<double> times_ns;
+    int touching = 0;
+    int unsettled = 0;
+    double largest_lag_m = 0.0;
+    for (int repeat = 0; repeat < kRepeats; ++repeat) {
+        contact::Proxy proxy;
+        proxy.reset(tips_m.front());
+        for (const Vector3 &tip_m : tips_m) {
+            contact::Contact contact;
+            times_ns.push_back(time_ns([&] { contact = proxy.update(surface, tip_m); }));
+            if (repeat > 0) {
+                continue;
+            }
+            touching += contact.touching ? 1 : 0;
+            if (!contact.settled) {
+                ++unsettled;
+                largest_lag_m = std::max(largest_lag_m, lag_m(proxy, surface, tip_m, contact.x0_m));
+            }
+        }
+    }
+    const std::vector<double> floor_ns = min_of_repeats(times_ns);
+    const auto at_us = [&](double share) { return 1e-3 * quantile(floor_ns, share); };
+    std::printf("| %s | %zu | %.3f | %.1f | %.2f / %.1f / %.1f / %.1f | %d of %d | %.0f |\n", name,
+                soup.triangles.size(), 1e-9 * preparation_ns,
+                1e-6 * static_cast<double>(surface.bytes()), at_us(0.5), at_us(0.99), at_us(0.999),
+                at_us(1.0), unsettled, touching, 1e6 * largest_lag_m);
+}
+
+void run_fans() {
+    const std::vector<Vector3> tips_m = tips_over_fan();
+    std::puts("| | triangles | preparation [s] | memory [MB] | update, floor: median / p99 / "
+              "p99.9 / max [µs] | unsettled | lag of those [µm] |\n"
+              "|:--|--:|--:|--:|:-:|--:|--:|");
+    for (const FanShape &shape : kFans) {
+        for (const std::uint32_t count : kFanTriangles) {
+            print_fan(shape.name, fan_of(count, shape), tips_m);
+        }
+    }
+    for (const std::uint32_t count : kFanTriangles) {
+        print_fan("book", book_of(count), tips_m);
+    }
+}
+
 } // namespace
 
 int main(int argc, char **argv) {
     try {
         bool quick = false;
+        bool fans = false;
         std::size_t only = 0;
         CLI::App app("What the proxy costs, as a Markdown table.", "proxy_benchmark");
         app.add_flag("--quick", quick, "fewer updates, and up to 81920 triangles only");
@@ -221,8 +433,9 @@ int main(int argc, char **argv) {
         sizes.push_back(kHardTriangles);
         app.add_option("--only", only, "surfaces of that many triangles only")
             ->check(CLI::IsMember(sizes));
+        app.add_flag("--fans", fans, "fans and books of triangles instead");
         CLI11_PARSE(app, argc, argv);
-        run(quick, only);
+        fans ? run_fans() : run(quick, only);
     } catch (const std::exception &error) {
         std::fprintf(stderr, "proxy_benchmark: %s\n", error.what());
         return 1;

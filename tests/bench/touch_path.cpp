@@ -1,6 +1,7 @@
 #include "tests/bench/touch_path.h"
 
 #include "engine/lab/rig/scenario/machined_surface.h"
+#include "engine/lab/rig/scenario/pressed_tips.h"
 #include "engine/lab/rig/scenario/scanned_surface.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 
@@ -21,21 +22,14 @@ constexpr double kLifted_m = 0.5e-3;
 constexpr double kBesideHole_rad = 0.03;
 constexpr double kLifting_rad = 0.02;
 
-/// The figure at a phase [rad]; one turn of the longitude for each 2π. The ratio of the frequencies
-/// is the golden ratio, so that the figure never closes.
-Vector3 direction_at(double phase) {
-    const double latitude = 1.2 * std::sin(phase / std::numbers::phi);
-    return {std::cos(latitude) * std::cos(phase), std::sin(latitude),
-            std::cos(latitude) * std::sin(phase)};
-}
-
 /// The mean length of the figure on a unit sphere per radian of phase.
 double mean_length_per_phase() {
     constexpr int kSteps = 200'000;
     constexpr double kStep = 1e-2;
     double length = 0.0;
     for (int i = 0; i < kSteps; ++i) {
-        length += (direction_at((i + 1) * kStep) - direction_at(i * kStep)).norm();
+        length += (rig::lissajous_direction((i + 1) * kStep) - rig::lissajous_direction(i * kStep))
+                      .norm();
     }
     return length / (kSteps * kStep);
 }
@@ -72,19 +66,13 @@ double pressing(const std::vector<rig::ScanHole> &holes, const Vector3 &directio
     return share;
 }
 
-/// From `low_m` to `high_m` and back, slowly and out of step with the figure.
-double swing_m(std::size_t tick, double low_m, double high_m) {
-    const double share = 0.5 + 0.5 * std::sin(2.7 * kServoPeriod_s * static_cast<double>(tick));
-    return low_m + share * (high_m - low_m);
-}
-
 /// Tips at heights over the surface that swing from `low_m` to `high_m`; below it if negative.
 std::vector<Vector3> tips_m(Relief relief, const std::vector<Vector3> &directions, double low_m,
                             double high_m) {
     std::vector<Vector3> tips;
     tips.reserve(directions.size());
     for (std::size_t i = 0; i < directions.size(); ++i) {
-        const double height_m = swing_m(i, low_m, high_m);
+        const double height_m = rig::swing_m(i, low_m, high_m);
         tips.emplace_back((surface_radius_m(relief, directions[i]) + height_m) * directions[i]);
     }
     return tips;
@@ -98,7 +86,7 @@ std::vector<Vector3> lissajous_directions(int updates) {
     std::vector<Vector3> directions;
     directions.reserve(static_cast<std::size_t>(updates));
     for (int i = 0; i < updates; ++i) {
-        directions.push_back(direction_at(phase_per_tick * i));
+        directions.push_back(rig::lissajous_direction(phase_per_tick * i));
     }
     return directions;
 }

@@ -1,16 +1,21 @@
 #include "tests/bench/other_libraries.h"
 
-#ifdef SPRINGDRIVE_HAS_EMBREE
-
 #include "engine/contact/mesh/nearest.h"
 #include "tests/bench/stopwatch.h"
 
 #include <Eigen/Geometry>
+#ifdef SPRINGDRIVE_HAS_EMBREE
 #include <embree3/rtcore.h>
+#endif
+#ifdef SPRINGDRIVE_HAS_FCL
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/collision_object.h>
+#include <fcl/narrowphase/distance.h>
+#endif
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <type_traits>
@@ -19,6 +24,23 @@ namespace springdrive::bench {
 
 namespace {
 
+/// Asks for the distance of each of the first `queries` tips, `kRepeats` times.
+template <typename Distance>
+[[maybe_unused]] Answers timed_answers(const std::vector<Vector3> &tips_m, std::size_t queries,
+                                       const Distance &distance_m) {
+    Answers answers;
+    answers.distances_m.resize(std::min(queries, tips_m.size()));
+    std::vector<double> times_ns;
+    for (int repeat = 0; repeat < kRepeats; ++repeat) {
+        for (std::size_t i = 0; i < answers.distances_m.size(); ++i) {
+            times_ns.push_back(time_ns([&] { answers.distances_m[i] = distance_m(tips_m[i]); }));
+        }
+    }
+    answers.floor_ns = min_of_repeats(times_ns);
+    return answers;
+}
+
+#ifdef SPRINGDRIVE_HAS_EMBREE
 constexpr float kCastLength_m = 2e-3F;
 
 using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)>;
@@ -130,47 +152,62 @@ double closest(RTCScene scene, const contact::TriangleSoup &soup, const Vector3 
     rtcPointQuery(scene, &query, &context, &consider_triangle, &nearest);
     return nearest.distance_m;
 }
+#endif
 
-Answers time_closest(RTCScene scene, const contact::TriangleSoup &soup,
-                     const std::vector<Vector3> &tips_m, std::size_t queries) {
-    Answers answers;
-    answers.distances_m.resize(std::min(queries, tips_m.size()));
-    std::vector<double> times_ns;
-    for (int repeat = 0; repeat < kRepeats; ++repeat) {
-        for (std::size_t i = 0; i < answers.distances_m.size(); ++i) {
-            times_ns.push_back(
-                time_ns([&] { answers.distances_m[i] = closest(scene, soup, tips_m[i]); }));
-        }
+#ifdef SPRINGDRIVE_HAS_FCL
+constexpr double kBallRadius_m = 1e-4;
+
+using Model = fcl::BVHModel<fcl::OBBRSSd>;
+
+std::shared_ptr<Model> build_model(const contact::TriangleSoup &soup) {
+    std::vector<fcl::Triangle> triangles;
+    triangles.reserve(soup.triangles.size());
+    for (const auto &[a, b, c] : soup.triangles) {
+        triangles.emplace_back(a, b, c);
     }
-    answers.floor_ns = min_of_repeats(times_ns);
-    return answers;
+    auto model = std::make_shared<Model>();
+    model->beginModel();
+    model->addSubModel(soup.vertices_m, triangles);
+    model->endModel();
+    return model;
 }
+#endif
 
 } // namespace
 
-std::optional<EmbreeTimes> time_embree(const contact::TriangleSoup &soup,
-                                       const std::vector<Vector3> &tips_m,
-                                       std::size_t closest_queries) {
+std::optional<EmbreeTimes> time_embree([[maybe_unused]] const contact::TriangleSoup &soup,
+                                       [[maybe_unused]] const std::vector<Vector3> &tips_m,
+                                       [[maybe_unused]] std::size_t closest_queries) {
+#ifdef SPRINGDRIVE_HAS_EMBREE
     const Device device(rtcNewDevice("threads=1"), &rtcReleaseDevice);
     const Scene scene = build_scene(device.get(), soup);
     EmbreeTimes times;
     time_casts(scene.get(), soup, tips_m, times);
-    times.closest = time_closest(scene.get(), soup, tips_m, closest_queries);
+    times.closest = timed_answers(tips_m, closest_queries, [&](const Vector3 &tip_m) {
+        return closest(scene.get(), soup, tip_m);
+    });
     return times;
-}
-
-} // namespace springdrive::bench
-
 #else
-
-namespace springdrive::bench {
-
-std::optional<EmbreeTimes> time_embree(const contact::TriangleSoup & /*soup*/,
-                                       const std::vector<Vector3> & /*tips_m*/,
-                                       std::size_t /*closest_queries*/) {
     return std::nullopt;
+#endif
+}
+
+std::optional<Answers> time_fcl([[maybe_unused]] const contact::TriangleSoup &soup,
+                                [[maybe_unused]] const std::vector<Vector3> &tips_m,
+                                [[maybe_unused]] std::size_t queries) {
+#ifdef SPRINGDRIVE_HAS_FCL
+    const fcl::CollisionObjectd surface(build_model(soup));
+    fcl::CollisionObjectd ball(std::make_shared<fcl::Sphered>(kBallRadius_m));
+    const fcl::DistanceRequestd request;
+    return timed_answers(tips_m, queries, [&](const Vector3 &tip_m) {
+        ball.setTranslation(tip_m);
+        ball.computeAABB();
+        fcl::DistanceResultd result;
+        return fcl::distance(&surface, &ball, request, result) + kBallRadius_m;
+    });
+#else
+    return std::nullopt;
+#endif
 }
 
 } // namespace springdrive::bench
-
-#endif
