@@ -1,6 +1,6 @@
 #include "app/visitors/curve_of_answers.h"
 
-#include "engine/study/protocol/analysis_plan.h"
+#include "engine/study/protocol/session_plan.h"
 
 #include <fmt/core.h>
 

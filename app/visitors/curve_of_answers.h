@@ -3,7 +3,7 @@
 
 #include "app/study/participant/own_curve.h"
 #include "engine/study/protocol/protocol.h"
-#include "engine/study/results/series_result.h"
+#include "engine/study/results/study_results.h"
 #include "engine/study/store/study_contents.h"
 
 #include <optional>

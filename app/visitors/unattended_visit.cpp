@@ -1,6 +1,6 @@
 #include "app/visitors/unattended_visit.h"
 
-#include "engine/study/observers/simulated_answer.h"
+#include "engine/study/observers/simulated_sitting.h"
 
 #include <algorithm>
 #include <utility>

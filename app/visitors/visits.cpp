@@ -4,7 +4,7 @@
 #include "app/visitors/curve_of_answers.h"
 #include "base/input_error.h"
 #include "engine/study/conduct/conduct.h"
-#include "engine/study/observers/simulated_answer.h"
+#include "engine/study/observers/simulated_sitting.h"
 
 #include <fmt/core.h>
 

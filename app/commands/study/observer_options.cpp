@@ -2,7 +2,7 @@
 
 #include "base/input_error.h"
 #include "engine/study/methods/random_key.h"
-#include "engine/study/protocol/analysis_plan.h"
+#include "engine/study/protocol/session_plan.h"
 
 #include <algorithm>
 #include <charconv>

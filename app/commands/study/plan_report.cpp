@@ -1,7 +1,7 @@
 #include "app/commands/study/plan_report.h"
 
 #include "base/print.h"
-#include "engine/study/protocol/session_length.h"
+#include "engine/study/protocol/session_plan.h"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 #include "base/one_line.h"
 #include "base/print.h"
 #include "base/table.h"
-#include "engine/study/protocol/session_length.h"
+#include "engine/study/protocol/session_plan.h"
 
 #include <algorithm>
 

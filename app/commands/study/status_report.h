@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/commands/study/opened_study.h"
-#include "engine/study/results/progress.h"
+#include "engine/study/conduct/conduct.h"
 
 #include <ostream>
 #include <string>

@@ -6,8 +6,7 @@
 #include "app/commands/study/study_pictures.h"
 #include "base/print.h"
 #include "base/table.h"
-#include "engine/study/conduct/sequence.h"
-#include "engine/study/results/results_tables.h"
+#include "engine/study/conduct/conduct.h"
 #include "engine/study/results/study_results.h"
 
 #include <cmath>

@@ -3,8 +3,6 @@
 #include "app/commands/output_files.h"
 #include "app/commands/study/opened_study.h"
 #include "base/input_error.h"
-#include "engine/study/export/answer_table.h"
-#include "engine/study/export/bids.h"
 #include "engine/study/export/trial_table.h"
 #include "engine/study/store/study_store.h"
 

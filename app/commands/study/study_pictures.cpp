@@ -1,7 +1,7 @@
 #include "app/commands/study/study_pictures.h"
 
 #include "app/host/asset_folder.h"
-#include "engine/study/conduct/sequence.h"
+#include "engine/study/conduct/conduct.h"
 
 #include <fmt/core.h>
 

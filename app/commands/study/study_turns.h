@@ -3,8 +3,8 @@
 
 #include "app/commands/study/observer_options.h"
 #include "app/commands/study/person_session.h"
+#include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/study_setting.h"
-#include "engine/study/results/progress.h"
 #include "engine/study/store/study_store.h"
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 #include "app/study/experimenter/live_charts.h"
 
 #include "app/widgets/widgets.h"
-#include "engine/study/protocol/analysis_plan.h"
+#include "engine/study/protocol/session_plan.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Charts of the trials so far in one condition: levels by trial, and the fitted function.
 #pragma once
 
-#include "engine/study/results/series_result.h"
+#include "engine/study/results/study_results.h"
 
 namespace springdrive::app::study_screen {
 

@@ -2,7 +2,7 @@
 // computed beside the frames.
 #pragma once
 
-#include "engine/study/results/series_result.h"
+#include "engine/study/results/study_results.h"
 #include "engine/study/store/study_contents.h"
 
 #include <cstddef>

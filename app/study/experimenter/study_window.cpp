@@ -6,7 +6,7 @@
 #include "app/study/participant/monitors.h"
 #include "app/widgets/widgets.h"
 #include "base/error_text.h"
-#include "engine/study/conduct/presentation.h"
+#include "engine/study/conduct/conduct.h"
 
 #include <algorithm>
 #include <limits>

@@ -4,8 +4,8 @@
 
 #include "app/study/participant/answers.h"
 #include "base/input_error.h"
-#include "engine/study/results/progress.h"
-#include "engine/study/stimuli/live_warm_up.h"
+#include "engine/study/conduct/conduct.h"
+#include "engine/study/stimuli/live_stimulus.h"
 
 #include <fmt/core.h>
 

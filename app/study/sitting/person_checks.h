@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/study/protocol/protocol.h"
-#include "engine/study/protocol/protocol_finding.h"
+#include "engine/study/protocol/protocol_check.h"
 #include "engine/study/protocol/study_setting.h"
 
 #include <string>

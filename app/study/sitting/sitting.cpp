@@ -5,9 +5,7 @@
 #include "base/input_error.h"
 #include "base/machine_name.h"
 #include "engine/study/conduct/conduct.h"
-#include "engine/study/conduct/marking.h"
-#include "engine/study/conduct/sequence.h"
-#include "engine/study/protocol/session_length.h"
+#include "engine/study/protocol/session_plan.h"
 
 #include <fmt/core.h>
 

@@ -1,7 +1,7 @@
 // Where a sitting is, for the experimenter. The participant sees nothing of it.
 #pragma once
 
-#include "engine/study/conduct/sequence.h"
+#include "engine/study/conduct/conduct.h"
 #include "engine/study/stimuli/stimulus_run.h"
 #include "engine/study/store/study_contents.h"
 

@@ -3,9 +3,9 @@
 #include "app/study/participant/answers.h"
 #include "base/input_error.h"
 #include "engine/servo/rest_detector.h"
-#include "engine/study/conduct/presentation.h"
-#include "engine/study/protocol/hand_course.h"
-#include "engine/study/protocol/presented_stimulus.h"
+#include "engine/study/conduct/conduct.h"
+#include "engine/study/protocol/presented.h"
+#include "engine/study/protocol/stimulus_trial.h"
 
 #include <fmt/core.h>
 

@@ -6,8 +6,8 @@
 // in from the whole ranges.
 #pragma once
 
-#include "engine/study/analysis/level_counts.h"
-#include "engine/study/methods/function_priors.h"
+#include "engine/study/analysis/maximum_likelihood.h"
+#include "engine/study/methods/psychometric_function.h"
 
 #include <array>
 #include <cstddef>
@@ -34,8 +34,7 @@ public:
     /// @pre 0 < confidence < 1, here and below
     [[nodiscard]] PosteriorSummary of(FunctionParameter parameter, double confidence = 0.95) const;
 
-    /// Of the level at which F, without guesses and lapses, has the value `core`; see
-    /// `core_without_lapses`. @pre 0 < core < 1
+    /// Of the level at which F, without guesses and lapses, has the value `core`. @pre 0 < core < 1
     [[nodiscard]] PosteriorSummary of_level_at(double core, double confidence = 0.95) const;
 
     /// The share of the posterior below a value of the parameter.

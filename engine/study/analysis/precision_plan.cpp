@@ -1,15 +1,33 @@
 #include "engine/study/analysis/precision_plan.h"
 
 #include "base/parallel.h"
-#include "engine/study/analysis/direct_estimates.h"
 #include "engine/study/analysis/posterior.h"
-#include "engine/study/analysis/simulated_study.h"
-#include "engine/study/methods/wrong_value.h"
+#include "engine/study/analysis/summaries.h"
+#include "engine/study/methods/scale.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace springdrive::study {
+
+Outcome answer_of(const PsychometricFunction &observer, double level, RandomKey key) {
+    const Scale scale = observer.family.scale;
+    const double z = standard_normal(child(key, 1));
+    return {uniform(child(key, 0)) < proportion_at(observer, level),
+            level_from(scale, on_scale(scale, observer.threshold) + z / observer.slope), false};
+}
+
+std::vector<PastMethodTrial> simulated_trials(const Method &method,
+                                              const PsychometricFunction &observer, RandomKey key) {
+    MethodRun run(method, child(key, 0));
+    std::vector<PastMethodTrial> trials;
+    while (const std::optional<MethodTrial> trial = run.next()) {
+        const RandomKey of_answer = child(child(key, 1), static_cast<std::uint64_t>(trials.size()));
+        trials.push_back({*trial, answer_of(observer, trial->level, of_answer)});
+        run.add(trials.back());
+    }
+    return trials;
+}
 
 namespace {
 

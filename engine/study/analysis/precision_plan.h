@@ -1,8 +1,9 @@
-// How many trials does a precision take? Studies with simulated observers, analysed as real ones.
+// Studies of simulated observers, and what precision they promise.
 #pragma once
 
-#include "engine/study/methods/function_priors.h"
 #include "engine/study/methods/method.h"
+#include "engine/study/methods/psychometric_function.h"
+#include "engine/study/methods/random_key.h"
 
 #include <cstdint>
 #include <optional>
@@ -10,6 +11,19 @@
 #include <vector>
 
 namespace springdrive::study {
+
+// A series of trials answered by an observer whose psychometric function is known.
+
+/// The observer's answer to a level: positive with probability ψ. In an adjustment the setting is
+/// normal on the scale of the function, with mean u(α) and deviation 1/β.
+[[nodiscard]] Outcome answer_of(const PsychometricFunction &observer, double level, RandomKey key);
+
+/// All trials of the method.
+/// @pre validate(method, task) is empty
+[[nodiscard]] std::vector<PastMethodTrial>
+simulated_trials(const Method &method, const PsychometricFunction &observer, RandomKey key);
+
+// How many trials does a precision take? Studies with simulated observers, analysed as real ones.
 
 struct PrecisionQuestion {
     Method method;

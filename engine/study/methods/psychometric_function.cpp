@@ -2,7 +2,8 @@
 
 #include "base/assertions.h"
 #include "base/bisection.h"
-#include "engine/study/methods/wrong_value.h"
+
+#include <fmt/core.h>
 
 #include <cmath>
 #include <limits>
@@ -22,6 +23,12 @@ double normal_argument(double proportion) {
     return bisect({-kFar, kFar}, kHalvings,
                   [&](double z) { return normal_proportion(z) < proportion; })
         .holds_at;
+}
+
+/// Of a normal density, F at u.
+double normal_below(const Prior &prior, double u) {
+    return core_proportion(Shape::cumulative_normal,
+                           (u - on_scale(prior.scale, prior.mean)) / prior.deviation);
 }
 
 } // namespace
@@ -91,6 +98,119 @@ double level_at_core(const PsychometricFunction &function, double core) {
 std::optional<double> level_at(const PsychometricFunction &function, double proportion) {
     const double core = (proportion - function.guess) / (1.0 - function.guess - function.lapse);
     return core > 0.0 && core < 1.0 ? std::optional(level_at_core(function, core)) : std::nullopt;
+}
+
+Prior known(double value) {
+    Prior prior;
+    prior.minimum = prior.maximum = prior.mean = value;
+    return prior;
+}
+
+std::string validate(const Prior &prior, std::string_view name) {
+    const auto key = [&](std::string_view member) { return fmt::format("{}.{}", name, member); };
+    const bool ratios = prior.scale == Scale::logarithmic;
+    constexpr double kMax = std::numeric_limits<double>::max();
+    const std::string range =
+        first_of({ratios ? unless_above(key("minimum"), prior.minimum, 0.0)
+                         : unless_from_to(key("minimum"), prior.minimum, -kMax, kMax),
+                  unless_from_to(key("maximum"), prior.maximum, prior.minimum, kMax)});
+    if (!range.empty() || prior.density == Density::uniform) {
+        return range;
+    }
+    return first_of({unless_from_to(key("mean"), prior.mean, prior.minimum, prior.maximum),
+                     unless_above(key("deviation"), prior.deviation, 0.0)});
+}
+
+PriorGrid grid_of(const Prior &prior, int points) {
+    SPRINGDRIVE_ASSERT(points >= 1);
+    if (prior.minimum == prior.maximum) {
+        return {{prior.minimum}, {1.0}};
+    }
+    const double first = on_scale(prior.scale, prior.minimum);
+    const double width = (on_scale(prior.scale, prior.maximum) - first) / points;
+    PriorGrid grid;
+    double sum = 0.0;
+    for (int i = 0; i < points; ++i) {
+        const double u = first + (i + 0.5) * width;
+        const double z = (u - on_scale(prior.scale, prior.mean)) / prior.deviation;
+        grid.values.push_back(level_from(prior.scale, u));
+        grid.weights.push_back(prior.density == Density::uniform ? 1.0 : std::exp(-0.5 * z * z));
+        sum += grid.weights.back();
+    }
+    for (double &weight : grid.weights) {
+        weight /= sum;
+    }
+    return grid;
+}
+
+double quantile(const Prior &prior, double share) {
+    SPRINGDRIVE_ASSERT(share >= 0.0 && share <= 1.0);
+    const double first = on_scale(prior.scale, prior.minimum);
+    const double last = on_scale(prior.scale, prior.maximum);
+    if (prior.density == Density::uniform || first == last) {
+        return level_from(prior.scale, first + share * (last - first));
+    }
+    const double below_first = normal_below(prior, first);
+    const double below = below_first + share * (normal_below(prior, last) - below_first);
+    const double z = below <= 0.0   ? -std::numeric_limits<double>::infinity()
+                     : below >= 1.0 ? std::numeric_limits<double>::infinity()
+                                    : core_argument(Shape::cumulative_normal, below);
+    return level_from(
+        prior.scale,
+        std::clamp(on_scale(prior.scale, prior.mean) + z * prior.deviation, first, last));
+}
+
+std::string validate(const FunctionPriors &priors) {
+    const std::string error =
+        first_of({validate(priors.threshold, "threshold"), validate(priors.slope, "slope"),
+                  validate(priors.guess, "guess"), validate(priors.lapse, "lapse")});
+    if (!error.empty()) {
+        return error;
+    }
+    return first_of(
+        {priors.family.scale == Scale::logarithmic
+             ? unless_above("threshold.minimum", priors.threshold.minimum, 0.0)
+             : std::string(),
+         unless_above("slope.minimum", priors.slope.minimum, 0.0),
+         unless_from_to("guess.minimum", priors.guess.minimum, 0.0, 1.0),
+         unless_from_to("guess.maximum", priors.guess.maximum, 0.0, 1.0),
+         unless_from_to("lapse.minimum", priors.lapse.minimum, 0.0, 1.0),
+         unless_from_to("lapse.maximum", priors.lapse.maximum, 0.0, 1.0 - priors.guess.maximum)});
+}
+
+FunctionPriors usual_priors(FunctionFamily family, const Task &task,
+                            std::span<const double> levels) {
+    double lowest = std::numeric_limits<double>::max();
+    double highest = -lowest;
+    for (const double level : levels) {
+        if (family.scale == Scale::linear || level > 0.0) {
+            lowest = std::min(lowest, on_scale(family.scale, level));
+            highest = std::max(highest, on_scale(family.scale, level));
+        }
+    }
+    SPRINGDRIVE_ASSERT(highest > lowest);
+    const double span = highest - lowest;
+    FunctionPriors priors;
+    priors.family = family;
+    priors.threshold.scale = family.scale;
+    priors.threshold.minimum = level_from(family.scale, lowest - 0.5 * span);
+    priors.threshold.maximum = level_from(family.scale, highest + 0.5 * span);
+    priors.slope.scale = Scale::logarithmic;
+    priors.slope.minimum = 0.5 / span;
+    priors.slope.maximum = 50.0 / span;
+    const GuessRange guess = guess_range(task);
+    priors.guess.minimum = guess.minimum;
+    priors.guess.maximum = guess.maximum;
+    priors.lapse.minimum = 0.0;
+    priors.lapse.maximum = 0.1;
+    return priors;
+}
+
+PsychometricFunction drawn_function(const FunctionPriors &priors, RandomKey key) {
+    return {priors.family, quantile(priors.threshold, uniform(child(key, 0))),
+            quantile(priors.slope, uniform(child(key, 1))),
+            quantile(priors.guess, uniform(child(key, 2))),
+            quantile(priors.lapse, uniform(child(key, 3)))};
 }
 
 } // namespace springdrive::study

@@ -5,6 +5,8 @@
 #include "engine/study/methods/psychometric_function.h"
 
 #include <algorithm>
+#include <limits>
+#include <vector>
 
 namespace springdrive::study {
 
@@ -28,6 +30,20 @@ double standard_normal(RandomKey key) {
 std::size_t below(RandomKey key, std::size_t count) {
     SPRINGDRIVE_ASSERT(count >= 1);
     return static_cast<std::size_t>(uniform(key) * static_cast<double>(count));
+}
+
+std::optional<std::size_t> next_turn(std::span<const Interleaved> all, RandomKey key) {
+    int fewest = std::numeric_limits<int>::max();
+    for (const Interleaved &one : all) {
+        fewest = one.is_done ? fewest : std::min(fewest, one.trials);
+    }
+    std::vector<std::size_t> eligible;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (!all[i].is_done && all[i].trials - fewest < kMaxLead) {
+            eligible.push_back(i);
+        }
+    }
+    return eligible.empty() ? std::nullopt : std::optional(eligible[below(key, eligible.size())]);
 }
 
 } // namespace springdrive::study

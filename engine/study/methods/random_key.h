@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -37,5 +38,20 @@ template <typename T> void shuffle(RandomKey key, std::span<T> values) {
         std::swap(values[left - 1], values[below(child(key, left), left)]);
     }
 }
+
+// Whose turn it is, of series or tracks that are interleaved by chance.
+
+/// Trials ahead of the one that is furthest behind, at the most: a participant cannot tell whose
+/// turn it is, and yet a drift in time reaches all alike.
+inline constexpr int kMaxLead = 3;
+
+struct Interleaved {
+    int trials = 0; ///< so far
+    bool is_done = false;
+};
+
+/// Drawn from those that are not done and are less than `kMaxLead` trials ahead of the one that
+/// is furthest behind; nothing when all are done.
+[[nodiscard]] std::optional<std::size_t> next_turn(std::span<const Interleaved> all, RandomKey key);
 
 } // namespace springdrive::study

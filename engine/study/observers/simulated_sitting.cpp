@@ -1,23 +1,83 @@
 #include "engine/study/observers/simulated_sitting.h"
 
-#include "engine/study/conduct/presentation.h"
-#include "engine/study/observers/perceived_level.h"
-#include "engine/study/observers/simulated_answer.h"
-#include "engine/study/protocol/presented_stimulus.h"
+#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/stimulus_trial.h"
-#include "engine/study/protocol/warm_up_trial.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <string>
 #include <tuple>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace springdrive::study {
 
 namespace {
+
+/// Of the delivered to the intended stiffness; 1 where it was not measured.
+double stiffness_share(const FeltPresentation &felt) {
+    const std::optional<double> &came = felt.delivered.stiffness_N_per_m;
+    const std::optional<double> &wanted = felt.intended.stiffness_N_per_m;
+    return came && wanted && *came > 0.0 && *wanted > 0.0 ? *came / *wanted : 1.0;
+}
+
+/// What the participant draws in a trial.
+enum class Drawn : std::uint64_t { bias, perception, guess, time };
+
+RandomKey key_of_draw(const SimulatedParticipant &participant, const PlannedTrial &planned,
+                      Drawn what) {
+    return child(child(RandomKey{planned.seed}, participant.seed),
+                 static_cast<std::uint64_t>(what));
+}
+
+/// In (0, 1): no end of a distribution is drawn.
+double inner_uniform(RandomKey key) { return std::clamp(uniform(key), 0x1p-53, 1.0 - 0x1p-53); }
+
+double proportion_of(const PsychometricFunction &function, double level) {
+    return proportion_at(
+        function, function.family.scale == Scale::logarithmic ? std::max(0.0, level) : level);
+}
+
+/// The level to which it is set: about the threshold, distributed as F.
+double setting_of(const Protocol &protocol, const PsychometricFunction &function, double drawn) {
+    const Scale scale = function.family.scale;
+    const double level =
+        level_from(scale, on_scale(scale, function.threshold) +
+                              core_argument(function.family.shape, drawn) / function.slope);
+    const auto *adjustment = std::get_if<Adjustment>(&protocol.method);
+    return adjustment == nullptr
+               ? level
+               : std::clamp(level, adjustment->minimum_level, adjustment->maximum_level);
+}
+
+Response response_of(const Protocol &protocol, const SimulatedParticipant &participant,
+                     const PlannedTrial &planned, double level) {
+    const auto draw = [&](Drawn what) {
+        return inner_uniform(key_of_draw(participant, planned, what));
+    };
+    if (protocol.task.kind == TaskKind::adjustment) {
+        return Adjusted{setting_of(protocol, participant.function, draw(Drawn::perception))};
+    }
+    const bool is_biased = draw(Drawn::bias) < std::abs(participant.bias);
+    const bool is_positive = draw(Drawn::perception) < proportion_of(participant.function, level);
+    if (protocol.task.kind == TaskKind::yes_no) {
+        return YesNo{is_biased ? participant.bias > 0.0 : is_positive};
+    }
+    const int alternatives = protocol.task.alternatives;
+    if (is_biased) {
+        return Chosen{participant.bias > 0.0 ? 1 : alternatives};
+    }
+    const int right = planned.target.value();
+    if (is_positive) {
+        return Chosen{right};
+    }
+    const auto further = static_cast<int>(below(key_of_draw(participant, planned, Drawn::guess),
+                                                static_cast<std::size_t>(alternatives - 1)));
+    return Chosen{(right + further) % alternatives + 1};
+}
 
 // A hand is a bit different each time.
 constexpr double kPressSpread = 0.05; ///< of the press or speed: standard deviation of its log
@@ -26,14 +86,11 @@ constexpr double kAside_m = 0.001;    ///< it comes down within so much of the s
 constexpr std::uint64_t kHandDraws = 1'000'000; ///< apart from a participant's seeds
 
 /// The mean of what windings and housings would meet at.
-double meeting_C(const device::DeviceDescription &device, const MotorTemperatures &motors) {
+double mean_meeting_C(const device::DeviceDescription &device, const MotorTemperatures &motors) {
     double sum_C = 0.0;
     for (Eigen::Index j = 0; j < 3; ++j) {
-        const device::ThermalParameters &thermal =
-            device.motor[static_cast<std::size_t>(j)].thermal;
-        const double C_w = thermal.winding_time_s / thermal.winding_housing_K_per_W;
-        const double C_h = thermal.motor_time_s / thermal.housing_ambient_K_per_W;
-        sum_C += (C_w * motors.winding_C[j] + C_h * motors.housing_C[j]) / (C_w + C_h);
+        sum_C += meeting_C(device.motor[static_cast<std::size_t>(j)].thermal, motors.winding_C[j],
+                           motors.housing_C[j]);
     }
     return sum_C / 3.0;
 }
@@ -50,6 +107,59 @@ HandDeviation hand_of(RandomKey key, const TurnFrame &frame) {
 }
 
 } // namespace
+
+double delivered_value(const Protocol &protocol, const FeltPresentation &felt) {
+    const ParameterFacts &variable = variable_of(protocol);
+    const double intended = variable.get(felt.condition);
+    const StimulusMeasures &came = felt.delivered;
+    if (variable.of_condition == &Condition::turn_deg) {
+        return came.turn_deg.value_or(intended);
+    }
+    if (variable.of_condition == &Condition::pulse_N) {
+        return came.pulse_N.value_or(intended);
+    }
+    if (variable.of_condition == &Condition::press_N) {
+        return came.press_N.value_or(intended);
+    }
+    if (variable.of_condition == &Condition::speed_m_per_s) {
+        return came.speed_m_per_s.value_or(intended);
+    }
+    const double share = stiffness_share(felt);
+    if (variable.gain == &control::Tuning::eta) {
+        return 1.0 - (1.0 - intended) * share;
+    }
+    if (variable.gain == &control::Tuning::K_P_V_per_rad) {
+        return intended * share;
+    }
+    return variable.gain == &control::Tuning::dR_Ohm ? intended / share : intended;
+}
+
+double delivered_level(const Protocol &protocol, const FeltPresentation &comparison,
+                       const std::optional<FeltPresentation> &standard) {
+    const double value = delivered_value(protocol, comparison);
+    const double compared_with =
+        standard ? delivered_value(protocol, *standard) : protocol.variable.standard;
+    switch (protocol.variable.level) {
+    case LevelMeaning::added:
+        return value - compared_with;
+    case LevelMeaning::taken_off:
+        return compared_with - value;
+    case LevelMeaning::value:
+        break;
+    }
+    return value;
+}
+
+SimulatedAnswer simulated_answer(const Protocol &protocol, const SimulatedParticipant &participant,
+                                 const PlannedTrial &planned, double level) {
+    const double deviations = standard_normal(key_of_draw(participant, planned, Drawn::time));
+    const double time_s =
+        participant.response_median_s * std::exp(participant.response_spread * deviations);
+    if (time_s > protocol.timing.response_s) {
+        return {NoResponse{}, std::nullopt};
+    }
+    return {response_of(protocol, participant, planned, level), time_s};
+}
 
 class SimulatedSitting::Run {
 public:
@@ -132,7 +242,7 @@ private:
         motors_ = warm_up.after;
         warm_up_s_ += warm_up.duration_s;
         if (!warmed_C_) {
-            warmed_C_ = meeting_C(setting_.device, motors_);
+            warmed_C_ = mean_meeting_C(setting_.device, motors_);
         }
         if (!warm_up.trip.empty()) {
             trial.safety_events.push_back({warm_up.duration_s, warm_up.trip});

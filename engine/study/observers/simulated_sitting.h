@@ -1,3 +1,37 @@
+// Simulated participants: what they feel, what they answer, and their sessions.
+#pragma once
+
+#include "engine/study/conduct/conduct.h"
+#include "engine/study/methods/psychometric_function.h"
+#include "engine/study/protocol/protocol.h"
+#include "engine/study/protocol/study_setting.h"
+#include "engine/study/stimuli/stimulus.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+namespace springdrive::study {
+
+/// A presentation: its condition, and what it was measured by.
+struct FeltPresentation {
+    Condition condition;
+    StimulusMeasures intended;
+    StimulusMeasures delivered;
+};
+
+/// The variable under test as it was delivered: angle, pulse, press and speed as measured; of η,
+/// K_P and dR in contact what would give the measured stiffness; of anything else the intended
+/// value, as of what was not measured.
+///
+///   η = 1 − (1 − η_i) k      K_P = K_P,i k      dR = dR_i/k      k delivered over intended
+///   stiffness
+[[nodiscard]] double delivered_value(const Protocol &protocol, const FeltPresentation &felt);
+
+/// The same as a level of the method. Without a standard in the trial it is what the protocol says.
+[[nodiscard]] double delivered_level(const Protocol &protocol, const FeltPresentation &comparison,
+                                     const std::optional<FeltPresentation> &standard);
+
 // A session of a simulated participant on the simulated device: a study tried without people.
 //
 // Each presentation is the whole servo in closed loop with the simulated device, held by a relaxed
@@ -13,17 +47,6 @@
 // planned trial alone: each presentation begins with windings and housings as the first warm-up has
 // left them. So a session that was stopped goes on with what an undisturbed one would have given;
 // only warm-ups, times and the temperatures that are stored are its own. Breaks are not simulated.
-#pragma once
-
-#include "engine/study/conduct/conduct.h"
-#include "engine/study/methods/psychometric_function.h"
-#include "engine/study/protocol/study_setting.h"
-
-#include <cstdint>
-#include <memory>
-#include <optional>
-
-namespace springdrive::study {
 
 struct SimulatedParticipant {
     /// Of a level, as the method means it: the probability of a right answer in a forced choice, of
@@ -64,5 +87,16 @@ private:
     class Run;
     std::unique_ptr<Run> run_;
 };
+
+struct SimulatedAnswer {
+    Response response; ///< none if it came too late
+    std::optional<double> response_time_s;
+};
+
+/// A function of its arguments alone.
+/// @param level  as it was delivered; below 0 on a logarithmic scale it counts as none
+[[nodiscard]] SimulatedAnswer simulated_answer(const Protocol &protocol,
+                                               const SimulatedParticipant &participant,
+                                               const PlannedTrial &planned, double level);
 
 } // namespace springdrive::study

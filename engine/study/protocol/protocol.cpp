@@ -1,23 +1,41 @@
 #include "engine/study/protocol/protocol.h"
 
 #include "base/assertions.h"
+#include "base/degrees.h"
 #include "engine/control/coupling.h"
-#include "engine/study/methods/wrong_value.h"
-#include "engine/study/protocol/analysis_plan.h"
+#include "engine/servo/servo.h"
+#include "engine/study/methods/scale.h"
+#include "engine/study/protocol/session_plan.h"
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
-#include <string_view>
 #include <type_traits>
 #include <variant>
 
 namespace springdrive::study {
 
 namespace {
+
+static_assert(kConditionParameters[0].range.minimum == servo::kMinRate_hz &&
+              kConditionParameters[0].range.maximum == servo::kMaxRate_hz);
+
+std::vector<ParameterFacts> all_parameters() {
+    std::vector<ParameterFacts> all;
+    for (const control::Parameter &gain : control::kParameters) {
+        all.push_back({gain.name, gain.unit, gain.minimum, gain.maximum, gain.default_value(),
+                       gain.help, gain.value, nullptr});
+    }
+    for (const Field<Condition> &one : kConditionParameters) {
+        all.push_back({one.name, one.unit, one.range.minimum, one.range.maximum,
+                       one.number(Condition{}), one.help, nullptr,
+                       std::get<double Condition::*>(one.member)});
+    }
+    return all;
+}
 
 /// From the lowest to the highest in equal steps.
 std::vector<double> ladder(Scale scale, double lowest, double highest, int steps) {
@@ -158,6 +176,41 @@ std::string wrong_responses(const Protocol &protocol) {
 }
 
 } // namespace
+
+bool operator==(const Condition &a, const Condition &b) {
+    const bool same_spot =
+        a.spot.has_value() == b.spot.has_value() &&
+        (!a.spot || (a.spot->point_m == b.spot->point_m && a.spot->normal == b.spot->normal));
+    return same_spot && a.name == b.name && a.scene == b.scene && a.hold == b.hold &&
+           a.tuning == b.tuning &&
+           std::ranges::all_of(kConditionParameters, [&](const Field<Condition> &one) {
+               return one.number(a) == one.number(b);
+           });
+}
+
+std::span<const ParameterFacts> condition_parameters() {
+    static const std::vector<ParameterFacts> all = all_parameters();
+    return all;
+}
+
+const ParameterFacts *condition_parameter_named(std::string_view name) {
+    const std::span<const ParameterFacts> all = condition_parameters();
+    const auto found = std::ranges::find(all, name, &ParameterFacts::name);
+    return found == all.end() ? nullptr : &*found;
+}
+
+Vector3 turn_axis(const Vector3 &normal, double turn_axis_deg) {
+    const double kNearly = std::cos(1.0 * kRadiansPerDegree);
+    const Vector3 from = std::abs(normal.x()) < kNearly ? Vector3::UnitX() : Vector3::UnitZ();
+    const Vector3 at_zero = (from - from.dot(normal) * normal).normalized();
+    return Eigen::AngleAxisd(turn_axis_deg * kRadiansPerDegree, normal) * at_zero;
+}
+
+Vector3 turned(const Condition &condition, const Vector3 &normal) {
+    return Eigen::AngleAxisd(condition.turn_deg * kRadiansPerDegree,
+                             turn_axis(normal, condition.turn_axis_deg)) *
+           normal;
+}
 
 const ParameterFacts &variable_of(const Protocol &protocol) {
     const ParameterFacts *const parameter = condition_parameter_named(protocol.variable.parameter);

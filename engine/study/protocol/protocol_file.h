@@ -5,6 +5,7 @@
 #include "engine/study/protocol/protocol.h"
 
 #include <filesystem>
+#include <iosfwd>
 #include <string>
 
 namespace springdrive::study {
@@ -17,5 +18,8 @@ namespace springdrive::study {
 /// The same from a text, such as the one that a study keeps; messages refer to it as `file`.
 [[nodiscard]] Protocol read_protocol_text(const std::string &text,
                                           const std::filesystem::path &file);
+
+/// Every key that a protocol file may have, as Markdown tables in the order of the manual.
+void write_protocol_keys(std::ostream &out);
 
 } // namespace springdrive::study

@@ -1,16 +1,51 @@
-// A stimulus presented to a simulated hand: the whole servo in closed loop with the simulated
-// device, its limiter and its safety monitor included.
+// Stimuli and warm-ups tried on the simulated device, in a simulated hand.
 #pragma once
 
+#include "device/simulated/hand_path.h"
 #include "engine/servo/servo_sample.h"
-#include "engine/study/protocol/hand_course.h"
+#include "engine/study/protocol/presented.h"
+#include "engine/study/protocol/study_setting.h"
 #include "engine/study/stimuli/delivery_meter.h"
+#include "engine/study/stimuli/stimulus.h"
+#include "engine/study/stimuli/warm_up.h"
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace springdrive::study {
+
+// How a simulated hand moves when it is presented a stimulus.
+
+/// In what a hand differs from what a protocol asks of it.
+struct HandDeviation {
+    double share = 1.0;               ///< of the press, or of the speed of a blow or stroke
+    Vector3 aside_m{Vector3::Zero()}; ///< of where it comes down
+};
+
+/// The hand's path, and when it is where the stimulus wants it.
+struct HandCourse {
+    std::vector<simulated::HandPath::Point> points;
+    double from_s = 0.0;
+    double until_s = 0.0;
+    bool is_held = false; ///< at its end the hand presses and is still
+};
+
+/// So long a course waits for a servo that has just been started: for rest, and until its gains are
+/// raised.
+inline constexpr double kServoStart_s = 1.25;
+
+/// Of the relaxed grip of `device::HandParameters`: it rests at the start until the servo runs and
+/// for the time that the stimulus wants, does what the form asks for, and goes back. Where it
+/// presses it makes up for the weight of the linkage, so that the device pushes back as hard as the
+/// condition says. It does not make up for a force along the surface, and yields to it.
+[[nodiscard]] HandCourse hand_course(const StudySetting &setting, const Presented &presented,
+                                     const Stimulus &stimulus, const HandDeviation &hand);
+
+// A stimulus presented to a simulated hand: the whole servo in closed loop with the simulated
+// device, its limiter and its safety monitor included.
 
 /// What may be other than in the protocol, and other than with the device that its file describes.
 struct StimulusCircumstances {
@@ -45,5 +80,48 @@ struct StimulusTrial {
 [[nodiscard]] StimulusTrial try_stimulus(const Protocol &protocol, const StudySetting &setting,
                                          const Presented &presented,
                                          const StimulusCircumstances &circumstances = {});
+
+// The warm-up before a session: how long it takes by the thermal network, and simulated by the
+// whole servo in closed loop with the simulated device.
+
+/// Where the hand is meanwhile: where it rests before the stimuli of the first condition that has a
+/// place within reach.
+[[nodiscard]] Vector3 warming_place_m(const Protocol &protocol, const StudySetting &setting);
+
+/// The largest currents of a warm-up there [A].
+[[nodiscard]] Vector3 warming_current_A(const StudySetting &setting, const Vector3 &place_m);
+
+/// From the air's temperature until the slowest winding is warm and the tuning is back; infinite if
+/// that takes longer than `WarmUp::kMax_s` [s].
+[[nodiscard]] double predicted_warm_up_s(const Protocol &protocol, const StudySetting &setting);
+
+/// Of the three motors' windings and housings, in air of the protocol's `air_C`.
+struct MotorTemperatures {
+    Vector3 winding_C{Vector3::Zero()};
+    Vector3 housing_C{Vector3::Zero()};
+};
+
+/// After so much time without a current, by the two-body network of winding_temperature.h.
+[[nodiscard]] MotorTemperatures cooled(const device::DeviceDescription &device, double air_C,
+                                       const MotorTemperatures &before, double seconds);
+
+struct WarmUpTrial {
+    MotorTemperatures after;              ///< true ones
+    Vector3 estimated_C{Vector3::Zero()}; ///< of the windings, by the monitor
+    double duration_s = 0.0;
+    double tip_way_m = 0.0;    ///< from end to end, once the servo runs
+    double hand_force_N = 0.0; ///< largest deviation from that of a hand that holds still
+    WarmUpFailure failure = WarmUpFailure::none;
+    std::string trip; ///< of the safety monitor, with its numbers; empty: none
+};
+
+/// With the relaxed grip of a hand that holds still, at 1 kHz or the first condition's rate.
+/// Deterministic; some hundredths of a second for a second.
+///
+/// A simulated device begins with all windings and housings as warm as the air, which is here the
+/// coldest winding. What they were beyond that at the beginning cools by the network; as it is
+/// linear, the sum is what a servo would have seen that had watched them all the time.
+[[nodiscard]] WarmUpTrial try_warm_up(const Protocol &protocol, const StudySetting &setting,
+                                      const MotorTemperatures &before);
 
 } // namespace springdrive::study

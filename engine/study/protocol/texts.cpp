@@ -2,11 +2,11 @@
 
 #include "base/one_line.h"
 
+#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstddef>
-#include <vector>
+#include <utility>
 
 namespace springdrive::study {
 
@@ -46,6 +46,59 @@ std::string wrong_placeholders(std::string_view key, std::string_view text,
     return {};
 }
 
+constexpr std::size_t kMaxItemName = 40;
+
+bool is_item_name(std::string_view name) {
+    const auto is_small_letter = [](char c) { return c >= 'a' && c <= 'z'; };
+    return !name.empty() && name.size() <= kMaxItemName && is_small_letter(name.front()) &&
+           std::ranges::all_of(name, [&](char c) {
+               return is_small_letter(c) || (c >= '0' && c <= '9') || c == '_';
+           });
+}
+
+/// Columns of tables of answers have these names already.
+constexpr std::array<std::string_view, 2> kTakenNames{"participant_id", "session_id"};
+
+bool is_control(char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }
+
+/// Something to read, on one line: of labels and choices.
+bool is_label(std::string_view text) {
+    return text.find_first_not_of(' ') != std::string_view::npos &&
+           std::ranges::none_of(text, is_control);
+}
+
+std::string wrong_scale(const QuestionnaireItem &item) {
+    if (item.highest <= item.lowest || item.highest - item.lowest > kMaxScaleSteps) {
+        return fmt::format("highest is {}; it must be 1 to {} above lowest, {}", item.highest,
+                           kMaxScaleSteps, item.lowest);
+    }
+    for (const auto &[key, label] :
+         {std::pair("lowest_label", &item.lowest_label), {"highest_label", &item.highest_label}}) {
+        if (!is_label(*label)) {
+            return fmt::format("{} is {}; it must be one line that can be read", key,
+                               in_quotes(*label));
+        }
+    }
+    return {};
+}
+
+std::string wrong_choices(const QuestionnaireItem &item) {
+    if (item.choices.size() < 2 || item.choices.size() > kMaxChoices) {
+        return fmt::format("choices has {}; it must have 2 to {}", item.choices.size(),
+                           kMaxChoices);
+    }
+    for (const std::string &choice : item.choices) {
+        if (!is_label(choice)) {
+            return fmt::format("choices has {}; each must be one line that can be read",
+                               in_quotes(choice));
+        }
+        if (std::ranges::count(item.choices, choice) > 1) {
+            return fmt::format("choices has {} twice; each must be there once", in_quotes(choice));
+        }
+    }
+    return {};
+}
+
 } // namespace
 
 std::string validate(const Texts &texts) {
@@ -63,6 +116,71 @@ std::string validate(const Texts &texts) {
 std::string filled(std::string text, std::string_view placeholder, std::string_view value) {
     const std::size_t at = text.find(placeholder);
     return at == std::string::npos ? text : text.replace(at, placeholder.size(), value);
+}
+
+std::string validate(const QuestionnaireItem &item) {
+    if (!is_item_name(item.name)) {
+        return fmt::format("name is {}; it must be 1 to {} of a-z, 0-9 and _, beginning with a "
+                           "letter",
+                           in_quotes(item.name), kMaxItemName);
+    }
+    if (std::ranges::count(kTakenNames, item.name) > 0) {
+        return fmt::format("name is \"{}\"; it must be another, as tables of answers have such a "
+                           "column",
+                           item.name);
+    }
+    switch (item.kind) {
+    case QuestionnaireKind::scale:
+        return wrong_scale(item);
+    case QuestionnaireKind::choice:
+        return wrong_choices(item);
+    case QuestionnaireKind::text:
+        break;
+    }
+    return {};
+}
+
+std::string validate_answer(const QuestionnaireItem &item, const std::string &answer) {
+    if (item.kind == QuestionnaireKind::text) {
+        if (answer.size() > kMaxAnswer) {
+            return fmt::format("answer has {} bytes; it must have 0 to {}", answer.size(),
+                               kMaxAnswer);
+        }
+        const bool is_text = std::ranges::none_of(
+            answer, [](char c) { return is_control(c) && c != '\n' && c != '\t'; });
+        return is_text ? std::string()
+                       : fmt::format("answer is {}; it must be text, with no control characters",
+                                     in_quotes(answer));
+    }
+    const std::vector<std::string> possible = possible_answers(item);
+    if (std::ranges::count(possible, answer) > 0) {
+        return {};
+    }
+    if (item.kind == QuestionnaireKind::scale) {
+        return fmt::format("answer is {}; it must be a whole number from {} to {}",
+                           in_quotes(answer), item.lowest, item.highest);
+    }
+    std::string all;
+    for (const std::string &choice : possible) {
+        all += (all.empty() ? "" : ", ") + in_quotes(choice);
+    }
+    return fmt::format("answer is {}; it must be one of {}", in_quotes(answer), all);
+}
+
+std::vector<std::string> possible_answers(const QuestionnaireItem &item) {
+    std::vector<std::string> all;
+    switch (item.kind) {
+    case QuestionnaireKind::scale:
+        for (int number = item.lowest; number <= item.highest; ++number) {
+            all.push_back(std::to_string(number));
+        }
+        return all;
+    case QuestionnaireKind::choice:
+        return item.choices;
+    case QuestionnaireKind::text:
+        break;
+    }
+    return all;
 }
 
 } // namespace springdrive::study

@@ -1,7 +1,7 @@
 #include "engine/study/stimuli/delivery_meter.h"
 
 #include "device/core/phantom/kinematics.h"
-#include "engine/study/stimuli/winding_band.h"
+#include "engine/study/stimuli/warm_up.h"
 
 #include <Eigen/LU>
 

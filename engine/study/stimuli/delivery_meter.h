@@ -16,7 +16,6 @@
 #include "device/core/device_description.h"
 #include "engine/servo/servo_sample.h"
 #include "engine/study/stimuli/stimulus.h"
-#include "engine/study/stimuli/stimulus_measures.h"
 #include "engine/study/stimuli/stimulus_run.h"
 
 #include <cstdint>

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 namespace springdrive::study {
@@ -86,5 +87,42 @@ struct Stimulus {
 /// not matter there; half of that if a steered force has to be taken back; else 0. But at least
 /// `min_glide_back_s`, except of a stroke.
 [[nodiscard]] double glide_back_s(const Stimulus &stimulus);
+
+// What a stimulus is measured by: the same of what was intended and of what was delivered.
+
+/// Nothing where it does not apply, or could not be measured.
+struct StimulusMeasures {
+    std::optional<double> turn_deg;          ///< of the force, or of a pulse; see `ForceAngles`
+    std::optional<double> across_deg;        ///< the same
+    std::optional<double> stiffness_N_per_m; ///< along the normal, at rest
+    std::optional<double> press_N;           ///< of the hand along the normal, at rest
+    std::optional<double> speed_m_per_s;     ///< of the hand: at touch, or at most in a stroke
+    std::optional<double> pulse_N;           ///< height of a pulse, on a hand that does not move
+
+    friend bool operator==(const StimulusMeasures &, const StimulusMeasures &) = default;
+};
+
+/// How far what was delivered may be off.
+enum class Band : std::uint8_t {
+    direction, ///< difference from the intended angle, at most `Marking::direction_deg`
+    stiffness, ///< share of the intended one, at most `Marking::stiffness_percent`
+    force,     ///< share of the intended one, at most `Marking::force_percent`
+};
+
+struct StimulusMeasure {
+    std::string_view name; ///< in stores and exports, with its unit
+    std::optional<double> StimulusMeasures::*value = nullptr;
+    Band band = Band::force;
+};
+
+/// The list of all, in the order in which they are stored.
+inline constexpr std::array<StimulusMeasure, 6> kStimulusMeasures{{
+    {"direction_deg", &StimulusMeasures::turn_deg, Band::direction},
+    {"direction_across_deg", &StimulusMeasures::across_deg, Band::direction},
+    {"stiffness_N_per_m", &StimulusMeasures::stiffness_N_per_m, Band::stiffness},
+    {"press_N", &StimulusMeasures::press_N, Band::force},
+    {"speed_m_per_s", &StimulusMeasures::speed_m_per_s, Band::force},
+    {"pulse_N", &StimulusMeasures::pulse_N, Band::force},
+}};
 
 } // namespace springdrive::study

@@ -21,13 +21,6 @@ double housing_J_per_K(const device::ThermalParameters &thermal) {
     return thermal.motor_time_s / thermal.housing_ambient_K_per_W;
 }
 
-/// Left alone, and without what they lose to the air.
-double meeting_C(const device::ThermalParameters &thermal, double winding_C, double housing_C) {
-    const double C_w = winding_J_per_K(thermal);
-    const double C_h = housing_J_per_K(thermal);
-    return (C_w * winding_C + C_h * housing_C) / (C_w + C_h);
-}
-
 Vector3 towards(const Vector3 &from, const Vector3 &to, double most) {
     return from + (to - from).cwiseMax(-most).cwiseMin(most);
 }
@@ -45,16 +38,11 @@ double max_dR_Ohm(const device::DeviceDescription &device) {
 
 } // namespace
 
-std::string_view description(WarmUpFailure failure) {
-    switch (failure) {
-    case WarmUpFailure::none:
-        return "";
-    case WarmUpFailure::tripped:
-        return "the safety monitor tripped";
-    case WarmUpFailure::too_long:
-        break;
-    }
-    return "the windings did not come into their band in ten minutes";
+double meeting_C(const device::ThermalParameters &thermal, double winding_C,
+                 double housing_C) noexcept {
+    const double C_w = winding_J_per_K(thermal);
+    const double C_h = housing_J_per_K(thermal);
+    return (C_w * winding_C + C_h * housing_C) / (C_w + C_h);
 }
 
 Vector3 warming_current_A(const device::DeviceDescription &device,

@@ -1,3 +1,41 @@
+// The temperatures in which a study keeps its windings, and how it gets them there.
+#pragma once
+
+#include "base/vector.h"
+#include "device/core/device_description.h"
+#include "device/core/motor/winding_temperature.h"
+#include "engine/control/tuning.h"
+#include "engine/servo/servo_inputs.h"
+#include "engine/servo/servo_sample.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace springdrive::study {
+
+/// The windings are warmed to this band before the first trial and kept in it.
+struct WindingBand {
+    double air_C = 25.0;
+    double from_C = 30.0;
+    double to_C = 60.0;
+
+    friend bool operator==(const WindingBand &, const WindingBand &) = default;
+};
+
+/// By the safety monitor, the middle of its bounds: the air is taken to be between 15 and 35 °C.
+/// RT-safe.
+[[nodiscard]] inline Vector3 estimated_windings_C(const servo::ServoSample &sample) noexcept {
+    Vector3 winding_C;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const servo::WindingStatus &winding = sample.winding[static_cast<std::size_t>(j)];
+        winding_C[j] = 0.5 * (winding.min_C + winding.max_C);
+    }
+    return winding_C;
+}
+
 // Warms the windings to a study's band, in free space, without a hand's having to hold against it.
 //
 //   waiting ──the servo runs, the tip is free──► heating ──warm──► fading ──► done
@@ -33,22 +71,6 @@
 // the band, which leaves room for that third.
 //
 // R̂ is zero meanwhile: dR is R, so that no tuning can be unstable and the current settles.
-#pragma once
-
-#include "base/vector.h"
-#include "device/core/device_description.h"
-#include "device/core/motor/winding_temperature.h"
-#include "engine/control/tuning.h"
-#include "engine/servo/servo_inputs.h"
-#include "engine/servo/servo_sample.h"
-#include "engine/study/stimuli/winding_band.h"
-
-#include <array>
-#include <cstdint>
-#include <optional>
-#include <string_view>
-
-namespace springdrive::study {
 
 enum class WarmUpPhase : std::uint8_t {
     waiting, ///< until the servo runs, in free space
@@ -64,8 +86,16 @@ enum class WarmUpFailure : std::uint8_t {
     too_long, ///< not in the band after `kMax_s`
 };
 
-/// "the safety monitor tripped"; empty for none.
-[[nodiscard]] std::string_view description(WarmUpFailure failure);
+/// By the number of the failure.
+inline constexpr std::array<std::string_view, 3> kWarmUpFailures{
+    "", "the safety monitor tripped", "the windings did not come into their band in ten minutes"};
+[[nodiscard]] constexpr std::string_view description(WarmUpFailure failure) {
+    return kWarmUpFailures[static_cast<std::size_t>(failure)];
+}
+
+/// What a winding and its housing meet at, left alone and without what they lose to the air [°C].
+[[nodiscard]] double meeting_C(const device::ThermalParameters &thermal, double winding_C,
+                               double housing_C) noexcept;
 
 /// The largest current of each motor [A], at these angles: `kForceShare` of the limit of force at
 /// the tip if all motors carry it, and `kCurrentShare` and `kVoltageShare` of the motors' own
@@ -130,12 +160,10 @@ public:
     [[nodiscard]] bool is_over() const {
         return phase_ == WarmUpPhase::done || phase_ == WarmUpPhase::failed;
     }
-    [[nodiscard]] double elapsed_s() const { return elapsed_s_; }
     /// What the coldest motor still lacks, or the hottest has too much [K].
     [[nodiscard]] double off_band_K() const { return off_band_K_; }
     /// Of the currents at present [A].
     [[nodiscard]] const Vector3 &amplitude_A() const { return amplitude_A_; }
-    [[nodiscard]] const Vector3 &housing_C() const { return housing_C_; }
 
 private:
     void follow_housings(const Vector3 &winding_C) noexcept;

@@ -1,6 +1,6 @@
 #include "engine/study/store/database.h"
 
-#include "engine/study/store/durable_files.h"
+#include "engine/study/store/study_file.h"
 
 #include "base/input_error.h"
 #include "base/one_line.h"

@@ -1,24 +1,133 @@
 #include "engine/study/store/rows.h"
 
+#include "base/one_line.h"
 #include "base/sha256.h"
-#include "engine/study/store/columns.h"
-#include "engine/study/store/fields.h"
-#include "engine/study/store/trial_checks.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <set>
-#include <string>
-#include <utility>
 
 namespace springdrive::study {
 
 namespace {
+
+// Values in the columns of SQLite, and back.
+
+/// The names of the kinds of `Response`, by their place in it.
+constexpr std::array<std::string_view, std::variant_size_v<Response>> kResponseNames{
+    "none", "chosen", "yes_no", "adjusted"};
+
+template <std::integral Integer> void store(Statement &row, Integer value) { row.bind(value); }
+void store(Statement &row, const std::string &value) { row.bind(value); }
+void store(Statement &row, const std::optional<double> &value) { row.bind(value); }
+void store(Statement &row, UtcTime value) { row.bind(utc_text(value)); }
+void store(Statement &row, DeviceKind value) { row.bind(name_of(value)); }
+void store(Statement &row, SessionEnding value) { row.bind(name_of(value)); }
+void store(Statement &row, const std::variant<double, std::string> &value) {
+    std::visit([&](const auto &one) { row.bind(one); }, value);
+}
+void store(Statement &row, const TrialPlace &value) {
+    row.bind(value.block).bind(value.position).bind(value.attempt);
+}
+void store(Statement &row, const RecordLink &value) {
+    row.bind(value.path.string()).bind(value.sha256);
+}
+void store(Statement &row, const Response &value) {
+    row.bind(kResponseNames[value.index()]);
+    const auto *const adjusted = std::get_if<Adjusted>(&value);
+    if (const auto *const chosen = std::get_if<Chosen>(&value)) {
+        row.bind(chosen->alternative);
+    } else if (const auto *const answer = std::get_if<YesNo>(&value)) {
+        row.bind(answer->yes);
+    } else {
+        row.bind_null();
+    }
+    store(row, adjusted != nullptr ? std::optional(adjusted->level) : std::nullopt);
+}
+
+/// How many columns a value takes.
+template <typename Value> constexpr int kColumns = 1;
+template <> constexpr int kColumns<TrialPlace> = 3;
+template <> constexpr int kColumns<RecordLink> = 2;
+
+template <typename Value> void store(Statement &row, const std::optional<Value> &value) {
+    if (value) {
+        return store(row, *value);
+    }
+    for (int i = 0; i < kColumns<Value>; ++i) {
+        row.bind_null();
+    }
+}
+
+/// The place of the name that comes next.
+template <std::size_t count>
+std::size_t place_of_name(Statement &row, const std::array<std::string_view, count> &names) {
+    const std::string name = row.text();
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+        row.refuse("no such name: " + in_quotes(name));
+    }
+    return static_cast<std::size_t>(found - names.begin());
+}
+
+template <std::integral Integer> void load(Statement &row, Integer &value) {
+    value = static_cast<Integer>(row.integer());
+}
+void load(Statement &row, std::string &value) { value = row.text(); }
+void load(Statement &row, double &value) { value = row.real(); }
+void load(Statement &row, UtcTime &value) {
+    const std::string text = row.text();
+    const auto time = utc_time_of(text);
+    if (!time) {
+        row.refuse("no time: " + in_quotes(text));
+    }
+    value = *time;
+}
+void load(Statement &row, DeviceKind &value) {
+    value = static_cast<DeviceKind>(place_of_name(row, kDeviceKindNames));
+}
+void load(Statement &row, SessionEnding &value) {
+    value = static_cast<SessionEnding>(place_of_name(row, kSessionEndingNames));
+}
+void load(Statement &row, std::variant<double, std::string> &value) {
+    if (row.is_text()) {
+        value = row.text();
+    } else {
+        value = row.real();
+    }
+}
+void load(Statement &row, TrialPlace &value) {
+    load(row, value.block);
+    load(row, value.position);
+    load(row, value.attempt);
+}
+void load(Statement &row, RecordLink &value) {
+    value.path = row.text();
+    value.sha256 = row.text();
+}
+template <typename Value> void load(Statement &row, std::optional<Value> &value) {
+    if (row.is_null()) {
+        row.skip(kColumns<Value>);
+        value.reset();
+    } else {
+        load(row, value.emplace());
+    }
+}
+void load(Statement &row, Response &value) {
+    const std::size_t kind = place_of_name(row, kResponseNames);
+    std::optional<std::int64_t> chosen;
+    std::optional<double> adjusted;
+    load(row, chosen);
+    load(row, adjusted);
+    const std::array<Response, kResponseNames.size()> by_kind{
+        NoResponse{}, Chosen{static_cast<int>(chosen.value_or(0))}, YesNo{chosen == 1},
+        Adjusted{adjusted.value_or(0.0)}};
+    value = by_kind[kind];
+}
 
 /// SHA-256 of a row with its child rows, stored beside it: by it, a value that the disk changed is
 /// detected, where SQLite checks little but the structure.

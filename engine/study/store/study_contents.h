@@ -1,15 +1,8 @@
-// What a study file holds, as values.
-//
-// Participants are known by code and number only; there is no field for a name. A number that is
-// not known is left out (std::nullopt); a NaN is stored as not known. All other numbers are read
-// back bit for bit.
+// What a study file holds, as values, and what can be seen to be wrong with them.
 #pragma once
 
-#include "engine/study/store/participant_code.h"
-
-#include "engine/study/store/utc_time.h"
-
 #include <array>
+#include <chrono>
 #include <compare>
 #include <cstdint>
 #include <filesystem>
@@ -21,6 +14,39 @@
 #include <vector>
 
 namespace springdrive::study {
+
+// Wall-clock times of a study: UTC, to the millisecond, as ISO 8601 in files.
+
+using UtcTime = std::chrono::sys_time<std::chrono::milliseconds>;
+
+/// By the system's clock.
+[[nodiscard]] UtcTime utc_now();
+
+/// "2024-05-31T12:34:56.789Z".
+/// @pre the year has four digits
+[[nodiscard]] std::string utc_text(UtcTime time);
+
+/// What `utc_text` writes; nothing for any other text.
+[[nodiscard]] std::optional<UtcTime> utc_time_of(std::string_view text);
+
+// A participant's code, which stands for a person whose name is not stored.
+
+/// Why a text is no participant's code; empty when it is one. A code is one to three capital
+/// letters, one to four digits and nothing else, such as P01: a name cannot be typed by mistake.
+[[nodiscard]] std::string validate_code(std::string_view code);
+
+/// Whether a text has the code, in letters of either case and not as a part of another code:
+/// "p01, left-handed" has P01; "P012" and "XP01" have not.
+[[nodiscard]] bool has_code(std::string_view text, std::string_view code);
+
+/// Puts "[removed]" in the place of the code. @return whether the text had it, see `has_code`
+bool redact_code(std::string &text, std::string_view code);
+
+// What a study file holds, as values.
+//
+// Participants are known by code and number only; there is no field for a name. A number that is
+// not known is left out (std::nullopt); a NaN is stored as not known. All other numbers are read
+// back bit for bit.
 
 /// What a session ran on. Data of the first two are no person's.
 enum class DeviceKind : std::uint8_t { simulated, emulated, usb };
@@ -267,5 +293,21 @@ struct StudyContents {
 
 /// Whether the trial is one for the analysis: no practice, no catch trial, not marked.
 [[nodiscard]] bool counts(const Trial &trial);
+
+// What can be seen to be wrong with a row before it is stored. What leads to files is seen again
+// when it is read: the file may come from anybody.
+
+// Each is empty for a row that can be stored; one line otherwise.
+
+/// The folder of servo records: NAME.records, beside the study.
+[[nodiscard]] std::string validate_records_folder(std::string_view name);
+[[nodiscard]] std::string validate(const Participant &participant);
+[[nodiscard]] std::string validate(const Session &session);
+/// @param records_folder  of the study
+[[nodiscard]] std::string validate(const Trial &trial, std::string_view records_folder);
+/// The trial's record, if it has one, which must be in its participant's folder.
+[[nodiscard]] std::string validate_record(const Trial &trial, std::string_view records_folder);
+[[nodiscard]] std::string validate(const QuestionnaireAnswer &answer);
+[[nodiscard]] std::string validate(const Note &note);
 
 } // namespace springdrive::study

@@ -1,25 +1,127 @@
 #include "engine/study/store/study_store.h"
 
-#include "engine/study/store/durable_files.h"
-#include "engine/study/store/removal.h"
-#include "engine/study/store/rows.h"
-#include "engine/study/store/study_file.h"
-#include "engine/study/store/study_lock.h"
-#include "engine/study/store/trial_checks.h"
-
 #include "base/contained_path.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/one_line.h"
 #include "base/sha256.h"
+#include "engine/study/store/database.h"
+#include "engine/study/store/rows.h"
+#include "engine/study/store/study_file.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 namespace springdrive::study {
+
+// Deletion of a participant, in steps that can be taken again if the program ends in between:
+//
+//   1. the participant is marked as being removed: nobody sees the rows any more (a transaction);
+//   2. the participant's folder of servo records is removed;
+//   3. all rows are deleted and their bytes overwritten, the code is replaced in what was typed of
+//      others and of the study, and the file is marked as to be rebuilt (a transaction);
+//   4. the file is rebuilt without unused pages, and the mark taken back.
+//
+// Records go before rows, because without the mark nothing would tell whose they are. Files are
+// removed at nobody's mark but only when somebody requests it: a study may come from anybody. The
+// last step touches nothing but the study, and is also taken when it is opened.
+
+namespace {
+
+bool redact(Note &note, std::string_view code) { return redact_code(note.text, code); }
+bool redact(QuestionnaireAnswer &answer, std::string_view code) {
+    return redact_code(answer.answer, code);
+}
+bool redact(Trial &trial, std::string_view code) {
+    return std::ranges::count_if(
+               trial.marks, [&](std::string &reason) { return redact_code(reason, code); }) > 0;
+}
+
+/// In how many rows.
+template <typename Row> int redact_all(const Database &database, std::string_view code) {
+    int changed = 0;
+    for (auto &numbered : rows<Row>(database)) {
+        if (redact(numbered.row, code)) {
+            update(database, numbered);
+            ++changed;
+        }
+    }
+    return changed;
+}
+
+/// @return its row
+std::int64_t mark_as_being_removed(const Database &database, const std::string &code) {
+    Transaction transaction(database, Transaction::Kind::write);
+    for (auto &participant : rows<ParticipantRow>(database)) {
+        if (participant.row.participant.code == code) {
+            participant.row.is_being_removed = true;
+            update(database, participant);
+            transaction.commit();
+            return participant.id;
+        }
+    }
+    database.refuse(no_participant_text(code));
+}
+
+/// Step 4, if it is due.
+void compact(const Database &database) {
+    auto study = study_row(database);
+    if (!study.row.is_to_compact) {
+        return;
+    }
+    database.run("VACUUM");
+    study.row.is_to_compact = false;
+    Transaction transaction(database, Transaction::Kind::write);
+    update(database, study);
+    transaction.commit();
+}
+
+/// All steps, or those that an interrupted deletion left; `top` is the folder of the study file.
+/// @return in how many notes, answers and trials of others the code was replaced
+/// @throw InputError if there is no such participant, if the folder of records is reached by a link
+///        only, if a record cannot be removed, or if the file cannot be written
+int remove_rows_and_records(const Database &database, const std::filesystem::path &top,
+                            const std::string &code) {
+    const auto folder = [&] {
+        const std::filesystem::path records = study_row(database).row.facts.records_folder;
+        return path_without_links(top, records / code);
+    };
+    if (validate_code(code).empty()) {
+        static_cast<void>(folder()); // which cannot be removed: nothing is begun
+    }
+    const std::int64_t id = mark_as_being_removed(database, code);
+    remove_folder(folder());
+    int redacted = 0;
+    Transaction transaction(database, Transaction::Kind::write);
+    database.prepare("DELETE FROM participant WHERE id = ?").bind(id).run();
+    for (const auto redact_rows :
+         {redact_all<Note>, redact_all<QuestionnaireAnswer>, redact_all<Trial>}) {
+        redacted += redact_rows(database, code);
+    }
+    auto study = study_row(database);
+    ++study.row.facts.removed_participants;
+    study.row.is_to_compact = true;
+    update(database, study);
+    transaction.commit();
+    compact(database);
+    return redacted;
+}
+
+/// Sessions of a program that ended without a word.
+void end_interrupted(const Database &database) {
+    Transaction transaction(database, Transaction::Kind::write);
+    for (auto &session : rows<Session>(database)) {
+        if (!session.row.ending) {
+            session.row.ending = SessionEnding::interrupted;
+            update(database, session);
+        }
+    }
+    transaction.commit();
+}
+
+} // namespace
 
 struct StudyStore::Parts {
     Parts(const std::filesystem::path &file, const DatabaseSettings &settings)
@@ -58,22 +160,6 @@ struct StudyStore::Parts {
     std::optional<StudyLock> lock;  ///< of a file
     Database database;              ///< closed before the lock is given back
 };
-
-namespace {
-
-/// Sessions of a program that ended without a word.
-void end_interrupted(const Database &database) {
-    Transaction transaction(database, Transaction::Kind::write);
-    for (auto &session : rows<Session>(database)) {
-        if (!session.row.ending) {
-            session.row.ending = SessionEnding::interrupted;
-            update(database, session);
-        }
-    }
-    transaction.commit();
-}
-
-} // namespace
 
 StudyStore::StudyStore(const std::filesystem::path &file) : StudyStore(file, DatabaseSettings{}) {}
 
@@ -207,7 +293,7 @@ Removed StudyStore::remove_participant(std::string_view code) {
     parts_->check(parts_->resolved.empty() ? "is gone with the program by itself" : "");
     const Database &database = parts_->database;
     Removed removed;
-    removed.redacted = study::remove_participant(database, parts_->top(), std::string(code));
+    removed.redacted = remove_rows_and_records(database, parts_->top(), std::string(code));
     const StudyFacts facts = study_row(database).row.facts;
     for (const std::string &text : {facts.title, facts.protocol, facts.records_folder}) {
         removed.is_in_study = removed.is_in_study || has_code(text, code);

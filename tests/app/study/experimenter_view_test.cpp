@@ -1,7 +1,7 @@
 // Covers app/study/experimenter/experimenter_view.cpp: what a blind experimenter sees of a session.
 #include "app/study/experimenter/experimenter_view.h"
 
-#include "engine/study/conduct/presentation.h"
+#include "engine/study/conduct/conduct.h"
 #include "tests/app/study/sitting_rig.h"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 // whose thresholds are known.
 #include "app/visitors/curve_of_answers.h"
 
-#include "engine/study/observers/simulated_answer.h"
+#include "engine/study/observers/simulated_sitting.h"
 #include "engine/study/protocol/protocol_file.h"
 #include "tests/app/study/headless_study.h"
 #include "tests/support/cases.h"

@@ -23,67 +23,57 @@ FunctionPriors weibull_priors() {
     return priors;
 }
 
-/// Marginal densities of ln threshold, ln slope and lapse at the nodes of Simpson's rule.
-struct BruteForce {
-    static constexpr int kThresholds = 300;
-    static constexpr int kSlopes = 120;
-    static constexpr int kLapses = 20;
-    std::vector<double> u = std::vector<double>(kThresholds + 1);
-    std::vector<double> v = std::vector<double>(kSlopes + 1);
-    std::vector<double> l = std::vector<double>(kLapses + 1);
-    std::vector<double> of_u = std::vector<double>(kThresholds + 1, 0.0);
-    std::vector<double> of_v = std::vector<double>(kSlopes + 1, 0.0);
-    std::vector<double> of_l = std::vector<double>(kLapses + 1, 0.0);
+/// A marginal density at the nodes of Simpson's rule, of ln threshold, ln slope or lapse.
+struct Marginal {
+    Marginal(double first, double last, int steps) : weights(static_cast<std::size_t>(steps) + 1) {
+        for (int i = 0; i <= steps; ++i) {
+            nodes.push_back(first + (last - first) * i / steps);
+        }
+    }
+    std::vector<double> nodes;
+    std::vector<double> weights;
 };
 
-double simpson_weight(int i, int last) {
-    return i == 0 || i == last ? 1.0 : i % 2 == 1 ? 4.0 : 2.0;
+struct BruteForce {
+    Marginal u{std::log(0.1), std::log(10.0), 300};
+    Marginal v{std::log(0.5), std::log(15.0), 120};
+    Marginal l{0.0, 0.1, 20};
+};
+
+double simpson_weight(std::size_t i, const Marginal &of) {
+    return i == 0 || i + 1 == of.nodes.size() ? 1.0 : i % 2 == 1 ? 4.0 : 2.0;
 }
 
 BruteForce brute_force(const std::vector<LevelCount> &counts) {
     BruteForce brute;
-    const double u0 = std::log(0.1);
-    const double v0 = std::log(0.5);
-    for (int i = 0; i <= BruteForce::kThresholds; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        brute.u[at] = u0 + (std::log(10.0) - u0) * i / BruteForce::kThresholds;
-    }
-    for (int i = 0; i <= BruteForce::kSlopes; ++i) {
-        brute.v[static_cast<std::size_t>(i)] = v0 + std::log(30.0) * i / BruteForce::kSlopes;
-    }
-    for (int i = 0; i <= BruteForce::kLapses; ++i) {
-        brute.l[static_cast<std::size_t>(i)] = 0.1 * i / BruteForce::kLapses;
-    }
     double sum = 0.0;
-    for (std::size_t i = 0; i < brute.u.size(); ++i) {
-        const double z = brute.u[i] - std::log(1.5);
-        for (std::size_t j = 0; j < brute.v.size(); ++j) {
+    for (std::size_t i = 0; i < brute.u.nodes.size(); ++i) {
+        const double z = brute.u.nodes[i] - std::log(1.5);
+        for (std::size_t j = 0; j < brute.v.nodes.size(); ++j) {
             std::vector<double> cores;
             for (const LevelCount &count : counts) {
-                cores.push_back(1.0 - std::exp(-std::pow(count.level / std::exp(brute.u[i]),
-                                                         std::exp(brute.v[j]))));
+                cores.push_back(1.0 - std::exp(-std::pow(count.level / std::exp(brute.u.nodes[i]),
+                                                         std::exp(brute.v.nodes[j]))));
             }
-            for (std::size_t k = 0; k < brute.l.size(); ++k) {
+            for (std::size_t k = 0; k < brute.l.nodes.size(); ++k) {
                 double log_weight = -0.5 * z * z;
                 for (std::size_t m = 0; m < counts.size(); ++m) {
-                    const double psi = 0.5 + (0.5 - brute.l[k]) * cores[m];
+                    const double psi = 0.5 + (0.5 - brute.l.nodes[k]) * cores[m];
                     const int wrong = counts[m].trials - counts[m].positive;
                     log_weight += counts[m].positive * std::log(psi) +
                                   (wrong > 0 ? wrong * std::log(1.0 - psi) : 0.0);
                 }
-                const double weight = std::exp(log_weight + 100.0) *
-                                      simpson_weight(static_cast<int>(i), BruteForce::kThresholds) *
-                                      simpson_weight(static_cast<int>(j), BruteForce::kSlopes) *
-                                      simpson_weight(static_cast<int>(k), BruteForce::kLapses);
+                const double weight = std::exp(log_weight + 100.0) * simpson_weight(i, brute.u) *
+                                      simpson_weight(j, brute.v) * simpson_weight(k, brute.l);
                 sum += weight;
-                brute.of_u[i] += weight;
-                brute.of_v[j] += weight;
-                brute.of_l[k] += weight;
+                brute.u.weights[i] += weight;
+                brute.v.weights[j] += weight;
+                brute.l.weights[k] += weight;
             }
         }
     }
-    for (std::vector<double> *marginal : {&brute.of_u, &brute.of_v, &brute.of_l}) {
-        for (double &weight : *marginal) {
+    for (Marginal *marginal : {&brute.u, &brute.v, &brute.l}) {
+        for (double &weight : marginal->weights) {
             weight /= sum;
         }
     }
@@ -95,13 +85,13 @@ struct Moments {
     double deviation = 0.0;
 };
 
-Moments moments(const std::vector<double> &values, const std::vector<double> &weights) {
+Moments moments(const Marginal &of) {
     Moments result;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        result.mean += weights[i] * values[i];
+    for (std::size_t i = 0; i < of.nodes.size(); ++i) {
+        result.mean += of.weights[i] * of.nodes[i];
     }
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        result.deviation += weights[i] * (values[i] - result.mean) * (values[i] - result.mean);
+    for (std::size_t i = 0; i < of.nodes.size(); ++i) {
+        result.deviation += of.weights[i] * std::pow(of.nodes[i] - result.mean, 2);
     }
     result.deviation = std::sqrt(result.deviation);
     return result;
@@ -109,16 +99,14 @@ Moments moments(const std::vector<double> &values, const std::vector<double> &we
 
 /// The share below the middle between two nodes, from weights of Simpson's rule made those of the
 /// midpoint rule.
-double share_below_node(const std::vector<double> &weights, std::size_t node) {
-    const int last = static_cast<int>(weights.size()) - 1;
+double share_below_node(const Marginal &of, std::size_t node) {
     double below = 0.0;
     double sum = 0.0;
-    for (int i = 0; i <= last; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        const double density =
-            weights[at] / simpson_weight(i, last) * (i == 0 || i == last ? 0.5 : 1.0);
+    for (std::size_t i = 0; i < of.nodes.size(); ++i) {
+        const double weight = simpson_weight(i, of);
+        const double density = of.weights[i] / weight * (weight == 1.0 ? 0.5 : 1.0);
         sum += density;
-        below += at < node ? density : at == node ? 0.5 * density : 0.0;
+        below += i < node ? density : i == node ? 0.5 * density : 0.0;
     }
     return below / sum;
 }
@@ -132,28 +120,26 @@ TEST(Posterior, IsThatOfBruteForce) {
         }
         const Posterior posterior(counts, weibull_priors());
         const BruteForce brute = brute_force(counts);
-        const Moments u = moments(brute.u, brute.of_u);
-        const Moments v = moments(brute.v, brute.of_v);
-        const Moments l = moments(brute.l, brute.of_l);
-        const PosteriorSummary threshold = posterior.of(FunctionParameter::threshold);
-        const PosteriorSummary slope = posterior.of(FunctionParameter::slope);
-        const PosteriorSummary lapse = posterior.of(FunctionParameter::lapse);
         // A thousandth of the posterior's deviation changes the coverage of an interval by less
         // than 0.02 %.
-        EXPECT_NEAR(std::log(threshold.mean), u.mean, 1e-3 * u.deviation);
-        EXPECT_NEAR(std::log(slope.mean), v.mean, 1e-3 * v.deviation);
-        EXPECT_NEAR(lapse.mean, l.mean, 1e-3 * l.deviation);
-        EXPECT_NEAR(threshold.deviation_on_scale, u.deviation, 1e-3 * u.deviation);
-        EXPECT_NEAR(slope.deviation_on_scale, v.deviation, 1e-3 * v.deviation);
-        EXPECT_NEAR(lapse.deviation_on_scale, l.deviation, 1e-3 * l.deviation);
-        for (const std::size_t node :
-             {std::size_t{140}, std::size_t{150}, std::size_t{160}, std::size_t{175}}) {
+        const auto expect_moments = [&](FunctionParameter parameter, const Marginal &of) {
+            const Moments expected = moments(of);
+            const PosteriorSummary found = posterior.of(parameter);
+            const bool is_lapse = parameter == FunctionParameter::lapse;
+            EXPECT_NEAR(is_lapse ? found.mean : std::log(found.mean), expected.mean,
+                        1e-3 * expected.deviation);
+            EXPECT_NEAR(found.deviation_on_scale, expected.deviation, 1e-3 * expected.deviation);
+        };
+        expect_moments(FunctionParameter::threshold, brute.u);
+        expect_moments(FunctionParameter::slope, brute.v);
+        expect_moments(FunctionParameter::lapse, brute.l);
+        for (const std::size_t node : {140U, 150U, 160U, 175U}) {
             EXPECT_NEAR(
-                posterior.share_below(FunctionParameter::threshold, std::exp(brute.u[node])),
-                share_below_node(brute.of_u, node), 1e-3);
+                posterior.share_below(FunctionParameter::threshold, std::exp(brute.u.nodes[node])),
+                share_below_node(brute.u, node), 1e-3);
         }
-        EXPECT_GT(share_below_node(brute.of_u, 175), 0.5);
-        EXPECT_LT(share_below_node(brute.of_u, 140), 0.5);
+        EXPECT_GT(share_below_node(brute.u, 175), 0.5);
+        EXPECT_LT(share_below_node(brute.u, 140), 0.5);
     }
 }
 

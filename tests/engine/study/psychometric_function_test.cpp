@@ -1,10 +1,13 @@
-// Covers engine/study/methods/psychometric_function.cpp and scale.h.
+// Covers engine/study/methods/{psychometric_function,scale}.cpp.
 #include "engine/study/methods/psychometric_function.h"
+#include "tests/engine/study/refusals.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <vector>
 
 namespace springdrive::study {
 namespace {
@@ -78,33 +81,86 @@ TEST(PsychometricFunction, DensityIsTheDerivative) {
 }
 
 TEST(PsychometricFunction, SaysWhatIsWrongWithIt) {
-    EXPECT_EQ(validate(PsychometricFunction{}), "");
-    PsychometricFunction bad;
-    bad.threshold = 0.0;
-    EXPECT_EQ(validate(bad), "threshold is 0; it must be from 1e-06 to 1e+06");
-    bad.family.scale = Scale::linear;
-    EXPECT_EQ(validate(bad), "");
-    bad.threshold = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_NE(validate(bad).find("threshold"), std::string::npos);
-    bad = {};
-    bad.slope = -1.0;
-    EXPECT_EQ(validate(bad), "slope is -1; it must be from 1e-06 to 1e+06");
-    for (const double wrong : {std::numeric_limits<double>::infinity(), 1.1e6, 0.9e-6, 1e-300}) {
-        bad = {};
-        bad.threshold = wrong;
-        EXPECT_EQ(validate(bad).find("threshold is "), 0U) << wrong;
-        bad = {};
-        bad.slope = wrong;
-        EXPECT_EQ(validate(bad).find("slope is "), 0U) << wrong;
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const auto error = [](double threshold, double slope, double lapse = 0.02,
+                          Scale scale = Scale::logarithmic) {
+        return validate(
+            PsychometricFunction{{Shape::weibull, scale}, threshold, slope, 0.5, lapse});
+    };
+    std::vector<testing::Refusal> all{
+        {error(0.0, 3.5), "threshold is 0; it must be from 1e-06 to 1e+06"},
+        {error(0.0, 3.5, 0.02, Scale::linear), ""},
+        {error(1.0, -1.0), "slope is -1; it must be from 1e-06 to 1e+06"},
+        {error(1.0, 3.5, 0.6), "lapse is 0.6; it must be from 0 to 0.5"},
+        {error(1e6, 1e6), ""},
+        {error(1e-6, 1e-6), ""},
+    };
+    for (const double wrong : {kNaN, kInfinity, 1.1e6, 0.9e-6, 1e-300}) {
+        all.push_back({error(wrong, 3.5), "threshold is "});
+        all.push_back({error(1.0, wrong), "slope is "});
     }
-    for (const double right : {1e6, 1e-6}) {
-        bad = {};
-        bad.threshold = bad.slope = right;
-        EXPECT_EQ(validate(bad), "") << right;
+    testing::expect_refusals(all);
+}
+
+const Prior kUniform{Scale::logarithmic, 0.5, 8.0, Density::uniform, 0.0, 1.0};
+const Prior kNormal{Scale::linear, -1.0, 4.0, Density::normal, 1.0, 2.0};
+
+TEST(Prior, GridIsTheMidpointRule) {
+    const PriorGrid grid = grid_of(kUniform, 4); // cells end at 0.5, 1, 2, 4, 8
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_NEAR(grid.values[i], std::sqrt(0.5) * std::pow(2.0, static_cast<double>(i)), 1e-14);
+        EXPECT_EQ(grid.weights[i], 0.25);
     }
-    bad = {};
-    bad.lapse = 0.6;
-    EXPECT_EQ(validate(bad), "lapse is 0.6; it must be from 0 to 0.5");
+    const PriorGrid normal = grid_of(kNormal, 50);
+    EXPECT_NEAR(std::accumulate(normal.weights.begin(), normal.weights.end(), 0.0), 1.0, 1e-14);
+    EXPECT_NEAR(normal.weights[30] / normal.weights[20],
+                std::exp(-0.5 * (std::pow((normal.values[30] - 1.0) / 2.0, 2) -
+                                 std::pow((normal.values[20] - 1.0) / 2.0, 2))),
+                1e-13);
+}
+
+TEST(Prior, QuantilesCutTheGridsWeightAtTheirShare) {
+    constexpr int kPoints = 100'000; // so a cell has a share of 1e-5 or so
+    for (const Prior &prior : {kUniform, kNormal}) {
+        const PriorGrid grid = grid_of(prior, kPoints);
+        for (const double share : {0.0, 0.025, 0.5, 0.9, 1.0}) {
+            const double cut = quantile(prior, share);
+            double below = 0.0;
+            for (std::size_t i = 0; i < grid.values.size(); ++i) {
+                below += grid.values[i] < cut ? grid.weights[i] : 0.0;
+            }
+            EXPECT_NEAR(below, share, 3e-5);
+        }
+        EXPECT_NEAR(quantile(prior, 0.0), prior.minimum, 1e-12);
+        EXPECT_NEAR(quantile(prior, 1.0), prior.maximum, 1e-12);
+    }
+}
+
+TEST(Prior, OfAKnownValueHasOneNode) {
+    const PriorGrid grid = grid_of(known(0.5), 7);
+    EXPECT_EQ(grid.values, std::vector{0.5});
+    EXPECT_EQ(grid.weights, std::vector{1.0});
+    EXPECT_EQ(quantile(known(0.5), 0.3), 0.5);
+    EXPECT_EQ(validate(known(0.5), "guess"), "");
+}
+
+TEST(Prior, SaysWhatIsWrongWithIt) {
+    const auto error = [](const Prior &prior, const auto &change) {
+        return validate(testing::spoilt(prior, change), "slope");
+    };
+    testing::expect_refusals({
+        {validate(kUniform, "slope"), ""},
+        {validate(kNormal, "slope"), ""},
+        {error(kUniform, [](Prior &p) { p.minimum = 0.0; }),
+         "slope.minimum is 0; it must be a finite number above 0"},
+        {error(kUniform, [](Prior &p) { p.maximum = 0.25; }),
+         "slope.maximum is 0.25; it must be from 0.5"},
+        {error(kNormal, [](Prior &p) { p.mean = 5.0; }),
+         "slope.mean is 5; it must be from -1 to 4"},
+        {error(kNormal, [](Prior &p) { p.deviation = 0.0; }),
+         "slope.deviation is 0; it must be a finite number above 0"},
+    });
 }
 
 } // namespace

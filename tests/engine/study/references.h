@@ -1,8 +1,8 @@
 // Written by references.R; R 4.2.2 psyphy 0.2.3 metafor 3.8.1
 #pragma once
 
-#include "engine/study/analysis/group_summary.h"
-#include "engine/study/analysis/level_counts.h"
+#include "engine/study/analysis/maximum_likelihood.h"
+#include "engine/study/analysis/summaries.h"
 
 #include <array>
 #include <limits>

@@ -1,10 +1,10 @@
 // Covers engine/study/ as a whole: studies of observers that are drawn from the prior, from the
 // first trial to the interval. Of 1000 studies, an interval of 95 % holds the truth in 95 ± 1.35 %.
 #include "base/parallel.h"
-#include "engine/study/analysis/direct_estimates.h"
 #include "engine/study/analysis/maximum_likelihood.h"
 #include "engine/study/analysis/posterior.h"
-#include "engine/study/analysis/simulated_study.h"
+#include "engine/study/analysis/precision_plan.h"
+#include "engine/study/analysis/summaries.h"
 #include "tests/support/cases.h"
 
 #include <gtest/gtest.h>

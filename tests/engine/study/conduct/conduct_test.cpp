@@ -1,26 +1,258 @@
-// Covers engine/study/conduct/conduct.cpp: sessions in real study files.
-#include "engine/study/conduct/conduct.h"
-
+// Covers engine/study/conduct: sequences, marks, and sessions in real study files.
 #include "base/input_error.h"
+#include "engine/study/conduct/conduct.h"
 #include "engine/study/store/database.h"
 #include "tests/engine/study/conduct/small_study.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
+#include <set>
 #include <stdexcept>
+#include <string>
+#include <tuple>
 
 namespace springdrive::study {
 namespace {
 
+/// As conduct stores it, as far as the sequence looks at it.
+Trial answered(const PlannedTrial &planned, bool marked) {
+    Trial trial(planned);
+    trial.response = Chosen{
+        uniform(child(RandomKey{planned.seed}, 1)) < 0.75 ? *planned.target : 3 - *planned.target};
+    trial.is_presented_again = marked;
+    return trial;
+}
+
+bool is_measured(const PlannedTrial &trial) { return !trial.is_practice && !trial.is_catch; }
+
+std::vector<PlannedTrial> all_planned(const Protocol &protocol, int participant,
+                                      std::vector<Trial> &stored, double marked_share = 0.0) {
+    Sequence sequence(protocol, participant);
+    std::vector<PlannedTrial> planned;
+    while (const std::optional<PlannedTrial> trial = sequence.next()) {
+        planned.push_back(*trial);
+        stored.push_back(
+            answered(*trial, uniform(child(RandomKey{trial->seed}, 2)) < marked_share));
+        sequence.add(stored.back());
+    }
+    EXPECT_EQ(sequence.ended().size(), protocol.blocks.size());
+    return planned;
+}
+
+/// Of two participants, who have two blocks in both orders.
+TEST(StudySequence, HasTheBlocksConditionsAndPlacesOfTheProtocol) {
+    const Protocol protocol = small_protocol();
+    std::set<std::size_t> first;
+    for (const int participant : {1, 2}) {
+        std::vector<Trial> stored;
+        const std::vector<PlannedTrial> planned = all_planned(protocol, participant, stored, 0.2);
+        const Sequence sequence = sequence_after(protocol, participant, stored);
+        first.insert(sequence.ended().front().block);
+        EXPECT_NE(sequence.ended().front().block, sequence.ended().back().block);
+        std::map<std::pair<std::string, std::string>, int> measured; // by condition and track
+        int practice = 0;
+        std::set<std::uint64_t> keys;
+        TrialPlace expected{1, 1, 1};
+        for (std::size_t i = 0; i < planned.size(); ++i) {
+            const PlannedTrial &trial = planned[i];
+            const int block = sequence.order()[static_cast<std::size_t>(trial.place.block) - 1];
+            const auto &own = protocol.blocks[static_cast<std::size_t>(block)].conditions;
+            EXPECT_TRUE(std::ranges::any_of(own, [&](std::size_t condition) {
+                return protocol.conditions[condition].name == trial.condition;
+            }));
+            if (trial.place.block != expected.block) {
+                expected = {expected.block + 1, 1, 1};
+            }
+            EXPECT_EQ(trial.place, expected);
+            ++expected.position;
+            EXPECT_TRUE(keys.insert(trial.seed).second);
+            if (is_measured(trial) && !stored[i].is_presented_again) {
+                ++measured[{trial.condition, trial.track}];
+            }
+            practice += trial.is_practice ? 1 : 0;
+            EXPECT_TRUE(!trial.is_practice || trial.place.block == 1) << "of the first block only";
+        }
+        EXPECT_EQ(measured.size(), 8U);
+        for (const auto &[of, trials] : measured) {
+            EXPECT_EQ(trials, 6) << of.first << ' ' << of.second;
+        }
+        EXPECT_GE(practice, 3);
+    }
+    EXPECT_EQ(first.size(), 2U);
+}
+
+TEST(StudySequence, GoesOnFromAnyTrialAsAnUndisturbedOne) {
+    const Protocol protocol = small_protocol();
+    std::vector<Trial> stored;
+    const std::vector<PlannedTrial> planned = all_planned(protocol, 2, stored, 0.2);
+    for (std::size_t i = 0; i < planned.size(); ++i) {
+        EXPECT_EQ(sequence_after(protocol, 2, std::span(stored).first(i)).next(), planned[i]) << i;
+    }
+    EXPECT_FALSE(sequence_after(protocol, 2, stored).next());
+}
+
+TEST(StudySequence, AMarkedTrialIsRepeatedLaterAndOnce) {
+    const Protocol protocol = small_protocol();
+    std::vector<Trial> stored;
+    const std::vector<PlannedTrial> planned = all_planned(protocol, 1, stored, 0.3);
+    std::map<TrialPlace, int> repetitions;
+    for (std::size_t i = 0; i < planned.size(); ++i) {
+        if (!planned[i].repetition_of) {
+            continue;
+        }
+        ++repetitions[*planned[i].repetition_of];
+        const auto before =
+            std::ranges::find(planned, *planned[i].repetition_of, &PlannedTrial::place);
+        ASSERT_LT(before, planned.begin() + static_cast<std::ptrdiff_t>(i));
+        const auto what = [](const PlannedTrial &one) {
+            return std::tuple(one.level, one.condition, one.track, one.is_practice, one.is_catch);
+        };
+        EXPECT_EQ(what(*before), what(planned[i]));
+    }
+    int marked_and_measured = 0;
+    for (std::size_t i = 0; i < planned.size(); ++i) {
+        const bool is_repeated = repetitions.contains(planned[i].place);
+        EXPECT_LE(repetitions[planned[i].place], 1);
+        EXPECT_FALSE(is_repeated && !stored[i].is_presented_again);
+        if (is_measured(planned[i]) && stored[i].is_presented_again) {
+            ++marked_and_measured;
+            EXPECT_TRUE(is_repeated) << text_of(planned[i].place);
+        }
+    }
+    EXPECT_GT(marked_and_measured, 5);
+}
+
+TEST(StudySequence, ABlockWithTooManyMarkedTrialsEndsUnfinished) {
+    Protocol protocol = small_protocol();
+    protocol.marking.max_marked = 2;
+    Sequence sequence(protocol, 1);
+    for (int i = 0; i < 3; ++i) {
+        ASSERT_TRUE(sequence.ended().empty());
+        sequence.add(answered(*sequence.next(), true));
+    }
+    ASSERT_EQ(sequence.ended().size(), 1U);
+    EXPECT_EQ(sequence.ended()[0].state, BlockState::too_many_marked);
+    EXPECT_EQ(sequence.next()->place, (TrialPlace{2, 1, 1}));
+}
+
+TEST(StudySequence, RefusesWhatItDidNotAskFor) {
+    const Protocol protocol = small_protocol();
+    const PlannedTrial planned = *Sequence(protocol, 1).next();
+    const Trial right = answered(planned, false);
+    EXPECT_NO_THROW(Sequence(protocol, 1).add(right));
+    const auto refuses = [&protocol](Trial wrong) {
+        wrong.participant = "P01";
+        Sequence sequence(protocol, 1);
+        EXPECT_THROW(sequence.add(wrong), InputError);
+        EXPECT_EQ(*sequence.next(), *Sequence(protocol, 1).next()); // and is as before
+    };
+    for (const auto &change : std::vector<std::function<void(Trial &)>>{
+             [](Trial &trial) { trial.place.position = 2; },
+             [](Trial &trial) { trial.condition = "none"; },
+             [](Trial &trial) { trial.track = "9"; },
+             [](Trial &trial) { trial.is_practice = !trial.is_practice; },
+             [](Trial &trial) { trial.is_catch = !trial.is_catch; },
+             [](Trial &trial) { ++trial.seed; }, [](Trial &trial) { trial.level_name = "eta"; },
+             [](Trial &trial) { *trial.level += 1e-12; },
+             [](Trial &trial) { trial.target = 3 - *trial.target; },
+             [](Trial &trial) { trial.repetition_of = TrialPlace{}; }}) {
+        Trial wrong = right;
+        change(wrong);
+        refuses(wrong);
+    }
+    Protocol other = protocol;
+    other.seed = 8;
+    EXPECT_THROW(Sequence(other, 1).add(right), InputError);
+}
+
+TEST(StoredTrials, SayWhatTheLevelIsAndWhichAnswerIsRight) {
+    Protocol protocol = small_protocol();
+    EXPECT_EQ(level_name_of(protocol), "eta_added");
+    protocol.variable.level = LevelMeaning::taken_off;
+    EXPECT_EQ(level_name_of(protocol), "eta_taken_off");
+    protocol.variable.level = LevelMeaning::value;
+    EXPECT_EQ(level_name_of(protocol), "eta");
+
+    Trial trial;
+    trial.target = 2;
+    EXPECT_EQ(is_correct(protocol.task, trial), std::nullopt); // no response
+    trial.response = Chosen{2};
+    EXPECT_EQ(is_correct(protocol.task, trial), true);
+    EXPECT_TRUE(outcome_of(protocol, trial).positive);
+    trial.response = Chosen{1};
+    EXPECT_EQ(is_correct(protocol.task, trial), false);
+    EXPECT_FALSE(outcome_of(protocol, trial).positive);
+
+    protocol.task.kind = TaskKind::yes_no;
+    trial.target = std::nullopt;
+    trial.response = YesNo{true};
+    EXPECT_EQ(is_correct(protocol.task, trial), std::nullopt);
+    EXPECT_TRUE(outcome_of(protocol, trial).positive);
+    trial.response = Adjusted{0.25};
+    EXPECT_EQ(outcome_of(protocol, trial).setting, 0.25);
+}
+
+std::vector<std::string> marks(const char *name, std::optional<double> intended,
+                               std::optional<double> delivered) {
+    Presentation shown;
+    shown.values = {{name, intended, delivered}};
+    return marks_of(Marking{}, std::vector{shown});
+}
+
+TEST(StudyMarks, ABandHasTwoSides) {
+    // The defaults: 2 %, 1°, 20 %, 5 ms. Values next to each end of a band, within a thousandth.
+    const auto expect_band = [](const char *name, double intended, double low, double high) {
+        const double step = 1e-3 * (high - low);
+        EXPECT_TRUE(marks(name, intended, low + step).empty()) << name;
+        EXPECT_TRUE(marks(name, intended, high - step).empty()) << name;
+        EXPECT_EQ(marks(name, intended, low - step).size(), 1U) << name;
+        EXPECT_EQ(marks(name, intended, high + step).size(), 1U) << name;
+    };
+    expect_band("stiffness_N_per_m", 1500.0, 1470.0, 1530.0);
+    expect_band("direction_deg", 20.0, 19.0, 21.0);
+    expect_band("direction_deg", 0.0, -1.0, 1.0);
+    expect_band("press_N", 1.0, 0.8, 1.2);
+    expect_band("pulse_N", 2.0, 1.6, 2.4);
+    expect_band("speed_m_per_s", 0.3, 0.24, 0.36);
+    EXPECT_TRUE(marks("lateness_s", 0.0, 0.0049).empty());
+    EXPECT_EQ(marks("lateness_s", 0.0, 0.0051).size(), 1U);
+}
+
+TEST(StudyMarks, SayWhichValueAndByHowMuch) {
+    Presentation good;
+    good.values = {{"stiffness_N_per_m", 1000.0, 1000.0}};
+    Presentation bad;
+    bad.values = {{"stiffness_N_per_m", 1000.0, 1031.0}, {"direction_deg", 10.0, 12.5}};
+    const std::vector<std::string> said = marks_of(Marking{}, std::vector{good, bad});
+    ASSERT_EQ(said.size(), 2U);
+    EXPECT_EQ(said[0].find("stiffness_N_per_m of presentation 2: 3.1 %"), 0U) << said[0];
+    EXPECT_EQ(said[1].find("direction_deg of presentation 2: 2.5°"), 0U) << said[1];
+}
+
+TEST(StudyMarks, WhatWasIntendedMustBeMeasuredAndOtherNamesHaveNoBand) {
+    EXPECT_EQ(marks("stiffness_N_per_m", 1000.0, std::nullopt).size(), 1U);
+    EXPECT_TRUE(marks("stiffness_N_per_m", std::nullopt, 1000.0).empty());
+    EXPECT_TRUE(marks("peak_force_N", 1.0, 5.0).empty());
+    // A NaN is no measurement that lies in a band.
+    EXPECT_EQ(marks("stiffness_N_per_m", 1000.0, std::nan("")).size(), 1U);
+}
+
 namespace fs = std::filesystem;
 
-/// Answers as `answer_to` says, at a time that is a function of the trial.
-Conduct plain_conduct(const Protocol &protocol, UtcTime &now) {
+/// Answers as `answer_to` says, at a time that is a function of the trial, after a change.
+Conduct plain_conduct(const Protocol &protocol, UtcTime &now,
+                      const std::function<void(std::optional<Trial> &)> &change = {}) {
     Conduct how;
-    how.present = [&protocol, &now](const PlannedTrial &planned) {
+    how.present = [&protocol, &now, change](const PlannedTrial &planned) {
         now = test_time(planned.place.block * 1000 + planned.place.position);
-        return answer_to(protocol, planned);
+        std::optional<Trial> trial = answer_to(protocol, planned);
+        if (change) {
+            change(trial);
+        }
+        return trial;
     };
     how.ends = [] { return std::nullopt; };
     how.now = [&now] { return now; };
@@ -97,29 +329,6 @@ TEST_F(StudyConduct, StoresEachTrialWithWhatWasPlannedAndWhatCameOfIt) {
     EXPECT_GT(again, 3);
 }
 
-TEST_F(StudyConduct, GoesOnAfterAnEndAtAnyTrialAsIfThereHadBeenNone) {
-    const std::vector<Trial> expected = undisturbed("P02");
-    for (std::size_t last = 0; last <= expected.size(); last += 7) {
-        const fs::path file = new_study("stopped-" + std::to_string(last));
-        std::size_t presented = 0;
-        Conduct stops = plain_conduct(protocol_, now_);
-        stops.ends = [&presented, last]() -> std::optional<SessionEnding> {
-            return presented++ == last ? std::optional(SessionEnding::left) : std::nullopt;
-        };
-        {
-            StudyStore store = quick_store(file);
-            const SessionEnding ending = run(store, "P02", stops);
-            EXPECT_EQ(ending,
-                      last < expected.size() ? SessionEnding::left : SessionEnding::completed);
-            EXPECT_EQ(store.contents().trials.size(), std::min(last, expected.size()));
-            EXPECT_EQ(store.contents().sessions.back().ending, ending);
-        }
-        StudyStore store = quick_store(file);
-        EXPECT_EQ(run(store, "P02", plain_conduct(protocol_, now_)), SessionEnding::completed);
-        expect_same_trials(store.contents().trials, expected);
-    }
-}
-
 /// The program ends in the midst of a trial, or between the commit and the next one.
 TEST_F(StudyConduct, GoesOnAfterItWasKilledAtAnyMoment) {
     struct Killed : std::runtime_error {
@@ -129,17 +338,14 @@ TEST_F(StudyConduct, GoesOnAfterItWasKilledAtAnyMoment) {
     for (std::size_t last = 1; last < expected.size(); last += 11) {
         const fs::path file = new_study("killed-" + std::to_string(last));
         std::size_t presented = 0;
-        Conduct dies = plain_conduct(protocol_, now_);
-        dies.present = [this, &presented, last](const PlannedTrial &planned) {
+        const auto dies = [&presented, last](std::optional<Trial> &) {
             if (presented++ == last) {
                 throw Killed("");
             }
-            now_ = test_time(planned.place.block * 1000 + planned.place.position);
-            return answer_to(protocol_, planned);
         };
         {
             StudyStore store = quick_store(file);
-            EXPECT_THROW(run(store, "P01", dies), Killed);
+            EXPECT_THROW(run(store, "P01", plain_conduct(protocol_, now_, dies)), Killed);
         }
         StudyStore store = quick_store(file);
         EXPECT_EQ(store.contents().sessions.back().ending, SessionEnding::interrupted);
@@ -153,14 +359,11 @@ TEST_F(StudyConduct, ALostDeviceEndsTheSessionAndItsTrialComesAgain) {
     const fs::path file = new_study("lost");
     StudyStore store = quick_store(file);
     int presented = 0;
-    Conduct loses = plain_conduct(protocol_, now_);
-    loses.present = [this, &presented](const PlannedTrial &planned) -> std::optional<Trial> {
+    const Conduct loses = plain_conduct(protocol_, now_, [&presented](std::optional<Trial> &trial) {
         if (++presented == 5) {
-            return std::nullopt;
+            trial.reset();
         }
-        now_ = test_time(planned.place.block * 1000 + planned.place.position);
-        return answer_to(protocol_, planned);
-    };
+    });
     EXPECT_EQ(run(store, "P01", loses), SessionEnding::device_lost);
     EXPECT_EQ(store.contents().trials.size(), 4U);
     EXPECT_EQ(run(store, "P01", loses), SessionEnding::completed);
@@ -169,12 +372,9 @@ TEST_F(StudyConduct, ALostDeviceEndsTheSessionAndItsTrialComesAgain) {
 
 TEST_F(StudyConduct, EndsByTripsAndByTimeJustBeyondTheProtocolsLimits) {
     protocol_.stopping.max_trips = 2;
-    Conduct trips = plain_conduct(protocol_, now_);
-    trips.present = [this](const PlannedTrial &planned) {
-        Trial result = answer_to(protocol_, planned);
-        result.safety_events = {{std::nullopt, "a trip"}};
-        return result;
-    };
+    const Conduct trips = plain_conduct(protocol_, now_, [](std::optional<Trial> &trial) {
+        trial->safety_events = {{std::nullopt, "a trip"}};
+    });
     StudyStore tripping = quick_store(new_study("trips"));
     EXPECT_EQ(run(tripping, "P01", trips), SessionEnding::safety_trip);
     EXPECT_EQ(tripping.contents().trials.size(), 3U);
@@ -216,18 +416,14 @@ TEST_F(StudyConduct, WithoutRepeatingOnlyAMissingAnswerIsAskedForAgain) {
 
 TEST_F(StudyConduct, WhatTheExperimenterWantsAgainIsRepeatedEvenThen) {
     protocol_.marking.repeats = false;
-    Conduct how = plain_conduct(protocol_, now_);
-    how.present = [this](const PlannedTrial &planned) {
-        now_ = test_time(planned.place.block * 1000 + planned.place.position);
-        Trial result = answer_to(protocol_, planned);
-        result.is_presented_again = planned.place.position == 5 && planned.place.attempt == 1;
-        if (result.is_presented_again) {
-            result.marks.emplace_back("wanted again");
+    const auto want = [](std::optional<Trial> &trial) {
+        trial->is_presented_again = trial->place.position == 5 && trial->place.attempt == 1;
+        if (trial->is_presented_again) {
+            trial->marks.emplace_back("wanted again");
         }
-        return result;
     };
     StudyStore store = quick_store(new_study("wanted"));
-    EXPECT_EQ(run(store, "P01", how), SessionEnding::completed);
+    EXPECT_EQ(run(store, "P01", plain_conduct(protocol_, now_, want)), SessionEnding::completed);
     int wanted = 0;
     for (const Trial &trial : store.contents().trials) {
         const bool is_wanted = trial.place.position == 5 && trial.place.attempt == 1;
@@ -238,7 +434,7 @@ TEST_F(StudyConduct, WhatTheExperimenterWantsAgainIsRepeatedEvenThen) {
     EXPECT_GT(wanted, 0);
 }
 
-TEST_F(StudyConduct, RefusesToGoOnWithAnotherProtocol) {
+TEST_F(StudyConduct, EndsWhereItIsToldAndRefusesToGoOnWithAnotherProtocol) {
     const fs::path file = new_study("other");
     StudyStore store = quick_store(file);
     int presented = 0;
@@ -247,6 +443,8 @@ TEST_F(StudyConduct, RefusesToGoOnWithAnotherProtocol) {
         return presented++ == 3 ? std::optional(SessionEnding::stopped) : std::nullopt;
     };
     EXPECT_EQ(run(store, "P01", stops), SessionEnding::stopped);
+    EXPECT_EQ(store.contents().trials.size(), 3U) << "asked before each trial";
+    EXPECT_EQ(store.contents().sessions.back().ending, SessionEnding::stopped);
     ++protocol_.seed;
     const std::vector<Trial> before = store.contents().trials;
     EXPECT_THROW(run(store, "P01", plain_conduct(protocol_, now_)), InputError);

@@ -1,4 +1,4 @@
-// Covers engine/study/protocol/check_*.cpp, predicted_press.cpp and study_setting.cpp: both sides
+// Covers engine/study/protocol/{protocol_check,check_stimuli,presented,study_setting}.cpp: both sides
 // of each line.
 #include "engine/study/protocol/protocol_check.h"
 
@@ -6,9 +6,8 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
 #include "engine/lab/loops/stability_case.h"
-#include "engine/study/protocol/checks.h"
-#include "engine/study/protocol/presented_stimulus.h"
-#include "engine/study/protocol/warm_up_trial.h"
+#include "engine/study/protocol/presented.h"
+#include "engine/study/protocol/stimulus_trial.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 
 #include <Eigen/LU>
@@ -43,6 +42,17 @@ std::string all_texts(const ProtocolFindings &findings) {
 
 StudySetting setting_of(const Protocol &protocol) {
     return study_setting(protocol, testing::folders());
+}
+
+ProtocolFindings limits_of(const Protocol &protocol, const StudySetting &setting) {
+    return check_limits(protocol, setting, all_presented(protocol));
+}
+
+/// No such error on one side of a line, so many on the other.
+void expect_line(const ProtocolFindings &within, const ProtocolFindings &beyond,
+                 const std::string &part, long many) {
+    EXPECT_EQ(count(within, Severity::error, part), 0) << all_texts(within);
+    EXPECT_EQ(count(beyond, Severity::error, part), many) << all_texts(beyond);
 }
 
 TEST(ProtocolCheck, HasNothingAgainstAPlainOne) {
@@ -219,11 +229,10 @@ TEST(ProtocolCheck, FindsForcesThatTheServoHoldsBack) {
             condition.pulse_N = pulse_N;
             condition.pulse_hz = 100.0;
         }
-        return check_limits(protocol, setting, all_presented(protocol));
+        return limits_of(protocol, setting);
     };
     // 95 % of 8.5 N is 8.075 N.
-    EXPECT_EQ(count(findings_with(3.07), Severity::error, "N at the tip"), 0);
-    EXPECT_EQ(count(findings_with(3.08), Severity::error, "N at the tip"), 2);
+    expect_line(findings_with(3.07), findings_with(3.08), "N at the tip", 2);
 }
 
 /// A vertical force F asks of the links F ∂y/∂q, with y = l₂ − l₂ cos q₃ + l₁ sin q₂.
@@ -244,16 +253,14 @@ TEST(ProtocolCheck, FindsCurrentsAndVoltagesBeyondTheMotors) {
             one.peak_current_A = peak_A;
             one.supply_V = supply_V;
         }
-        return check_limits(protocol, setting, all_presented(protocol));
+        return limits_of(protocol, setting);
     };
-    EXPECT_EQ(count(findings_with(1.001 * current_A / 0.95, 12.0), Severity::error, "A in motor"),
-              0);
-    EXPECT_EQ(count(findings_with(0.999 * current_A / 0.95, 12.0), Severity::error, "A in motor"),
-              1);
+    expect_line(findings_with(1.001 * current_A / 0.95, 12.0),
+                findings_with(0.999 * current_A / 0.95, 12.0), "A in motor", 1);
     // R at 60 °C and at the commutator's worst angle: 2 % above.
     const double volts_V = current_A * 2.18 * (1.0 + 0.0039 * 35.0) * 1.02;
-    EXPECT_EQ(count(findings_with(5.5, 1.001 * volts_V), Severity::error, "V at motor"), 0);
-    EXPECT_EQ(count(findings_with(5.5, 0.999 * volts_V), Severity::error, "V at motor"), 1);
+    expect_line(findings_with(5.5, 1.001 * volts_V), findings_with(5.5, 0.999 * volts_V),
+                "V at motor", 1);
 }
 
 /// ½ F²/K with K = (1 − η) α K_DC, and α = N²/(l² (1 + |sin(q₃ − q₂)|)) (docs/design.md).
@@ -267,13 +274,12 @@ TEST(ProtocolCheck, FindsEnergyThatAGlideMayGiveBack) {
     const double K_DC = 23.4e-3 * 6.0 / 0.5;
     const double softest_eta = 0.7;
     const double held_J = 0.5 * 1.0 / ((1.0 - softest_eta) * alpha * K_DC);
-    setting.device.limits.generated_energy_J = 1.001 * held_J;
-    EXPECT_EQ(
-        count(check_limits(protocol, setting, all_presented(protocol)), Severity::error, "mJ"), 0);
-    setting.device.limits.generated_energy_J = 0.999 * held_J;
-    EXPECT_EQ(
-        count(check_limits(protocol, setting, all_presented(protocol)), Severity::error, "mJ"), 1)
-        << "of the condition that presses harder";
+    const auto findings_with = [&](double limit_J) {
+        setting.device.limits.generated_energy_J = limit_J;
+        return limits_of(protocol, setting);
+    };
+    // Of the condition that presses harder.
+    expect_line(findings_with(1.001 * held_J), findings_with(0.999 * held_J), "mJ", 1);
 }
 
 /// The impulse of a pulse, F/(2 f), gives a light hand and the device ½ p²/m.
@@ -290,14 +296,11 @@ TEST(ProtocolCheck, FindsPulsesThatGiveTooMuchEnergy) {
     const double mass_kg =
         loops::hand_of_firmness(0.0).mass_kg + tip_mass_kg(setting.device, q_rad, Vector3::UnitY());
     const double pulse_J = 0.5 * std::pow(1.0 / 60.0, 2) / mass_kg;
-    setting.device.limits.generated_energy_J = 1.001 * pulse_J;
-    EXPECT_EQ(count(check_limits(protocol, setting, all_presented(protocol)), Severity::error,
-                    "light hand"),
-              0);
-    setting.device.limits.generated_energy_J = 0.999 * pulse_J;
-    EXPECT_EQ(count(check_limits(protocol, setting, all_presented(protocol)), Severity::error,
-                    "light hand"),
-              2);
+    const auto findings_with = [&](double limit_J) {
+        setting.device.limits.generated_energy_J = limit_J;
+        return limits_of(protocol, setting);
+    };
+    expect_line(findings_with(1.001 * pulse_J), findings_with(0.999 * pulse_J), "light hand", 2);
 }
 
 TEST(ProtocolCheck, TheMassOfTheTipIsTheInertiaSeenAlongADirection) {
@@ -331,8 +334,8 @@ TEST(ProtocolCheck, FindsHandsThatSlideFromATurnedForce) {
     };
     // 1 N tan φ against 300 N/m: 3 mm at 42.0°.
     const double edge_deg = std::atan(0.9) * kDegreesPerRadian;
-    EXPECT_EQ(count(findings_with(edge_deg - 0.1, Hold::surface), Severity::error, "slides"), 0);
-    EXPECT_EQ(count(findings_with(edge_deg + 0.1, Hold::surface), Severity::error, "slides"), 2);
+    expect_line(findings_with(edge_deg - 0.1, Hold::surface),
+                findings_with(edge_deg + 0.1, Hold::surface), "slides", 2);
     EXPECT_EQ(count(findings_with(edge_deg + 0.1, Hold::cup), Severity::error, "slides"), 0);
 }
 

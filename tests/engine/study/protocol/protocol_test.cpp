@@ -1,4 +1,4 @@
-// Covers engine/study/protocol/condition.cpp, protocol.cpp, presented.cpp and session_length.cpp.
+// Covers engine/study/protocol/{protocol,presented,session_plan}.cpp.
 #include "engine/study/protocol/protocol.h"
 
 #include "base/degrees.h"
@@ -6,7 +6,7 @@
 #include "engine/control/coupling.h"
 #include "engine/control/haptic_law.h"
 #include "engine/study/protocol/presented.h"
-#include "engine/study/protocol/session_length.h"
+#include "engine/study/protocol/session_plan.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 
 #include <gtest/gtest.h>

@@ -1,10 +1,12 @@
-// Covers engine/study/protocol/stimulus_trial.cpp and presented_stimulus.cpp: whole presentations
-// on the simulated device, against the statics of the paper and the plant's true state.
+// Covers engine/study/protocol/stimulus_trial.cpp, presented.cpp and what protocol_check.cpp finds
+// in trials: whole presentations on the simulated device, against the statics of the paper and the
+// plant's true state.
+#include "engine/study/protocol/protocol_check.h"
 #include "engine/study/protocol/stimulus_trial.h"
 
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/study/protocol/presented_stimulus.h"
+#include "engine/study/protocol/presented.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 
 #include <gtest/gtest.h>
@@ -62,19 +64,22 @@ double transpose_stiffness() {
 }
 
 TEST(StimulusTrial, APressHasTheStiffnessOf27AndTheDirectionThatWasAskedFor) {
-    for (const double turn_deg : {0.0, 2.0, 10.0, 33.0, 60.0}) {
-        for (const double axis_deg : {-90.0, 0.0, 40.0, 180.0}) {
-            const StimulusTrial trial = presentation_to_a_hand(cup_protocol(turn_deg, axis_deg));
-            EXPECT_EQ(trial.failure, StimulusFailure::none) << trial.trip;
-            const StimulusMeasures &found = trial.delivered.measures;
-            EXPECT_NEAR(found.stiffness_N_per_m.value(), transpose_stiffness(),
-                        0.02 * transpose_stiffness());
-            EXPECT_NEAR(found.turn_deg.value(), turn_deg, 1.0) << axis_deg;
-            EXPECT_NEAR(found.across_deg.value(), 0.0, 1.0) << axis_deg;
-            // The hand presses with the weight made up for; friction holds some: 0.04 N at the tip.
-            EXPECT_NEAR(found.press_N.value(), 1.0, 2.0 * 0.04);
-            EXPECT_FALSE(trial.delivered.is_limited);
-        }
+    for (const auto &[turn_deg, axis_deg] : {std::pair(0.0, 0.0),
+                                             {2.0, -90.0},
+                                             {10.0, 180.0},
+                                             {33.0, 40.0},
+                                             {60.0, 0.0},
+                                             {60.0, -90.0}}) {
+        const StimulusTrial trial = presentation_to_a_hand(cup_protocol(turn_deg, axis_deg));
+        EXPECT_EQ(trial.failure, StimulusFailure::none) << trial.trip;
+        const StimulusMeasures &found = trial.delivered.measures;
+        EXPECT_NEAR(found.stiffness_N_per_m.value(), transpose_stiffness(),
+                    0.02 * transpose_stiffness());
+        EXPECT_NEAR(found.turn_deg.value(), turn_deg, 1.0) << axis_deg;
+        EXPECT_NEAR(found.across_deg.value(), 0.0, 1.0) << axis_deg;
+        // The hand presses with the weight made up for; friction holds some: 0.04 N at the tip.
+        EXPECT_NEAR(found.press_N.value(), 1.0, 2.0 * 0.04);
+        EXPECT_FALSE(trial.delivered.is_limited);
     }
 }
 
@@ -192,7 +197,7 @@ TEST(StimulusTrial, ABlowComesWithItsSpeedAndIsTurned) {
     EXPECT_NEAR(trial.delivered.measures.turn_deg.value(), 20.0, 1.0);
 }
 
-TEST(StimulusTrial, AStrokeReachesItsSpeed) {
+TEST(StimulusTrial, AStrokeReachesItsSpeedAndTouchesNothing) {
     Protocol protocol = protocol_of(kPlainProtocol);
     protocol.stimulus = StimulusForm::stroke;
     protocol.conditions[0].scene = kNoScene;
@@ -200,8 +205,10 @@ TEST(StimulusTrial, AStrokeReachesItsSpeed) {
     protocol.conditions[0].speed_m_per_s = 0.15;
     protocol.timing.presentation_s = 2.0;
     // The grip's own resonance lifts it by (5/39)², 1.6 %; ramp and mean take as much.
-    EXPECT_NEAR(presentation_to_a_hand(protocol).delivered.measures.speed_m_per_s.value(), 0.15,
-                0.05 * 0.15);
+    const StimulusTrial trial = presentation_to_a_hand(protocol);
+    EXPECT_NEAR(trial.delivered.measures.speed_m_per_s.value(), 0.15, 0.05 * 0.15);
+    EXPECT_FALSE(trial.has_touched);
+    EXPECT_TRUE(findings_of(protocol, {trial}).empty());
 }
 
 /// The condition's own dR is in force in contact, and gone before the tip is free again.
@@ -240,6 +247,73 @@ TEST(StimulusTrial, IsTheSameEachTimeAndAnotherWithAnotherHand) {
                 2.0 * 0.04);
     EXPECT_NEAR(*firmer.delivered.measures.turn_deg, 20.0, 1.0)
         << "a direction does not depend on the press";
+}
+
+TEST(ConditionTrial, AnUnstableTuningShakes) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    EXPECT_LT(presentation_to_a_hand(protocol).shaking_m_per_s, kMaxShaking_m_per_s);
+    protocol.conditions[0].tuning.K_P_V_per_rad = 300.0;
+    const StimulusTrial trial = presentation_to_a_hand(protocol);
+    EXPECT_GT(trial.shaking_m_per_s, kMaxShaking_m_per_s);
+    const ProtocolFindings findings = findings_of(protocol, {trial});
+    ASSERT_FALSE(findings.empty());
+    EXPECT_EQ(findings[0].severity, Severity::error);
+}
+
+TEST(ConditionTrial, SaysOfAMonitorThatTripsWhy) {
+    const Protocol protocol = protocol_of(kPlainProtocol);
+    StudySetting setting = study_setting(protocol, testing::folders());
+    setting.device.limits.tip_speed_m_per_s = 0.01; // the hand comes down with 20 mm in 0.5 s
+    const StimulusTrial trial = try_stimulus(protocol, setting, all_presented(protocol)[0]);
+    EXPECT_NE(trial.trip.find("tip speed"), std::string::npos) << trial.trip;
+    const ProtocolFindings findings = findings_of(protocol, {trial});
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_EQ(findings[0].severity, Severity::error);
+    EXPECT_NE(findings[0].what.find(trial.trip), std::string::npos);
+}
+
+/// The inverse map pushes along a sloping surface; on the scene that shows that, by a third and
+/// more of the force. The transpose map does not.
+TEST(ConditionTrial, AHandSlidesWhereTheForceIsNotSquareToTheSurface) {
+    const std::string spot_of_scene =
+        with(with(with(kPlainProtocol, "point_m = [0.0, -0.005, -0.015]\n", ""),
+                  "normal = [0.0, 1.0, 0.0]\n", ""),
+             "\"plate\"", "\"wrong_direction\"");
+    Protocol protocol = protocol_of(spot_of_scene);
+    protocol.conditions[0].press_N = 3.0;
+    const StimulusTrial square = presentation_to_a_hand(protocol);
+    EXPECT_LT(square.delivered.aside_m, kMaxSlide_m);
+    protocol.conditions[0].tuning.map = control::MotionMap::inverse;
+    const StimulusTrial askew = presentation_to_a_hand(protocol);
+    EXPECT_GT(askew.delivered.aside_m, kMaxSlide_m);
+    EXPECT_EQ(findings_of(protocol, {askew})[0].severity, Severity::error);
+    protocol.conditions[0].hold = Hold::cup;
+    EXPECT_LT(presentation_to_a_hand(protocol).delivered.aside_m, kMaxSlide_m);
+}
+
+/// In a cup the hand yields to a turned force, but does not slide; on a surface it slides.
+TEST(ConditionTrial, ATurnedForcePushesAHandAsideThatIsNotInACup) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.conditions[0].turn_deg = 50.0;
+    protocol.conditions[0].press_N = 1.5;
+    const StimulusTrial slides = presentation_to_a_hand(protocol);
+    EXPECT_EQ(slides.trip, "");
+    EXPECT_GT(slides.delivered.aside_m, kMaxSlide_m);
+    EXPECT_EQ(findings_of(protocol, {slides})[0].severity, Severity::error);
+    protocol.conditions[0].hold = Hold::cup;
+    EXPECT_TRUE(findings_of(protocol, {presentation_to_a_hand(protocol)}).empty());
+}
+
+TEST(ConditionTrial, SaysOfAHandThatGivesWayToo) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    protocol.conditions[0].hold = Hold::cup;
+    protocol.conditions[0].turn_deg = 80.0; // tan 80° = 5.7, and so many newtons along the surface
+    const StimulusTrial trial = presentation_to_a_hand(protocol);
+    EXPECT_EQ(trial.failure, StimulusFailure::too_much_work);
+    const ProtocolFindings findings = findings_of(protocol, {trial});
+    ASSERT_FALSE(findings.empty());
+    EXPECT_EQ(findings[0].severity, Severity::error);
+    EXPECT_NE(findings[0].what.find("gave way"), std::string::npos) << findings[0].what;
 }
 
 } // namespace

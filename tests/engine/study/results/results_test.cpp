@@ -1,9 +1,8 @@
 // Covers engine/study/results: counts, fits, traces, groups, tables and where participants stand.
-#include "engine/study/results/results_tables.h"
+#include "engine/study/results/study_results.h"
 
-#include "engine/study/analysis/simulated_study.h"
-#include "engine/study/conduct/sequence.h"
-#include "engine/study/results/progress.h"
+#include "engine/study/analysis/precision_plan.h"
+#include "engine/study/conduct/conduct.h"
 #include "tests/engine/study/conduct/small_study.h"
 #include "tests/support/csv.h"
 
@@ -221,21 +220,13 @@ TEST(StudyResults, TraceTheReversalsOfAStaircase) {
     const std::vector<bool> reversals{false, false, true, false, true, false, false, true};
     Series series;
     series.runs.emplace_back();
-    for (std::size_t i = 0; i < answers.size(); ++i) {
-        Trial trial;
-        trial.level = levels[i];
-        if (i > 0 && i < 7) { // as the run steps, to the last bit
-            trial.level = levels[i] == 0.5 ? (i < 3 ? 0.5 : 0.4 + 0.1) : 0.5 - 0.1;
-        }
-        trial.target = 1;
-        trial.response = Chosen{answers[i] ? 1 : 2};
-        series.runs.front().trials.push_back(trial);
-    }
     StaircasesRun run(staircases, RandomKey{});
     for (std::size_t i = 0; i < answers.size(); ++i) {
-        Trial &trial = series.runs.front().trials[i];
-        EXPECT_NEAR(*trial.level, run.next()->level, 1e-12) << i;
-        trial.level = run.next()->level;
+        EXPECT_NEAR(run.next()->level, levels[i], 1e-12) << i;
+        Trial &trial = series.runs.front().trials.emplace_back();
+        trial.level = run.next()->level; // to the last bit
+        trial.target = 1;
+        trial.response = Chosen{answers[i] ? 1 : 2};
         run.add(method_trial(protocol, trial));
     }
     const std::vector<TracePoint> trace = trace_of(protocol, series);
@@ -296,13 +287,8 @@ TEST(StudyProgress, TellsWhereEachParticipantStands) {
     StudyContents contents;
     run_through(protocol, contents, "P01", DeviceKind::usb, observer(kObserver));
     run_through(protocol, contents, "P02", DeviceKind::simulated, observer(kObserver));
-    const PlannedTrial last = [&] {
-        const std::size_t all = contents.trials.size();
-        contents.trials.pop_back();
-        const std::vector<Trial> trials = trials_of(contents, "P02");
-        EXPECT_EQ(all - 1 - trials.size(), trials_of(contents, "P01").size());
-        return *sequence_after(protocol, 2, trials).next();
-    }();
+    contents.trials.pop_back(); // of P02
+    const PlannedTrial last = *sequence_after(protocol, 2, trials_of(contents, "P02")).next();
     contents.participants.push_back({"P03", 3, test_time(0)});
     const std::vector<Progress> progress = progress_of(protocol, contents);
     ASSERT_EQ(progress.size(), 3U);

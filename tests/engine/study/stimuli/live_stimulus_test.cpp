@@ -2,7 +2,7 @@
 // itself is what a rig presents that is told before each tick.
 #include "device/simulated/simulated_phantom.h"
 #include "engine/servo/servo.h"
-#include "engine/study/protocol/presented_stimulus.h"
+#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/protocol_file.h"
 #include "engine/study/protocol/stimulus_trial.h"
 #include "engine/study/stimuli/live_stimulus.h"

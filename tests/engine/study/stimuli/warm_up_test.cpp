@@ -1,4 +1,4 @@
-// Covers engine/study/stimuli/{warm_up.cpp,live_warm_up.h}: windings are warmed, and the tip stays
+// Covers engine/study/stimuli/{warm_up.cpp,live_stimulus.h}: windings are warmed, and the tip stays
 // where it is.
 #include "engine/study/stimuli/warm_up.h"
 
@@ -7,8 +7,8 @@
 #include "device/simulated/simulated_phantom.h"
 #include "engine/lab/rig/servo_rig.h"
 #include "engine/servo/servo.h"
-#include "engine/study/protocol/predicted_press.h"
-#include "engine/study/stimuli/live_warm_up.h"
+#include "engine/study/protocol/presented.h"
+#include "engine/study/stimuli/live_stimulus.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>

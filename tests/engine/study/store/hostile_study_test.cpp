@@ -77,9 +77,7 @@ TEST(HostileStudy, ReadsNoRecordsByWayOfALink) {
     std::filesystem::remove(record);
     std::filesystem::create_symlink(study.canary(), record);
     ASSERT_EQ(problems().size(), 1U);
-    EXPECT_TRUE(problems().front().ends_with("is a link, which is not followed; put there what it "
-                                             "leads to"))
-        << problems().front();
+    EXPECT_NE(problems().front().find("is a link"), std::string::npos) << problems().front();
 }
 
 /// Only who requests a deletion gets one, whatever the study says of itself.
@@ -102,10 +100,7 @@ TEST(HostileStudy, RemovesNothingUnrequested) {
 TEST(HostileStudy, HasAJournalThatNamesAnotherFile) {
     const ForgedStudy study("hostile_journal", testing::sample_new_study());
     study.forge_journal(study.canary());
-    expect_refused(study,
-                   "h.study-journal: names another file, which would be deleted, as no study's "
-                   "journal does; move it away",
-                   "journal");
+    expect_refused(study, "h.study-journal: names another file", "journal");
 }
 
 /// The lock is written to, and so are journals.
@@ -122,19 +117,14 @@ TEST(HostileStudy, HasALinkForALockOrJournal) {
             const ForgedStudy study("hostile_beside", testing::sample_new_study());
             const std::string name = study.file().string() + ending;
             link(study.canary(), name);
-            EXPECT_EQ(said_on_opening(study.file()),
-                      name + ": is a link or no ordinary file, which springdrive never makes of "
-                             "that name; move it away");
+            EXPECT_EQ(said_on_opening(study.file()).find(name + ": is a link or no ordinary"), 0U);
             static_cast<void>(said_on_reading(study.file())); // which needs no lock
             EXPECT_TRUE(study.is_rest_untouched()) << name;
         }
     }
-}
-
-/// Nor is a lock made through a link to nothing.
-TEST(HostileStudy, MakesNoFileThroughALink) {
+    // Nor is a lock made through a link to nothing.
     const ForgedStudy study("hostile_new", testing::sample_new_study());
-    std::filesystem::create_symlink("../beside/new", study.file().string() + "-lock");
+    symbolic("../beside/new", study.file().string() + "-lock");
     EXPECT_NE(said_on_opening(study.file()), "");
     EXPECT_TRUE(study.is_rest_untouched());
 }
