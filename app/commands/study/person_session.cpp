@@ -7,7 +7,7 @@
 #include "app/study/sitting/sitting_activity.h"
 #include "base/input_error.h"
 #include "engine/session/session_report.h"
-#include "engine/study/protocol/presented.h"
+#include "engine/study/protocol/study_setting.h"
 
 #include <algorithm>
 #include <iostream>

@@ -7,7 +7,7 @@
 #include "app/commands/study/plan_report.h"
 #include "app/commands/study/study_pictures.h"
 #include "base/input_error.h"
-#include "engine/study/methods/scale.h"
+#include "engine/study/methods/task.h"
 #include "engine/study/protocol/session_plan.h"
 
 #include <fmt/core.h>

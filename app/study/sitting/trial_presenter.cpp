@@ -4,8 +4,8 @@
 #include "base/input_error.h"
 #include "engine/servo/rest_detector.h"
 #include "engine/study/conduct/conduct.h"
-#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/stimulus_trial.h"
+#include "engine/study/protocol/study_setting.h"
 
 #include <fmt/core.h>
 

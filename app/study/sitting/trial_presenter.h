@@ -12,10 +12,9 @@
 #include "engine/scene/scene.h"
 #include "engine/session/session.h"
 #include "engine/study/conduct/conduct.h"
-#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/study_setting.h"
-#include "engine/study/stimuli/live_stimulus.h"
+#include "engine/study/stimuli/stimulus_run.h"
 
 #include <filesystem>
 #include <functional>

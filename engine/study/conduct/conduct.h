@@ -3,10 +3,10 @@
 #pragma once
 
 #include "engine/study/methods/block.h"
-#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/protocol.h"
-#include "engine/study/stimuli/delivery_meter.h"
+#include "engine/study/protocol/study_setting.h"
 #include "engine/study/stimuli/stimulus.h"
+#include "engine/study/stimuli/stimulus_run.h"
 #include "engine/study/store/study_contents.h"
 #include "engine/study/store/study_store.h"
 

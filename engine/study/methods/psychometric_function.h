@@ -16,7 +16,6 @@
 #pragma once
 
 #include "engine/study/methods/random_key.h"
-#include "engine/study/methods/scale.h"
 #include "engine/study/methods/task.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #include "engine/study/observers/simulated_sitting.h"
 
-#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/stimulus_trial.h"
 
 #include <algorithm>

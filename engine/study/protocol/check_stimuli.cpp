@@ -5,9 +5,9 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/servo/command_limiter.h"
 #include "engine/servo/safety_limits.h"
-#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/protocol_check.h"
 #include "engine/study/protocol/stimulus_trial.h"
+#include "engine/study/protocol/study_setting.h"
 
 #include <Eigen/LU>
 #include <fmt/core.h>

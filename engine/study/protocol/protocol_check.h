@@ -1,7 +1,6 @@
 // A protocol checked before anybody sits down: what is found, by which checks.
 #pragma once
 
-#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/session_plan.h"
 #include "engine/study/protocol/stimulus_trial.h"
 #include "engine/study/protocol/study_setting.h"

@@ -1,7 +1,7 @@
 #include "engine/study/protocol/session_plan.h"
 
 #include "base/assertions.h"
-#include "engine/study/protocol/presented.h"
+#include "engine/study/protocol/study_setting.h"
 
 #include <algorithm>
 #include <array>

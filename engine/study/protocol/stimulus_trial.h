@@ -3,10 +3,9 @@
 
 #include "device/simulated/hand_path.h"
 #include "engine/servo/servo_sample.h"
-#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/study_setting.h"
-#include "engine/study/stimuli/delivery_meter.h"
 #include "engine/study/stimuli/stimulus.h"
+#include "engine/study/stimuli/stimulus_run.h"
 #include "engine/study/stimuli/warm_up.h"
 
 #include <cstdint>

@@ -1,15 +1,20 @@
-// One stimulus as it is presented: what the servo is told, and the steering of its force.
+// One stimulus as it is presented: what the servo is told, the steering of its force, what of it
+// was delivered, and all of this on the servo's own thread.
 #pragma once
 
+#include "base/latest_value.h"
 #include "base/vector.h"
 #include "device/core/device_description.h"
+#include "engine/servo/input_course.h"
 #include "engine/servo/rest_detector.h"
 #include "engine/servo/servo_inputs.h"
 #include "engine/servo/servo_sample.h"
 #include "engine/study/stimuli/stimulus.h"
+#include "engine/study/stimuli/warm_up.h"
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -187,6 +192,176 @@ private:
     std::optional<Vector3> cup_m_;            ///< x₀ while the cup holds the tip
     double alpha_at_touch_rad2_per_m2_ = 0.0; ///< the bound (29)
     Vector3 added_V_{Vector3::Zero()};        ///< last
+};
+
+// Measures what of a stimulus was delivered, from the servo's samples alone: positions by the
+// encoders, forces by the windings' currents.
+//
+//   press    over the second half of the presentation: the direction of the mean force; the
+//            stiffness Σ F_n δ/Σ δ² with δ = n·(x₀ − x), a line through the origin; the mean F_n
+//   pulse    over the last third before it: stiffness and press; then the impulse ∫ F_p dt of the
+//            pulse's own force, whose direction is the pulse's and whose size is ½ height/frequency
+//   blow     the speed at which the tip comes, a mean over 10 ms; the direction of ∫ F dt
+//   stroke   the largest speed, a mean over 10 ms
+//
+// F_p is what the currents say, less what the law alone would have driven through the windings:
+// L di/dt = e_W − dR i − k_T θ̇ (11), with e_W as commanded less what was added to the law, and θ̇
+// from angle to angle. So F_p is the force on a hand that does not move, whatever the hand does.
+
+struct DeliveredStimulus {
+    StimulusMeasures measures;
+    double start_s = 0.0; ///< of the presentation, by the servo's clock
+    double end_s = 0.0;
+    double peak_force_N = 0.0; ///< rendered, at the tip
+    double aside_m = 0.0;      ///< largest way of the tip along the surface, from where it touched
+    double deepest_m = 0.0;    ///< below where it touched, along the normal
+    double generated_J = 0.0;  ///< largest reading of the servo's energy observer
+    double along_work_J = 0.0; ///< of a steered force on the hand
+    double lateness_s = 0.0;   ///< longest row of missed deadlines
+    std::uint64_t missed_deadlines = 0;
+    bool is_limited = false;            ///< the servo reduced force or voltage
+    Vector3 winding_C{Vector3::Zero()}; ///< at the end, by the monitor: the middle of its bounds
+};
+
+class DeliveryMeter {
+public:
+    DeliveryMeter(const device::DeviceDescription &device, const Stimulus &stimulus,
+                  double period_s);
+
+    /// A tick of the servo, after `run` has been updated with it. RT-safe.
+    void take(const servo::ServoSample &sample, const StimulusRun &run) noexcept;
+
+    /// Of all samples so far.
+    [[nodiscard]] DeliveredStimulus delivered() const;
+
+private:
+    /// From a time since the touch to another.
+    struct Window {
+        double from_s = 0.0;
+        double until_s = 0.0;
+
+        [[nodiscard]] bool holds(double since_s) const {
+            return since_s >= from_s && since_s < until_s;
+        }
+    };
+
+    [[nodiscard]] static Window settled(const Stimulus &stimulus);
+    [[nodiscard]] Vector3 law_force_N(const servo::ServoSample &sample, const Matrix3 &J) noexcept;
+    void follow_speed(const servo::ServoSample &sample, bool is_approaching) noexcept;
+    void take_presented(const servo::ServoSample &sample, double since_s) noexcept;
+    void take_press(const servo::ServoSample &sample) noexcept;
+    void take_pulse(const servo::ServoSample &sample, double since_s) noexcept;
+
+    device::DeviceDescription device_;
+    Stimulus stimulus_;
+    double period_s_;
+    Window settled_;
+    Window pulse_; ///< with what follows until the currents have settled
+    DeliveredStimulus so_far_;
+    bool has_begun_ = false;
+
+    Vector3 mean_velocity_m_per_s_{Vector3::Zero()}; ///< over 10 ms
+    double speed_at_touch_m_per_s_ = 0.0;
+    double largest_speed_m_per_s_ = 0.0;
+
+    Vector3 touched_m_{Vector3::Zero()};
+    Vector3 force_sum_N_{Vector3::Zero()}; ///< over the settled part
+    double F_delta_sum_ = 0.0;
+    double delta_squares_m2_ = 0.0;
+    long settled_ticks_ = 0;
+    Vector3 impulse_Ns_{Vector3::Zero()}; ///< of all forces since the touch
+
+    bool has_last_ = false;
+    Vector3 last_theta_rad_{Vector3::Zero()};
+    Vector3 last_law_V_{Vector3::Zero()};
+    Vector3 last_dR_Ohm_{Vector3::Ones()};
+    Vector3 law_current_A_{Vector3::Zero()};
+    Vector3 rest_sum_N_{Vector3::Zero()};  ///< F_p before the pulse: what the model is off
+    Vector3 pulse_sum_N_{Vector3::Zero()}; ///< F_p in the pulse's window
+    long rest_ticks_ = 0;
+    long pulse_ticks_ = 0;
+};
+
+// A stimulus on the servo's own thread: presented and measured there, watched from another.
+//
+//   servo's thread:  update() after each tick ──► StimulusRun, DeliveryMeter
+//   any other:       phase(), ended_s(), and, once it is over, delivered() and failure()
+
+class LiveStimulus final : public servo::InputCourse {
+public:
+    LiveStimulus(const device::DeviceDescription &device, const Stimulus &stimulus,
+                 double period_s);
+
+    /// Thread of the servo only. What was added is still taken back after the end.
+    void update(const servo::ServoSample &last, servo::LawInputs &next) noexcept override;
+
+    /// The tuning in contact from the next tick on: of an adjustment. One thread, not the servo's.
+    void set_contact(const control::Tuning &tuning) noexcept { contact_.publish(tuning); }
+    /// Ends the presentation with the next tick.
+    void finish() noexcept { is_finished_.store(true, std::memory_order_release); }
+
+    /// Whether the servo has taken it up: then it uses none before it any more.
+    [[nodiscard]] bool has_begun() const { return has_begun_.load(std::memory_order_acquire); }
+    [[nodiscard]] StimulusPhase phase() const { return phase_.load(std::memory_order_acquire); }
+    [[nodiscard]] bool is_over() const {
+        return phase() == StimulusPhase::done || phase() == StimulusPhase::failed;
+    }
+
+    // @pre of all below: is_over()
+
+    [[nodiscard]] StimulusFailure failure() const { return run_.failure(); }
+    [[nodiscard]] DeliveredStimulus delivered() const { return meter_.delivered(); }
+    /// Of the presentation, by `ServoSample::clock_s`; in lockstep by its `time_s`. NaN if it never
+    /// began.
+    [[nodiscard]] double began_s() const { return began_s_; }
+    [[nodiscard]] double ended_s() const { return ended_s_; }
+    /// What the monitor said when it tripped.
+    [[nodiscard]] const servo::SafetyStatus &trip() const { return trip_; }
+    /// When it was seen, by the same clock; NaN without a failure.
+    [[nodiscard]] double failed_s() const { return failed_s_; }
+
+private:
+    StimulusRun run_;
+    DeliveryMeter meter_;
+    double began_s_;
+    double ended_s_;
+    double failed_s_;
+    servo::SafetyStatus trip_;
+    LatestValue<control::Tuning> contact_;
+    std::atomic<bool> is_finished_{false};
+    std::atomic<bool> has_begun_{false};
+    std::atomic<StimulusPhase> phase_{StimulusPhase::waiting};
+};
+
+// A warm-up on the servo's own thread, watched from another.
+
+class LiveWarmUp final : public servo::InputCourse {
+public:
+    LiveWarmUp(const device::DeviceDescription &device, const WindingBand &band, double period_s)
+        : warm_up_(device, band, period_s) {}
+
+    /// Thread of the servo only.
+    void update(const servo::ServoSample &last, servo::LawInputs &next) noexcept override {
+        if (!warm_up_.is_over()) {
+            warm_up_.update(last, next);
+            off_band_K_.store(warm_up_.off_band_K(), std::memory_order_relaxed);
+            phase_.store(warm_up_.phase(), std::memory_order_release);
+        }
+    }
+
+    [[nodiscard]] WarmUpPhase phase() const { return phase_.load(std::memory_order_acquire); }
+    [[nodiscard]] bool is_over() const {
+        return phase() == WarmUpPhase::done || phase() == WarmUpPhase::failed;
+    }
+    /// See WarmUp.
+    [[nodiscard]] double off_band_K() const { return off_band_K_.load(std::memory_order_relaxed); }
+    /// @pre is_over()
+    [[nodiscard]] WarmUpFailure failure() const { return warm_up_.failure(); }
+
+private:
+    WarmUp warm_up_;
+    std::atomic<double> off_band_K_{0.0};
+    std::atomic<WarmUpPhase> phase_{WarmUpPhase::waiting};
 };
 
 } // namespace springdrive::study

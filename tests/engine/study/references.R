@@ -1,5 +1,4 @@
-# Reference fits by psyphy (glm with its links) and metafor, for maximum_likelihood_test.cpp and
-# summaries_test.cpp:
+# Reference fits by psyphy (glm with its links) and metafor, for fits_test.cpp:
 #   apt-get install --no-install-recommends r-cran-psyphy r-cran-metafor
 #   Rscript tests/engine/study/references.R > tests/engine/study/references.h
 suppressPackageStartupMessages({library(psyphy); library(metafor)})
@@ -73,8 +72,8 @@ cat("// Written by references.R; R", as.character(getRversion()), "psyphy",
     as.character(packageVersion("psyphy")), "metafor", as.character(packageVersion("metafor")), "\n")
 cat('#pragma once
 
-#include "engine/study/analysis/group_summary.h"
-#include "engine/study/analysis/level_counts.h"
+#include "engine/study/analysis/maximum_likelihood.h"
+#include "engine/study/analysis/summaries.h"
 
 #include <array>
 #include <limits>

@@ -8,8 +8,8 @@
 #include "engine/study/analysis/posterior.h"
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/observers/simulated_sitting.h"
-#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/stimulus_trial.h"
+#include "engine/study/protocol/study_setting.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 #include "tests/support/cases.h"
 

@@ -1,13 +1,13 @@
-// Covers engine/study/protocol/{protocol_check,check_stimuli,presented,study_setting}.cpp: both sides
-// of each line.
+// Covers engine/study/protocol/{protocol_check,check_stimuli,presented,study_setting}.cpp: both
+// sides of each line.
 #include "engine/study/protocol/protocol_check.h"
 
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
 #include "engine/lab/loops/stability_case.h"
-#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/stimulus_trial.h"
+#include "engine/study/protocol/study_setting.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 
 #include <Eigen/LU>

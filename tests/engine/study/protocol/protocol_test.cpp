@@ -5,8 +5,8 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
 #include "engine/control/haptic_law.h"
-#include "engine/study/protocol/presented.h"
 #include "engine/study/protocol/session_plan.h"
+#include "engine/study/protocol/study_setting.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 
 #include <gtest/gtest.h>

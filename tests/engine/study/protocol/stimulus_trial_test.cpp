@@ -6,7 +6,7 @@
 
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/study/protocol/presented.h"
+#include "engine/study/protocol/study_setting.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 
 #include <gtest/gtest.h>

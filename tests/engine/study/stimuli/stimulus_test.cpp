@@ -5,7 +5,6 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"
 #include "engine/servo/servo_inputs.h"
-#include "engine/study/stimuli/delivery_meter.h"
 #include "engine/study/stimuli/stimulus.h"
 #include "engine/study/stimuli/stimulus_run.h"
 #include "tests/support/devices.h"

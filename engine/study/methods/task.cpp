@@ -1,4 +1,4 @@
-#include "engine/study/methods/scale.h"
+#include "engine/study/methods/task.h"
 
 #include <fmt/core.h>
 
