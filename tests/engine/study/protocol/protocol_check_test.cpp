@@ -1,4 +1,4 @@
-// Covers engine/study/protocol/{protocol_check,check_stimuli,presented,study_setting}.cpp: both
+// Covers engine/study/protocol/{protocol_check,check_stimuli,study_setting}.cpp: both
 // sides of each line.
 #include "engine/study/protocol/protocol_check.h"
 

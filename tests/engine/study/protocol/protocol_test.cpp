@@ -1,4 +1,4 @@
-// Covers engine/study/protocol/{protocol,presented,session_plan}.cpp.
+// Covers engine/study/protocol/{protocol,study_setting,session_plan}.cpp.
 #include "engine/study/protocol/protocol.h"
 
 #include "base/degrees.h"

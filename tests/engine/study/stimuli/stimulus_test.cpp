@@ -1,4 +1,4 @@
-// Covers engine/study/stimuli/{stimulus,stimulus_run,delivery_meter}.cpp: the steering on a spring
+// Covers engine/study/stimuli/{stimulus,stimulus_run}.cpp: the steering on a spring
 // K without a device, against closed forms; phases, inputs and measures on samples that are made
 // up.
 #include "base/degrees.h"
