@@ -8,7 +8,7 @@
 #include "engine/contact/mesh/mesh_triangle.h"
 #include "engine/contact/mesh/triangle_sets.h"
 #include "engine/contact/mesh/vertex_grid.h"
-#include "engine/contact/mesh/vertex_welding.h"
+#include "engine/contact/mesh/crack_closing.h"
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/neighbourhood.h"
 #include "engine/contact/proxy/proxy_path.h"

@@ -1,9 +1,8 @@
-#include "engine/contact/mesh/boundary_stitching.h"
+#include "engine/contact/mesh/crack_closing.h"
 
 #include "base/assertions.h"
 #include "base/cancellation.h"
 #include "base/parallel.h"
-#include "engine/contact/mesh/boundary_vertices.h"
 #include "engine/contact/mesh/vertex_grid.h"
 
 #include <algorithm>

@@ -1,16 +1,258 @@
 #include "engine/contact/mesh/fan_grading.h"
 
 #include "base/cancellation.h"
-#include "engine/contact/mesh/fan_rings.h"
-#include "engine/contact/mesh/triangle_fans.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 
 namespace springdrive::contact {
 
 namespace {
+
+/// A fan ends in this many triangles at its vertex, or a few more.
+constexpr std::size_t kFewest = 12;
+
+/// How high the rings' triangles are, at least [m]: about that. Not those of a core.
+constexpr double kMinRing_m = 2.0 * kClearance_m;
+
+/// With more triangles around than this, a ring is short at first, so that its triangles' boxes
+/// overlap those of few others.
+constexpr double kMaxAroundLongRing = 500.0;
+
+/// Where more sectors than this are left, kCoarseGradingError_m applies: their edges are too blunt
+/// to be felt, but a proxy that crosses hundreds in a tick takes too long.
+constexpr std::size_t kManySectors = 500;
+
+/// Radius of the core of a rough fan [m]: whatever replaces it is within its diameter.
+constexpr double kCore_m = 0.5 * kCoarseGradingError_m;
+
+/// By which part of their distance from the vertex the rings of a core follow each other. Where the
+/// rim is jagged some triangles are folded over, which opens nothing: the surface has the same rim
+/// as before.
+constexpr double kCoreRing = 0.15;
+
+/// Rings are longer where a fan would become more than this many triangles for each given one.
+constexpr std::size_t kMaxGrowth = 8;
+
+/// Every 2^level-th spoke, and the last.
+class SpokesOfLevel {
+public:
+    SpokesOfLevel(std::size_t triangles, unsigned level) : last_(triangles), level_(level) {}
+
+    [[nodiscard]] std::size_t sectors() const {
+        return (last_ + (std::size_t{1} << level_) - 1) >> level_;
+    }
+    [[nodiscard]] std::size_t operator[](std::size_t i) const {
+        return std::min(i << level_, last_);
+    }
+
+private:
+    std::size_t last_;
+    unsigned level_;
+};
+
+/// How far the rim is from the triangles that have only the spokes of a level [m], at most;
+/// infinite where a sector turns back or turns by a right angle.
+[[nodiscard]] double rim_error_m(const TriangleFan &fan, unsigned level) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const SpokesOfLevel spokes(fan.facets.size(), level);
+    double error_m = 0.0;
+    for (std::size_t i = 0; i < spokes.sectors(); ++i) {
+        const Vector3 first_m = fan.spoke_m(spokes[i]);
+        const Vector3 last_m = fan.spoke_m(spokes[i + 1]);
+        const Vector3 area_m2 = first_m.cross(last_m);
+        if (first_m.dot(last_m) <= 0.0 || area_m2.isZero(0.0)) {
+            return kInfinity;
+        }
+        const Vector3 normal = area_m2.normalized();
+        for (std::size_t spoke = spokes[i]; spoke < spokes[i + 1]; ++spoke) {
+            const Vector3 own_m2 = fan.spoke_m(spoke).cross(fan.spoke_m(spoke + 1));
+            if (own_m2.dot(normal) <= 0.5 * own_m2.norm()) {
+                return kInfinity;
+            }
+            error_m = std::max(error_m, std::abs(fan.spoke_m(spoke).dot(normal)));
+        }
+    }
+    return error_m;
+}
+
+/// How far out the triangles that have only the spokes of a level cross those halfway between, at
+/// most: 1 is at the rim.
+[[nodiscard]] double crossing_of_halfway_spokes(const TriangleFan &fan, unsigned level) {
+    const SpokesOfLevel finer(fan.facets.size(), level - 1);
+    double farthest = 0.0;
+    for (std::size_t i = 0; i + 1 < finer.sectors(); i += 2) {
+        const Vector3 first_m = fan.spoke_m(finer[i]);
+        const Vector3 last_m = fan.spoke_m(finer[i + 2]);
+        const Vector3 area_m2 = first_m.cross(last_m);
+        farthest =
+            std::max(farthest, area_m2.squaredNorm() /
+                                   fan.spoke_m(finer[i + 1]).cross(last_m - first_m).dot(area_m2));
+    }
+    return farthest;
+}
+
+/// Grades one fan, from the rim towards its vertex.
+class FanGrading {
+public:
+    FanGrading(const TriangleFan &fan, double max_around_long_ring)
+        : fan_(fan), max_around_long_ring_(max_around_long_ring) {
+        for (std::size_t i = 0; i < fan.facets.size(); ++i) {
+            const Vector3 first_m = fan.spoke_m(i);
+            const Vector3 last_m = fan.spoke_m(i + 1);
+            shortest_m_ = std::min({shortest_m_, first_m.norm(), last_m.norm()});
+            longest_m_ = std::max({longest_m_, first_m.norm(), last_m.norm()});
+            turn_ += std::atan2(first_m.cross(last_m).norm(), first_m.dot(last_m));
+        }
+    }
+
+    /// The triangles, if they are fewer at the vertex.
+    [[nodiscard]] std::optional<std::vector<RingTriangle>> triangles() {
+        const std::size_t most = kMaxGrowth * fan_.facets.size();
+        double fraction = 1.0;
+        while (sectors() > kFewest && triangles_.size() <= most) {
+            stop_if_given_up();
+            if (fraction <= core()) {
+                is_coarse_ = true;
+                const double next = (1.0 - kCoreRing) * fraction;
+                add_halving_ring(fraction, next);
+                ++level_;
+                fraction = next;
+                continue;
+            }
+            // Half as many sectors are near enough from here on.
+            const double enough = std::max(enough_from(level_ + 1), core());
+            const bool is_enough = fraction <= enough;
+            const double next =
+                std::min(is_enough ? halving_to(fraction) : std::max(enough, ring_to(fraction)),
+                         fraction - kMinRing_m / shortest_m_);
+            if (!has_room(fraction, next)) {
+                if (sectors() < kMinGradedFan) {
+                    break;
+                }
+                add_ring(fraction, core());
+                fraction = core();
+                continue;
+            }
+            if (is_enough) {
+                is_coarse_ = is_coarse_ || fraction > kGradingError_m / error_m(level_ + 1);
+                add_halving_ring(fraction, next);
+                ++level_;
+            } else {
+                add_ring(fraction, next);
+            }
+            fraction = next;
+        }
+        if (level_ == 0 || triangles_.size() > most) {
+            return std::nullopt;
+        }
+        add_centre(fraction);
+        return std::move(triangles_);
+    }
+
+    /// Whether they are farther than kGradingError_m from the given ones.
+    [[nodiscard]] bool is_coarse() const { return is_coarse_; }
+
+private:
+    [[nodiscard]] std::size_t sectors() const {
+        return SpokesOfLevel(fan_.facets.size(), level_).sectors();
+    }
+
+    /// The angle of a sector [rad].
+    [[nodiscard]] double sector() const { return turn_ / static_cast<double>(sectors()); }
+
+    /// How far what has the spokes of a level is from the rim [m].
+    [[nodiscard]] double error_m(unsigned level) {
+        while (errors_m_.size() <= level) {
+            errors_m_.push_back(2.0 * rim_error_m(fan_, static_cast<unsigned>(errors_m_.size())));
+        }
+        return errors_m_[level];
+    }
+
+    /// The fraction of the spokes up to which those of a level are near enough.
+    [[nodiscard]] double enough_from(unsigned level) {
+        const bool are_many = SpokesOfLevel(fan_.facets.size(), level).sectors() > kManySectors;
+        return (are_many ? kCoarseGradingError_m : kGradingError_m) / error_m(level);
+    }
+
+    /// The fraction of the spokes up to which anything is near enough.
+    [[nodiscard]] double core() const { return kCore_m / longest_m_; }
+
+    /// How far the next ring may be.
+    [[nodiscard]] double ring_to(double fraction) const {
+        const double share = max_around_long_ring_ / static_cast<double>(sectors());
+        return fraction * (1.0 - std::clamp(share, 0.25, 1.0));
+    }
+
+    /// Where a ring ends whose triangles are about as high as wide; a long one where they are few.
+    [[nodiscard]] double halving_to(double fraction) {
+        const double square = fraction * (1.0 - std::min(2.0 * sector(), 0.5));
+        const double longest = std::max(ring_to(fraction), 0.01 * fraction);
+        // Where the rim is jagged, a longer side must not cut off a shorter spoke.
+        const double within = fraction * (1.0 - std::min(sector(), 0.25)) /
+                              crossing_of_halfway_spokes(fan_, level_ + 1);
+        return std::min({square, within, std::max(longest, enough_from(level_ + 2))});
+    }
+
+    /// Whether the triangles within a ring would not be too thin.
+    [[nodiscard]] bool has_room(double fraction, double next) const {
+        return next > 0.0 && fraction > next && 2.0 * next * shortest_m_ * sector() >= kMinRing_m;
+    }
+
+    void add_ring(double outer, double inner) {
+        const SpokesOfLevel spokes(fan_.facets.size(), level_);
+        for (std::size_t i = 0; i < spokes.sectors(); ++i) {
+            add_quad(spokes[i], spokes[i + 1], outer, inner);
+        }
+    }
+
+    void add_quad(std::size_t first, std::size_t last, double outer, double inner) {
+        triangles_.push_back({{{first, inner}, {first, outer}, {last, outer}}});
+        triangles_.push_back({{{first, inner}, {last, outer}, {last, inner}}});
+    }
+
+    /// Sectors of this level outside, pairs of them inside.
+    void add_halving_ring(double outer, double inner) {
+        const SpokesOfLevel spokes(fan_.facets.size(), level_);
+        const std::size_t sectors = spokes.sectors();
+        std::size_t i = 0;
+        for (; i + 1 < sectors; i += 2) {
+            const std::size_t first = spokes[i];
+            const std::size_t middle = spokes[i + 1];
+            const std::size_t last = spokes[i + 2];
+            triangles_.push_back({{{first, inner}, {first, outer}, {middle, outer}}});
+            triangles_.push_back({{{first, inner}, {middle, outer}, {last, inner}}});
+            triangles_.push_back({{{last, inner}, {middle, outer}, {last, outer}}});
+        }
+        if (i < sectors) {
+            add_quad(spokes[i], spokes[i + 1], outer, inner);
+        }
+    }
+
+    void add_centre(double fraction) {
+        const SpokesOfLevel spokes(fan_.facets.size(), level_);
+        for (std::size_t i = 0; i < spokes.sectors(); ++i) {
+            triangles_.push_back(
+                {{{spokes[i], 0.0}, {spokes[i], fraction}, {spokes[i + 1], fraction}}});
+        }
+    }
+
+    const TriangleFan &fan_;
+    double max_around_long_ring_;
+    double shortest_m_ = std::numeric_limits<double>::infinity();
+    double longest_m_ = 0.0;
+    double turn_ = 0.0;            ///< of all sectors [rad]
+    std::vector<double> errors_m_; ///< by level
+    bool is_coarse_ = false;
+    unsigned level_ = 0;
+    std::vector<RingTriangle> triangles_;
+};
 
 /// Whether it comes from a ring that reaches far in.
 [[nodiscard]] bool is_long(const RingTriangle &triangle) {
@@ -38,6 +280,23 @@ namespace {
 }
 
 } // namespace
+
+FanRings rings_of(const TriangleFan &fan) {
+    if (fan.facets.size() < kMinGradedFan) {
+        return {};
+    }
+    const auto count = static_cast<double>(fan.facets.size());
+    for (double around = kMaxAroundLongRing;; around *= 2.0) {
+        FanGrading grading(fan, around);
+        std::optional<std::vector<RingTriangle>> triangles = grading.triangles();
+        if (triangles) {
+            return {std::move(*triangles), grading.is_coarse()};
+        }
+        if (around > count) {
+            return {};
+        }
+    }
+}
 
 GradedFans grade_fans(std::vector<FacetSource> &facets, const std::vector<MeshTriangle> &triangles,
                       const std::vector<std::uint32_t> &left_out, std::size_t vertices) {

@@ -1,17 +1,12 @@
 #include "engine/contact/mesh/mesh_preparation.h"
 
 #include "base/cancellation.h"
-#include "engine/contact/mesh/boundary_stitching.h"
+#include "engine/contact/mesh/crack_closing.h"
 #include "engine/contact/mesh/edge_table.h"
-#include "engine/contact/mesh/enclosed_volume.h"
 #include "engine/contact/mesh/fan_grading.h"
+#include "engine/contact/mesh/mesh_repair.h"
 #include "engine/contact/mesh/mesh_topology.h"
-#include "engine/contact/mesh/preparation_allowance.h"
-#include "engine/contact/mesh/repeated_triangles.h"
 #include "engine/contact/mesh/surface_facets.h"
-#include "engine/contact/mesh/t_junction_removal.h"
-#include "engine/contact/mesh/triangle_orientation.h"
-#include "engine/contact/mesh/vertex_welding.h"
 
 #include <algorithm>
 #include <array>

@@ -2,6 +2,8 @@
 
 #include "engine/contact/mesh/triangle_sets.h"
 
+#include <Eigen/Geometry>
+
 namespace springdrive::contact {
 
 namespace {
@@ -79,6 +81,27 @@ MeshTopology find_topology(const std::vector<MeshTriangle> &triangles, const Edg
         topology.components[i].has_sheets_apart = is_shut_by_one_winding[i];
     }
     return topology;
+}
+
+std::vector<double> enclosed_volumes_m3(const std::vector<MeshTriangle> &triangles,
+                                        const MeshTopology &topology,
+                                        const std::vector<Vector3> &vertices_m) {
+    std::vector<double> volumes(topology.components.size(), 0.0);
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        const std::uint32_t number = topology.component_of_triangle[i];
+        const MeshComponent &component = topology.components[number];
+        if (!component.is_closed ||
+            (component.has_sheets_apart && triangles[i].has_both_windings)) {
+            continue;
+        }
+        // From the tetrahedra to a point near the mesh.
+        const Vector3 &origin = vertices_m[triangles.front().vertices[0]];
+        const auto &[a, b, c] = triangles[i].vertices;
+        volumes[number] +=
+            (vertices_m[a] - origin).dot((vertices_m[b] - origin).cross(vertices_m[c] - origin)) /
+            6.0;
+    }
+    return volumes;
 }
 
 } // namespace springdrive::contact

@@ -1,6 +1,7 @@
-// Which triangles are connected over shared edges, and whether they enclose a volume.
+// Which triangles are connected over shared edges, and which volumes they enclose.
 #pragma once
 
+#include "base/vector.h"
 #include "engine/contact/mesh/edge_table.h"
 #include "engine/contact/mesh/mesh_triangle.h"
 
@@ -32,5 +33,11 @@ struct MeshTopology {
 
 [[nodiscard]] MeshTopology find_topology(const std::vector<MeshTriangle> &triangles,
                                          const EdgeTable &edges);
+
+/// The volume of each closed component [m³], negative where its triangles face it; zero for open
+/// ones and for sheets. For a solid with sheets in it, that of the solid alone.
+[[nodiscard]] std::vector<double> enclosed_volumes_m3(const std::vector<MeshTriangle> &triangles,
+                                                      const MeshTopology &topology,
+                                                      const std::vector<Vector3> &vertices_m);
 
 } // namespace springdrive::contact

@@ -1,8 +1,7 @@
-#include "engine/contact/mesh/t_junction_removal.h"
+#include "engine/contact/mesh/crack_closing.h"
 
 #include "base/assertions.h"
 #include "base/parallel.h"
-#include "engine/contact/mesh/boundary_vertices.h"
 #include "engine/contact/mesh/point_tree.h"
 
 #include <algorithm>

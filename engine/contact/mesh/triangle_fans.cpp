@@ -1,4 +1,4 @@
-#include "engine/contact/mesh/triangle_fans.h"
+#include "engine/contact/mesh/fan_grading.h"
 
 #include "base/cancellation.h"
 

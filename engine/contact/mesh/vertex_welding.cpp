@@ -1,4 +1,4 @@
-#include "engine/contact/mesh/vertex_welding.h"
+#include "engine/contact/mesh/crack_closing.h"
 
 #include "base/assertions.h"
 #include "base/cancellation.h"

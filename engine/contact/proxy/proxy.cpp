@@ -1,11 +1,11 @@
 #include "engine/contact/proxy/proxy.h"
 
 #include "engine/contact/proxy/downhill_directions.h"
-#include "engine/contact/proxy/friction.h"
-#include "engine/contact/proxy/resting_contact.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -66,6 +66,107 @@ constexpr double kRetryGrowth = 1.1;
 
 [[nodiscard]] bool is_usable(const Vector3 &tip_m) noexcept {
     return tip_m.allFinite() && tip_m.cwiseAbs().maxCoeff() < kFarthestTip_m;
+}
+
+// Coulomb friction for a proxy: how far along its frictionless path it moves.
+//
+// The force on the tip has to lie in the friction cone about the normal, which at a distance N from
+// the tip is a circle of radius μ N about the frictionless point: Zilles and Salisbury (see
+// proxy.h), and W. Harwin and N. Melder, "Improved haptic rendering for multi-finger manipulation
+// using friction cone based god-objects", 2002. There the god-object moves to the nearest point of
+// that circle; here it stops where its own path over the surface enters it, which is the same on a
+// plane, and never leaves the surface at an edge or a bend.
+
+/// A point of a path, and whether friction holds the proxy there.
+struct FrictionStop {
+    std::size_t piece = 0; ///< the point lies between points `piece` and `piece + 1` of the path
+    Vector3 point_m{Vector3::Zero()};
+    bool sticks = false; ///< at the first point: it has not moved
+};
+
+/// Where a proxy with friction stops on the path of one without.
+///
+/// The path's end is N from the tip, along the force without friction; a proxy that lags by t makes
+/// a force at an angle of atan(t/N) to that. It sticks as long as t <= μ N, with the static
+/// coefficient if it stuck before and the dynamic one if it was sliding; otherwise it slides on to
+/// where t = μ N with the dynamic one. RT-safe.
+///
+/// @param first index of the point at which it was, or first touched
+/// @param normal_m  N
+[[nodiscard]] FrictionStop stop_by_friction(const ProxyPath &path, std::size_t first,
+                                            double normal_m, const SurfaceMaterial &material,
+                                            bool was_sliding) noexcept {
+    const Vector3 &end_m = path[path.size() - 1];
+    const double sticking = was_sliding ? material.dynamic_friction : material.static_friction;
+    const double behind_m = (path[first] - end_m).norm();
+    if (behind_m <= sticking * normal_m) {
+        return {first, path[first], true};
+    }
+    // From the end backwards to the piece that crosses the sphere of radius μ N about the end.
+    const double left_m = material.dynamic_friction * normal_m;
+    std::size_t piece = path.size() - 1;
+    while (piece > first && (path[piece] - end_m).squaredNorm() <= left_m * left_m) {
+        --piece;
+    }
+    if (piece == path.size() - 1) {
+        return {piece, end_m, false};
+    }
+    const Vector3 start = path[piece] - end_m;
+    const Vector3 way = path[piece + 1] - path[piece];
+    const double a = way.squaredNorm();
+    const double b = start.dot(way);
+    const double c = start.squaredNorm() - left_m * left_m;
+    const double share = (-b - std::sqrt(std::max(0.0, b * b - a * c))) / a;
+    return {piece, path[piece] + std::clamp(share, 0.0, 1.0) * way, false};
+}
+
+void set_touched_point(const SurfacePoint &touched, Contact &contact) noexcept {
+    contact.surface_m = touched.point_m;
+    contact.barycentric = touched.barycentric;
+    contact.triangle = touched.triangle;
+    contact.material = touched.material;
+}
+
+/// The contact of a proxy that touches nothing.
+[[nodiscard]] Contact free_contact(const Vector3 &point_m) noexcept {
+    Contact contact;
+    contact.x0_m = point_m;
+    return contact;
+}
+
+/// The same for a proxy held by its planes, at least one.
+[[nodiscard]] Contact resting_contact(const HapticSurface &surface, const Vector3 &tip_m,
+                                      const Rest &rest) noexcept {
+    const AllowedMotion motion = tangent_projector(rest.held_by);
+    const ContactPlane &first = rest.held_by[0];
+    const Vector3 gap = rest.point_m - tip_m;
+    const double gap_m = gap.norm();
+    Contact contact;
+    contact.touching = true;
+    contact.x0_m = rest.point_m;
+    contact.tangent_projector = motion.projector;
+    contact.normal = gap_m > kLostByRoundOff_m ? Vector3(gap / gap_m) : first.normal;
+    contact.active_constraints = motion.blocked_directions;
+    for (const ContactPlane &plane : rest.held_by) {
+        contact.eta = std::min(contact.eta, surface.material(plane.obstacle).eta);
+    }
+    set_touched_point(surface.nearest(first.obstacle, rest.point_m), contact);
+    return contact;
+}
+
+/// The same where it has come to rest at the end of a slide over a shape.
+[[nodiscard]] Contact resting_contact(const HapticSurface &surface, std::uint32_t shape_obstacle,
+                                      const ShapeSlide &slide, double reach_m) noexcept {
+    Contact contact;
+    contact.touching = true;
+    contact.x0_m = slide.rest_m;
+    contact.tangent_projector -= slide.normal * slide.normal.transpose();
+    contact.normal = slide.normal;
+    contact.active_constraints = 1;
+    contact.eta = surface.material(shape_obstacle).eta;
+    set_touched_point(surface.point_on_shape(shape_obstacle, slide.rest_m - reach_m * slide.normal),
+                      contact);
+    return contact;
 }
 
 } // namespace

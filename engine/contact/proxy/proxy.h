@@ -14,7 +14,7 @@
 //     that the contact of a tick does not depend on how the previous tick ended
 //   - force shading does not rotate the force: the surface itself is curved, see
 //     engine/scene/curved_patches.h, so that no closed path gives or takes energy
-//   - friction is applied along the path that the proxy would take without it, see friction.h
+//   - friction is applied along the path that the proxy would take without it
 #pragma once
 
 #include "base/vector.h"

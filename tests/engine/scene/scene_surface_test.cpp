@@ -1,7 +1,7 @@
 // Covers engine/scene/scene_surface.cpp.
 #include "engine/scene/scene_surface.h"
 
-#include "tests/engine/contact/mesh/dense_soups.h"
+#include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>

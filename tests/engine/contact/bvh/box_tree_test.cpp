@@ -1,12 +1,14 @@
-// Covers engine/contact/bvh/box_tree.h and box_search.h.
+// Covers engine/contact/bvh: box_node.h, box_search.h, box_tree.h and box_tree_build.cpp.
+#include "engine/contact/bvh/box_node.h"
 #include "engine/contact/bvh/box_tree.h"
-
+#include "engine/contact/bvh/box_tree_build.h"
 #include "tests/engine/contact/bvh/box_sets.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace springdrive::contact {
@@ -45,40 +47,6 @@ public:
 private:
     std::vector<bool> is_visited_;
 };
-
-TEST(BoxTree, AlongVisitsWhatTheMotionEntersAndNothingElse) {
-    std::mt19937_64 random(1);
-    for (const BoxSet &set : testing::box_sets(random)) {
-        const BoxTree tree(set.boxes, 1);
-        int entered = 0;
-        for (int i = 0; i < 300; ++i) {
-            const Motion motion = random_motion(random, set);
-            const Vector3 &from = motion.from_m;
-            const Vector3 &to = motion.to_m;
-            const double reach = motion.reach_m;
-            Visited visited(tree);
-            SearchBudget budget = unlimited();
-            const double searched =
-                tree.along(from, to, reach, budget, [&](std::uint32_t item, double last) {
-                    visited.add(item);
-                    return last;
-                });
-            EXPECT_EQ(searched, 1.0);
-            const double more = reach + allowance_m(set, (to - from).norm());
-            for (std::uint32_t item = 0; item < set.boxes.size(); ++item) {
-                const Eigen::AlignedBox3d &box = set.boxes[tree.order()[item]];
-                if (visited[item]) {
-                    ASSERT_LE(entry_fraction(box, from, to, more), 1.0) << set.name << " " << i;
-                } else {
-                    ASSERT_GT(entry_fraction(box, from, to, reach - round_off_m(set)), 1.0)
-                        << set.name << " " << i;
-                }
-                entered += visited[item] ? 1 : 0;
-            }
-        }
-        EXPECT_GT(entered, 20) << set.name;
-    }
-}
 
 TEST(BoxTree, AlongFindsTheFirstEntryWhileTheMotionShrinks) {
     std::mt19937_64 random(2);
@@ -134,53 +102,42 @@ TEST(BoxTree, AlongFindsBoxesThatTheMotionSlidesAlong) {
     }
 }
 
-/// Shrinking must save visits to be of use.
-TEST(BoxTree, AlongSkipsWhatLiesBehindTheFractionLeft) {
-    Boxes boxes;
-    for (int i = 0; i < 1000; ++i) {
-        boxes.push_back(testing::box_about({1e-3 * i, 0, 0}, Vector3::Constant(1e-4)));
-    }
-    const BoxTree tree(boxes, 1);
-    int visits = 0;
-    SearchBudget budget = unlimited();
-    tree.along({-1, 0, 0}, {1, 0, 0}, 0.0, budget, [&](std::uint32_t item, double last) {
-        ++visits;
-        return std::min(last, 0.5 + 0.5e-3 * tree.order()[item] + 1e-6);
-    });
-    EXPECT_LE(visits, 2);
-    EXPECT_LT(unlimited().effort_left - budget.effort_left, 20 * kNodeEffort);
-}
-
-TEST(BoxTree, AlongKeepsItsBudgetAndReportsHowFarItSearched) {
+TEST(BoxTree, AlongVisitsWhatTheMotionEntersWithinItsBudgetAndNothingElse) {
     std::mt19937_64 random(3);
     for (const BoxSet &set : testing::box_sets(random)) {
         const BoxTree tree(set.boxes, 1);
+        int entered = 0;
         int cut_short = 0;
-        for (int i = 0; i < 300; ++i) {
-            const Motion motion = random_motion(random, set);
-            const Vector3 &from = motion.from_m;
-            const Vector3 &to = motion.to_m;
-            const double reach = motion.reach_m;
+        for (int i = 0; i < 600; ++i) {
+            SCOPED_TRACE(set.name + " " + std::to_string(i));
+            const auto &[from, to, reach] = random_motion(random, set);
             Visited visited(tree);
-            const int nodes = i % 30;
-            SearchBudget budget{nodes * kNodeEffort};
-            const double stop_at = i % 3 == 0 ? 0.3 : 1.0;
+            const bool is_limited = i % 2 == 0;
+            const int nodes = i / 2 % 30;
+            SearchBudget budget = is_limited ? SearchBudget{nodes * kNodeEffort} : unlimited();
+            const double stop_at = is_limited && i % 3 == 0 ? 0.3 : 1.0;
             const double searched =
                 tree.along(from, to, reach, budget, [&](std::uint32_t item, double last) {
                     visited.add(item);
                     return std::min(last, stop_at);
                 });
-            EXPECT_GE(budget.effort_left, 0);
-            EXPECT_LE(budget.effort_left, nodes * kNodeEffort);
-            EXPECT_GE(searched, 0.0);
+            ASSERT_GE(budget.effort_left, 0);
+            ASSERT_GE(searched, is_limited ? 0.0 : 1.0);
             cut_short += searched < stop_at ? 1 : 0;
+            const double more = reach + allowance_m(set, (to - from).norm());
             for (std::uint32_t item = 0; item < set.boxes.size(); ++item) {
                 const Eigen::AlignedBox3d &box = set.boxes[tree.order()[item]];
-                ASSERT_TRUE(visited[item] ||
-                            entry_fraction(box, from, to, reach - round_off_m(set)) >= searched)
-                    << set.name << " " << i;
+                if (visited[item]) {
+                    ASSERT_LE(entry_fraction(box, from, to, more), 1.0);
+                    ++entered;
+                } else if (searched == 1.0) {
+                    ASSERT_GT(entry_fraction(box, from, to, reach - round_off_m(set)), 1.0);
+                } else {
+                    ASSERT_GE(entry_fraction(box, from, to, reach - round_off_m(set)), searched);
+                }
             }
         }
+        EXPECT_GT(entered, 20) << set.name;
         EXPECT_GE(cut_short, 10) << set.name; // all those without any budget
     }
 }
@@ -316,6 +273,112 @@ TEST(BoxTree, TerminatesForAnyQuery) {
             tree.within(Vector3::Zero(), value, budget, count);
             tree.within(to, 0.01, budget, [](std::uint32_t, double) { return NAN; });
             EXPECT_LE(unlimited().effort_left - budget.effort_left, 6 * 1001 * kNodeEffort);
+        }
+    }
+}
+
+using testing::Boxes;
+using testing::BoxSet;
+
+SearchBudget no_limit() { return {1 << 30}; }
+
+TEST(BoxTreeBuild, NumbersEveryBoxOnce) {
+    std::mt19937_64 random(1);
+    for (const BoxSet &set : testing::box_sets(random)) {
+        std::vector<std::uint32_t> numbers = BoxTree(set.boxes, 1).order();
+        std::ranges::sort(numbers);
+        std::vector<std::uint32_t> expected(set.boxes.size());
+        std::iota(expected.begin(), expected.end(), 0U);
+        EXPECT_EQ(numbers, expected) << set.name;
+    }
+}
+
+/// Exactly: the rounding to float may not cut off a corner, nor may that of the search.
+TEST(BoxTreeBuild, FindsEachBoxAtEachOfItsCorners) {
+    std::mt19937_64 random(2);
+    for (const BoxSet &set : testing::box_sets(random)) {
+        const BoxTree tree(set.boxes, 1);
+        for (std::uint32_t item = 0; item < set.boxes.size(); ++item) {
+            const Eigen::AlignedBox3d &box = set.boxes[tree.order()[item]];
+            const auto corner_type = static_cast<Eigen::AlignedBox3d::CornerType>(random() % 8);
+            const Vector3 corner = box.corner(corner_type);
+            bool found_within = false;
+            bool found_along = false;
+            SearchBudget budget = no_limit();
+            tree.within(corner, 0.0, budget, [&](std::uint32_t visited, double squared) {
+                found_within |= visited == item;
+                return squared;
+            });
+            tree.along(corner, corner, 0.0, budget, [&](std::uint32_t visited, double last) {
+                found_along |= visited == item;
+                return last;
+            });
+            ASSERT_TRUE(found_within && found_along) << set.name << ": " << corner.transpose();
+        }
+    }
+}
+
+TEST(BoxTreeBuild, GivesTheSameTreeForAnyNumberOfThreads) {
+    const Boxes boxes = testing::boxes_of(testing::bumpy_sphere(5, 0.05));
+    const auto walk = [&](const BoxTree &tree) {
+        std::vector<std::uint32_t> visits;
+        SearchBudget budget = no_limit();
+        tree.within({0.03, 0.01, -0.02}, 0.06, budget, [&](std::uint32_t item, double) {
+            visits.push_back(item);
+            return 0.06 * 0.06;
+        });
+        visits.push_back(static_cast<std::uint32_t>(budget.effort_left));
+        return visits;
+    };
+    const BoxTree of_one_thread(boxes, 1);
+    const std::vector<std::uint32_t> expected = walk(of_one_thread);
+    EXPECT_GT(expected.size(), 1000U);
+    for (const unsigned threads : {2U, 5U}) {
+        const BoxTree tree(boxes, threads);
+        EXPECT_EQ(tree.order(), of_one_thread.order());
+        EXPECT_EQ(walk(tree), expected);
+    }
+}
+
+TEST(NumberedBox, EnclosesTheBoxTightly) {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> exponent(-30.0, 3.0);
+    for (int i = 0; i < 20000; ++i) {
+        const double half_m = std::pow(10.0, exponent(random));
+        Eigen::AlignedBox3d box(testing::random_vector(random, half_m));
+        box.extend(testing::random_vector(random, half_m));
+        const bool is_exact = i % 2 == 0; // needs no rounding
+        for (int axis = 0; is_exact && axis < 3; ++axis) {
+            box.min()[axis] = double{static_cast<float>(box.min()[axis])};
+            box.max()[axis] = double{static_cast<float>(box.max()[axis])};
+        }
+        const Bounds bounds = NumberedBox(box, 0).bounds();
+        for (int axis = 0; axis < 3; ++axis) {
+            const double lower = bounds.lower[axis];
+            const double upper = bounds.upper[axis];
+            ASSERT_LE(lower, box.min()[axis]);
+            ASSERT_GE(upper, box.max()[axis]);
+            // A step of up to two floats, and the roundings before and after it.
+            const double more = is_exact ? 0.0 : 4.0 * 0x1p-24;
+            ASSERT_GE(lower, box.min()[axis] - more * std::abs(box.min()[axis]) - 0x1p-125);
+            ASSERT_LE(upper, box.max()[axis] + more * std::abs(box.max()[axis]) + 0x1p-125);
+        }
+    }
+}
+
+TEST(Float4, LaneBitsAreTheHighestBitsOfTheLanes) {
+    for (unsigned bits = 0; bits < 16; ++bits) {
+        Mask4 all_or_none{};
+        Mask4 highest_or_others{};
+        for (int lane = 0; lane < 4; ++lane) {
+            const bool is_set = (bits >> static_cast<unsigned>(lane) & 1U) != 0;
+            all_or_none[lane] = is_set ? -1 : 0;
+            highest_or_others[lane] = is_set ? std::numeric_limits<std::int32_t>::min()
+                                             : std::numeric_limits<std::int32_t>::max();
+        }
+        for (const Mask4 mask : {all_or_none, highest_or_others}) {
+            EXPECT_EQ(lane_bits(mask), bits);
+            EXPECT_EQ(lane_bits_portably(mask), bits);
         }
     }
 }

@@ -1,10 +1,13 @@
-// Covers engine/contact/mesh/facet.cpp.
+// Covers engine/contact/mesh/facet.cpp, facet_boxes.cpp and nearest.cpp.
 #include "engine/contact/mesh/facet.h"
-
+#include "engine/contact/mesh/facet_boxes.h"
+#include "engine/contact/mesh/nearest.h"
 #include "tests/engine/contact/mesh/soups.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace springdrive::contact {
@@ -12,6 +15,37 @@ namespace {
 
 using testing::Corners;
 using testing::random_vector;
+
+TEST(NearestOnTriangle, IsNearerThanAnySampleAndOnTheTriangle) {
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 2000; ++i) {
+        const testing::Corners triangle = {random_vector(random, 1.0), random_vector(random, 1.0),
+                                           random_vector(random, 1.0)};
+        const Vector3 query = random_vector(random, 2.0);
+        const TrianglePoint nearest = nearest_on_triangle(triangle, query);
+        const Vector3 &w = nearest.weights;
+        ASSERT_GE(w.minCoeff(), 0.0);
+        ASSERT_NEAR(w.sum(), 1.0, 1e-14);
+        const Vector3 by_weights = w[0] * triangle[0] + w[1] * triangle[1] + w[2] * triangle[2];
+        ASSERT_LT((by_weights - nearest.point_m).norm(), 1e-11);
+        const double distance = (query - nearest.point_m).norm();
+        ASSERT_NEAR(distance, testing::distance_to_triangle(triangle, query), 1e-11);
+        for (int u = 0; u <= 12; ++u) {
+            for (int v = 0; u + v <= 12; ++v) {
+                const Vector3 sample = triangle[0] + u / 12.0 * (triangle[1] - triangle[0]) +
+                                       v / 12.0 * (triangle[2] - triangle[0]);
+                ASSERT_LE(distance, (query - sample).norm() + 1e-14);
+            }
+        }
+    }
+}
+
+TEST(SegmentDistance, IsRightFarBelowTheLengthOfTheSegments) {
+    // Two that cross, 1e-8 apart: distances that a proxy keeps.
+    const double distance = segment_distance_m({-0.1, 0.0, 0.3}, {0.1, 0.0, 0.3},
+                                               {0.02, -0.1, 0.3 + 1e-8}, {0.01, 0.1, 0.3 + 1e-8});
+    EXPECT_NEAR(distance, 1e-8, 1e-16);
+}
 
 // In the plane z = 0, facing +z.
 const Corners kTriangle = {Vector3(0, 0, 0), Vector3(0.02, 0, 0), Vector3(0, 0.01, 0)};
@@ -42,33 +76,19 @@ double fraction(const Facet &facet, const Vector3 &from, const Vector3 &to,
     return stop ? stop->fraction : -1.0;
 }
 
-TEST(Facet, FacesTheSideFromWhichItIsWoundCounterClockwise) {
-    EXPECT_EQ(facet(FacetSides::one).normal(), Vector3::UnitZ());
-    EXPECT_EQ(facet(FacetSides::one).height_m({5, 5, 0.25}), 0.25);
-    EXPECT_EQ(facet(FacetSides::one).triangle(), 7U);
-}
-
-TEST(Facet, WithOneSideStopsMotionsFromTheFrontOnly) {
-    const Facet one = facet(FacetSides::one);
-    EXPECT_NEAR(fraction(one, above(0.001, 0.001), below(0.001, 0.001)), allowed(0.01), 1e-12);
-    EXPECT_FALSE(stop_of(one, below(0.001, 0.001), above(0.001, 0.001), kClearance_m));
-}
-
-TEST(Facet, WithTwoSidesStopsMotionsFromEither) {
-    const Facet two = facet(FacetSides::two);
-    EXPECT_NEAR(fraction(two, above(0.001, 0.001), below(0.001, 0.001)), allowed(0.01), 1e-12);
-    EXPECT_NEAR(fraction(two, below(0.001, 0.001), above(0.001, 0.001)), allowed(0.03), 1e-12);
-    EXPECT_EQ(stop_of(two, below(0.001, 0.001), above(0.001, 0.001), kClearance_m)->normal,
-              -Vector3::UnitZ());
-}
-
-TEST(Facet, IgnoresMotionsThatStayOnOneSide) {
+TEST(Facet, StopsMotionsFromItsSides) {
+    const Vector3 up = above(0.001, 0.001);
+    const Vector3 down = below(0.001, 0.001);
     for (const FacetSides sides : {FacetSides::one, FacetSides::two}) {
         const Facet any = facet(sides);
-        EXPECT_EQ(fraction(any, above(0.001, 0.001), above(0.001, 0.001, 1.01 * kClearance_m)), -1);
-        EXPECT_EQ(fraction(any, above(0.001, 0.001), above(0.002, 0.001)), -1);
-        EXPECT_EQ(fraction(any, below(0.001, 0.001), below(0.001, 0.001)), -1);
+        EXPECT_NEAR(fraction(any, up, down), allowed(0.01), 1e-12);
+        EXPECT_EQ(fraction(any, up, above(0.001, 0.001, 1.01 * kClearance_m)), -1); // stays above
+        EXPECT_EQ(fraction(any, up, above(0.002, 0.001)), -1);
+        EXPECT_EQ(fraction(any, down, down), -1);
     }
+    EXPECT_EQ(fraction(facet(FacetSides::one), down, up), -1);
+    EXPECT_NEAR(fraction(facet(FacetSides::two), down, up), allowed(0.03), 1e-12);
+    EXPECT_EQ(stop_of(facet(FacetSides::two), down, up, kClearance_m)->normal, -Vector3::UnitZ());
 }
 
 TEST(Facet, StopsWhatIsTooNearAndComesNearerHoweverSlowly) {
@@ -84,12 +104,6 @@ TEST(Facet, StopsWhatIsTooNearAndComesNearerHoweverSlowly) {
             fraction(facet(sides), above(0.001, 0.001, 0.5e-9), above(0.001, 0.001, 0.49999e-9)),
             0.0);
     }
-}
-
-TEST(Facet, LetsWhatIsTooNearMoveAlongAndAway) {
-    const Facet one = facet(FacetSides::one);
-    EXPECT_EQ(fraction(one, above(0.001, 0.001, 0.5e-8), above(0.002, 0.001, 0.5e-8)), -1);
-    EXPECT_EQ(fraction(one, above(0.001, 0.001, 0.5e-8), above(0.002, 0.001, 0.6e-8)), -1);
 }
 
 TEST(Facet, KeepsWhatStartsTooNearAtItsOwnDistance) {
@@ -254,10 +268,73 @@ TEST(Facet, TouchesWhatIsAtItsReach) {
     }
 }
 
-TEST(Facet, ReportsHeightsAboveItsPlane) {
-    EXPECT_DOUBLE_EQ(min_height_m(kTriangle), 0.0002 / std::hypot(0.02, 0.01));
-    EXPECT_EQ(min_height_m({Vector3::Zero(), Vector3::Zero(), Vector3::Zero()}), 0.0);
-    EXPECT_EQ(min_height_m({Vector3::Zero(), Vector3::UnitX(), 2 * Vector3::UnitX()}), 0.0);
+FacetSource random_facet(std::mt19937_64 &random, double size_m, double width_m) {
+    FacetSource facet;
+    facet.corners_m[0] = random_vector(random, 0.1);
+    facet.corners_m[1] = facet.corners_m[0] + random_vector(random, size_m);
+    facet.corners_m[2] = facet.corners_m[1] + random_vector(random, width_m);
+    return facet;
+}
+
+TEST(FacetBoxes, CoverTheirFacets) {
+    std::mt19937_64 random(1);
+    std::vector<FacetSource> facets;
+    for (int i = 0; i < 300; ++i) {
+        facets.push_back(random_facet(random, 0.02, i % 3 == 0 ? 0.02 : 1e-5));
+        facets.back().is_crowded = i % 2 == 0;
+    }
+    const FacetBoxes found = boxes_of(facets);
+    ASSERT_EQ(found.boxes_m.size(), found.facet_of_box.size());
+    EXPECT_GT(found.boxes_m.size(), 2 * facets.size());
+    std::vector<std::vector<Eigen::AlignedBox3d>> boxes_of_facet(facets.size());
+    for (std::size_t i = 0; i < found.boxes_m.size(); ++i) {
+        boxes_of_facet[found.facet_of_box[i]].push_back(found.boxes_m[i]);
+    }
+    std::uniform_real_distribution<double> part(0.0, 1.0);
+    for (std::size_t i = 0; i < facets.size(); ++i) {
+        const auto &[a, b, c] = facets[i].corners_m;
+        for (int sample = 0; sample < 300; ++sample) {
+            const double along = sample % 10 == 0 ? 1.0 : part(random);
+            const double across = sample % 7 == 0 ? 0.0 : part(random);
+            const Vector3 point_m = a + along * (b - a + across * (c - b));
+            // Round-off of the point itself.
+            ASSERT_TRUE(std::ranges::any_of(boxes_of_facet[i], [&](const auto &box) {
+                return box.exteriorDistance(point_m) < 1e-16;
+            })) << i;
+        }
+    }
+}
+
+TEST(FacetBoxes, AreOneForEachThatFillsItsOwn) {
+    const TriangleSoup sphere = testing::icosphere(4, 0.05);
+    std::vector<FacetSource> facets;
+    for (std::size_t i = 0; i < sphere.triangles.size(); ++i) {
+        facets.push_back({testing::corners(sphere, i)});
+    }
+    const FacetBoxes found = boxes_of(facets);
+    ASSERT_EQ(found.boxes_m.size(), facets.size());
+    for (std::uint32_t i = 0; i < facets.size(); ++i) {
+        EXPECT_EQ(found.facet_of_box[i], i);
+        Eigen::AlignedBox3d box;
+        for (const Vector3 &corner_m : facets[i].corners_m) {
+            box.extend(corner_m);
+        }
+        EXPECT_TRUE(found.boxes_m[i].isApprox(box, 0.0));
+    }
+}
+
+/// Of a long thin facet that lies across the axes, what its boxes hold that is not near it.
+TEST(FacetBoxes, OfAnObliqueNeedleHoldLittleElse) {
+    FacetSource needle;
+    needle.corners_m = {Vector3(0, 0, 0), Vector3(0.02, 0.02, 0.02), Vector3(0.02, 0.02, 0.02001)};
+    const FacetBoxes found = boxes_of({needle});
+    double volume_m3 = 0.0;
+    for (const Eigen::AlignedBox3d &box : found.boxes_m) {
+        volume_m3 += box.volume();
+    }
+    EXPECT_GT(found.boxes_m.size(), 50U);
+    EXPECT_LT(found.boxes_m.size(), 2000U);
+    EXPECT_LT(volume_m3, 1e-3 * 8e-6);
 }
 
 } // namespace

@@ -1,10 +1,8 @@
-// Covers engine/contact/mesh/fan_grading.cpp, fan_rings.cpp and triangle_fans.cpp.
+// Covers engine/contact/mesh/fan_grading.cpp and triangle_fans.cpp.
 #include "engine/contact/mesh/fan_grading.h"
 
 #include "base/cancellation.h"
-#include "engine/contact/mesh/fan_rings.h"
-#include "engine/contact/mesh/triangle_fans.h"
-#include "tests/engine/contact/mesh/soups.h"
+#include "tests/engine/contact/mesh/meshes.h"
 
 #include <gtest/gtest.h>
 
@@ -12,11 +10,11 @@
 #include <atomic>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 namespace springdrive::contact {
 namespace {
 
+using testing::area_m2;
 using testing::Corners;
 
 /// A surface around a vertex, r(φ) (cos φ, h(φ), sin φ) at its rim, turned and moved at random.
@@ -67,6 +65,18 @@ Given fan_of(std::uint32_t count, const RimShape &shape, std::mt19937_64 &random
     return given;
 }
 
+double nearest_m(const Vector3 &point_m, const std::vector<FacetSource> &facets) {
+    double min_m = INFINITY;
+    for (const FacetSource &facet : facets) {
+        min_m = std::min(min_m, testing::distance_to_triangle(facet.corners_m, point_m));
+    }
+    return min_m;
+}
+
+Vector3 middle_m(const FacetSource &facet) {
+    return (facet.corners_m[0] + facet.corners_m[1] + facet.corners_m[2]) / 3.0;
+}
+
 /// From a point of one of the facets to the nearest of others.
 double distance_m(const FacetSource &facet, const std::vector<FacetSource> &others,
                   std::mt19937_64 &random) {
@@ -76,11 +86,7 @@ double distance_m(const FacetSource &facet, const std::vector<FacetSource> &othe
     weights /= weights.sum();
     const Vector3 point_m = weights[0] * facet.corners_m[0] + weights[1] * facet.corners_m[1] +
                             weights[2] * facet.corners_m[2];
-    double min_m = INFINITY;
-    for (const FacetSource &other : others) {
-        min_m = std::min(min_m, testing::distance_to_triangle(other.corners_m, point_m));
-    }
-    return min_m;
+    return nearest_m(point_m, others);
 }
 
 std::size_t count_at(const Vector3 &point_m, const std::vector<FacetSource> &facets) {
@@ -107,14 +113,6 @@ EdgeBalance edge_balance(const std::vector<FacetSource> &facets) {
     }
     std::erase_if(balance, [](const auto &edge) { return edge.second == 0; });
     return balance;
-}
-
-double area_m2(const std::vector<FacetSource> &facets) {
-    return std::accumulate(facets.begin(), facets.end(), 0.0, [](double sum, const auto &facet) {
-        return sum + 0.5 * (facet.corners_m[1] - facet.corners_m[0])
-                               .cross(facet.corners_m[2] - facet.corners_m[0])
-                               .norm();
-    });
 }
 
 const std::vector<RimShape> kSmooth = {
@@ -173,12 +171,10 @@ TEST(FanGrading, NamesTheTriangleBelow) {
     const std::vector<FacetSource> before = given.facets;
     ASSERT_EQ(grade_fans(given.facets, given.triangles, {}, given.vertices).all, 1U);
     for (const FacetSource &facet : given.facets) {
-        const Vector3 middle_m =
-            (facet.corners_m[0] + facet.corners_m[1] + facet.corners_m[2]) / 3.0;
         const double distance =
-            testing::distance_to_triangle(before[facet.triangle].corners_m, middle_m);
+            testing::distance_to_triangle(before[facet.triangle].corners_m, middle_m(facet));
         // Next to it, where it lies on several.
-        EXPECT_LT(distance, 0.3 * (middle_m - given.apex_m).norm());
+        EXPECT_LT(distance, 0.3 * (middle_m(facet) - given.apex_m).norm());
     }
 }
 
@@ -199,25 +195,14 @@ TEST(FanGrading, MakesRoughFansCoarseAtTheirVertexOnly) {
             EXPECT_LE(count_at(given.apex_m, given.facets), 12U);
             std::size_t changed = 0;
             for (const FacetSource &facet : given.facets) {
-                // Each is in the plane of a given one, except at the vertex.
-                const auto off_plane_m = [&](const Vector3 &corner_m) {
-                    double min_m = INFINITY;
-                    for (const FacetSource &other : before) {
-                        min_m = std::min(min_m,
-                                         testing::distance_to_triangle(other.corners_m, corner_m));
-                    }
-                    return min_m;
-                };
                 const bool is_near =
                     std::ranges::all_of(facet.corners_m, [&](const Vector3 &corner_m) {
                         return (corner_m - given.apex_m).norm() <= 0.5 * kCoarseGradingError_m;
                     });
                 changed += is_near ? 1 : 0;
                 if (!is_near && changed % 10 == 0) {
-                    const Vector3 middle_m =
-                        (facet.corners_m[0] + facet.corners_m[1] + facet.corners_m[2]) / 3.0;
-                    // Round-off of corners within 0.2 m.
-                    ASSERT_LE(off_plane_m(middle_m), 1e-15);
+                    // In the plane of a given one, but for round-off of corners within 0.2 m.
+                    ASSERT_LE(nearest_m(middle_m(facet), before), 1e-15);
                 }
             }
             EXPECT_GT(changed, 12U);
@@ -260,15 +245,10 @@ TEST(FanGrading, KeepsASpokeOnWhichAThirdTriangleStands) {
     ++given.vertices;
     ASSERT_LT(testing::distance_to_triangle(given.facets[750].corners_m, foot_m), 1e-15);
     EXPECT_GE(grade_fans(given.facets, given.triangles, {}, given.vertices).all, 2U);
+    std::erase_if(given.facets, [&](const FacetSource &facet) { return facet.triangle >= own; });
     for (double share = 0.001; share < 1.0; share *= 1.3) {
-        const Vector3 on_spoke_m = given.apex_m + share * spoke_m;
-        double min_m = INFINITY;
-        for (const FacetSource &facet : given.facets) {
-            if (facet.triangle < own) {
-                min_m = std::min(min_m, testing::distance_to_triangle(facet.corners_m, on_spoke_m));
-            }
-        }
-        EXPECT_LE(min_m, 1e-15) << share; // round-off of corners within 0.2 m
+        // Round-off of corners within 0.2 m.
+        EXPECT_LE(nearest_m(given.apex_m + share * spoke_m, given.facets), 1e-15) << share;
     }
 }
 

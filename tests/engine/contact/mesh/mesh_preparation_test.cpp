@@ -1,8 +1,8 @@
-// Covers engine/contact/mesh/mesh_preparation.cpp.
+// Covers engine/contact/mesh/mesh_preparation.cpp and mesh_warnings.cpp.
 #include "engine/contact/mesh/mesh_preparation.h"
-
-#include "tests/engine/contact/mesh/dense_soups.h"
+#include "engine/contact/mesh/mesh_warnings.h"
 #include "tests/engine/contact/mesh/meshes.h"
+#include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/error_text.h"
 #include "tests/support/surfaces.h"
 
@@ -32,12 +32,6 @@ bool are_all(const PreparedMesh &mesh, FacetSides sides) {
                                [sides](const FacetSource &facet) { return facet.sides == sides; });
 }
 
-TEST(MeshPreparation, OfAnEmptySoupIsEmpty) {
-    const PreparedMesh mesh = prepare_mesh({});
-    EXPECT_TRUE(mesh.facets.empty());
-    EXPECT_EQ(mesh.report.components, 0U);
-}
-
 TEST(MeshPreparation, WeldsABoxOfLooseTrianglesShut) {
     const PreparedMesh mesh = prepare_mesh(unshared(box_soup(kLower_m, kUpper_m)));
     EXPECT_EQ(mesh.report.triangles_given, 12U);
@@ -50,20 +44,6 @@ TEST(MeshPreparation, WeldsABoxOfLooseTrianglesShut) {
     EXPECT_TRUE(are_all(mesh, FacetSides::one));
 }
 
-TEST(MeshPreparation, ReportsABoxThatFacesInwards) {
-    const PreparedMesh mesh =
-        prepare_mesh(testing::turned_inside_out(box_soup(kLower_m, kUpper_m)));
-    EXPECT_EQ(mesh.report.closed_components, 1U);
-    EXPECT_EQ(mesh.report.inward_components, 1U);
-}
-
-TEST(MeshPreparation, MakesASheetTouchableFromBothSides) {
-    const PreparedMesh mesh = prepare_mesh(testing::sheet(3, 0.05));
-    EXPECT_EQ(mesh.report.closed_components, 0U);
-    EXPECT_EQ(mesh.report.open_edges, 12U);
-    EXPECT_TRUE(are_all(mesh, FacetSides::two));
-}
-
 TEST(MeshPreparation, TreatsEachComponentOnItsOwn) {
     const TriangleSoup soup = joined(box_soup(kLower_m, kUpper_m), testing::sheet(1, 0.05));
     const PreparedMesh mesh = prepare_mesh(soup);
@@ -72,28 +52,6 @@ TEST(MeshPreparation, TreatsEachComponentOnItsOwn) {
     for (const FacetSource &facet : mesh.facets) {
         EXPECT_EQ(facet.sides, facet.triangle < 12 ? FacetSides::one : FacetSides::two);
     }
-}
-
-TEST(MeshPreparation, DropsRepeatedTrianglesAndStaysClosed) {
-    TriangleSoup soup = box_soup(kLower_m, kUpper_m);
-    const auto &[a, b, c] = soup.triangles[5];
-    add_triangle(soup, {soup.vertices_m[b], soup.vertices_m[c], soup.vertices_m[a]});
-    const PreparedMesh mesh = prepare_mesh(soup);
-    EXPECT_EQ(mesh.report.duplicate_triangles, 1U);
-    EXPECT_EQ(mesh.report.triangles_kept, 12U);
-    EXPECT_EQ(mesh.report.closed_components, 1U);
-}
-
-TEST(MeshPreparation, MakesTwoSidesOfOneTriangle) {
-    TriangleSoup soup;
-    add_triangle(soup, {Vector3(0, 0, 0), Vector3(0.01, 0, 0), Vector3(0, 0.01, 0)});
-    add_triangle(soup, {Vector3(0, 0, 0), Vector3(0, 0.01, 0), Vector3(0.01, 0, 0)});
-    soup.materials.front().sides = TouchSides::one; // the side that its normals point to: both
-    const PreparedMesh mesh = prepare_mesh(soup);
-    EXPECT_EQ(mesh.report.triangles_kept, 1U);
-    EXPECT_EQ(mesh.report.merged_triangles, 1U);
-    EXPECT_EQ(mesh.report.left_out_of_material, std::vector<std::size_t>{0});
-    EXPECT_TRUE(are_all(mesh, FacetSides::two));
 }
 
 TEST(MeshPreparation, MakesABodyGivenInBothWindingsTouchableFromBothSides) {
@@ -108,16 +66,6 @@ TEST(MeshPreparation, MakesABodyGivenInBothWindingsTouchableFromBothSides) {
     EXPECT_EQ(mesh.report.merged_triangles, 12U);
     EXPECT_EQ(mesh.report.inward_components, 0U);
     EXPECT_TRUE(are_all(mesh, FacetSides::two));
-}
-
-TEST(MeshPreparation, KeepsVoxelsWithAWallBetweenThemClosed) {
-    const Vector3 step(0.02, 0.0, 0.0); // as wide as the box
-    const PreparedMesh mesh = prepare_mesh(
-        joined(box_soup(kLower_m, kUpper_m), box_soup(kLower_m + step, kUpper_m + step)));
-    // Both boxes are of a material of their own, so both sides of the wall stay.
-    EXPECT_EQ(mesh.facets.size(), 24U);
-    EXPECT_EQ(mesh.report.closed_components, mesh.report.components);
-    EXPECT_TRUE(are_all(mesh, FacetSides::one));
 }
 
 TEST(MeshPreparation, MergesTheWallBetweenVoxelsOfOneMaterial) {
@@ -170,34 +118,11 @@ TEST(MeshPreparation, DropsDegenerateTrianglesAndStaysClosed) {
     EXPECT_TRUE(are_all(mesh, FacetSides::one));
 }
 
-TEST(MeshPreparation, DropsTrianglesThatAreNotFinite) {
-    TriangleSoup soup = box_soup(kLower_m, kUpper_m);
-    add_triangle(soup,
-                 {Vector3(0, 0, std::numeric_limits<double>::quiet_NaN()), kLower_m, kUpper_m});
-    const PreparedMesh mesh = prepare_mesh(soup);
-    EXPECT_EQ(mesh.report.degenerate_triangles, 1U);
-    EXPECT_EQ(mesh.report.triangles_kept, 12U);
-}
-
-TEST(MeshPreparation, RemembersWhichTriangleAFacetCameFrom) {
-    std::mt19937_64 random(1);
-    TriangleSoup soup = testing::icosphere(2, 0.03);
-    std::ranges::shuffle(soup.triangles, random);
-    for (const FacetSource &facet : prepare_mesh(soup).facets) {
-        for (const Vector3 &corner : corners(soup, facet.triangle)) {
-            ASSERT_NE(std::ranges::find(facet.corners_m, corner), facet.corners_m.end());
-        }
-    }
-}
-
-TEST(MeshPreparation, RefusesIndicesOutOfRange) {
+TEST(MeshPreparation, RefusesATriangleWithoutVerticesOrMaterial) {
     TriangleSoup soup = box_soup(kLower_m, kUpper_m);
     soup.triangles[3][1] = 8;
     EXPECT_THROW(static_cast<void>(prepare_mesh(soup)), std::invalid_argument);
-}
-
-TEST(MeshPreparation, RefusesATriangleWithoutMaterial) {
-    TriangleSoup soup = box_soup(kLower_m, kUpper_m);
+    soup = box_soup(kLower_m, kUpper_m);
     soup.material_of_triangle[3] = 1;
     EXPECT_THROW(static_cast<void>(prepare_mesh(soup)), std::invalid_argument);
     soup.material_of_triangle.pop_back();
@@ -309,24 +234,6 @@ TEST(MeshPreparation, GivesTheSameFacetsInAnyOrderOfVerticesAndTriangles) {
     }
 }
 
-TEST(MeshPreparation, FindsTheSameInEveryPose) {
-    std::mt19937_64 random(1);
-    const TriangleSoup soup = testing::shaken(
-        unshared(testing::partly_turned(testing::bumpy_sphere(3, 0.03), 0.1, random)), 1e-6,
-        random);
-    const MeshReport at_rest = prepare_mesh(soup).report;
-    for (int round = 0; round < 10; ++round) {
-        Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-        motion.rotate(Eigen::AngleAxisd(1.0 + round, testing::random_direction(random)));
-        motion.pretranslate(testing::random_vector(random, 0.2));
-        const MeshReport moved = prepare_mesh(testing::moved(soup, motion)).report;
-        EXPECT_EQ(moved.closed_cracks + moved.welded_vertices,
-                  at_rest.closed_cracks + at_rest.welded_vertices);
-        EXPECT_EQ(moved.flipped_triangles, at_rest.flipped_triangles);
-        EXPECT_EQ(moved.open_edges, 0U);
-    }
-}
-
 TEST(MeshPreparation, IsTheSameForAnyNumberOfThreads) {
     std::mt19937_64 random(1);
     TriangleSoup soup = testing::shaken(
@@ -387,15 +294,11 @@ TEST(MeshPreparation, RefusesTrianglesThatTouchEachOtherEverywhere) {
 }
 
 TEST(MeshPreparation, LeavesAMobiusStripTwoSided) {
+    std::mt19937_64 random(1);
     TriangleSoup soup;
     soup.triangles = testing::twisted_strip(20, 1);
     for (int i = 0; i < 40; ++i) {
-        const int pair = i / 2;
-        const double turn = 3.14159265358979323846 * pair / 20.0;
-        const double radius_m = 0.05 + (i % 2 == 0 ? 0.01 : -0.01) * std::cos(turn);
-        soup.vertices_m.emplace_back(radius_m * std::cos(2.0 * turn),
-                                     (i % 2 == 0 ? 0.01 : -0.01) * std::sin(turn),
-                                     radius_m * std::sin(2.0 * turn));
+        soup.vertices_m.push_back(testing::random_vector(random, 0.1));
     }
     soup.material_of_triangle.assign(40, 0);
     soup.materials = {{"strip", 0.0}};
@@ -426,6 +329,56 @@ TEST(MeshPreparation, SurvivesMalformedSoups) {
             EXPECT_GE(min_height_m(facet.corners_m), 1e-9);
         }
     }
+}
+
+std::vector<std::string> warnings(const TriangleSoup &soup) {
+    return warnings_about(prepare_mesh(soup).report, soup.materials);
+}
+
+TEST(MeshWarnings, TellHowAMeshDiffersFromAClosedOne) {
+    using Lines = std::vector<std::string>;
+    const TriangleSoup box = box_soup(kLower_m, kUpper_m);
+    EXPECT_EQ(warnings(box), Lines{});
+
+    TriangleSoup with_needle = box;
+    with_needle.materials.push_back({"needle", 0.0});
+    with_needle.triangles.push_back({0, 0, 1});
+    with_needle.material_of_triangle.push_back(1);
+    EXPECT_EQ(warnings(with_needle), Lines{"node 'needle': 1 of 13 triangles cannot be touched: "
+                                           "too thin, or duplicates of others"});
+    TriangleSoup open = box;
+    open.triangles.pop_back();
+    open.material_of_triangle.pop_back();
+    EXPECT_EQ(warnings(open), Lines{"1 of 1 surfaces are open: touched from both sides"});
+    open.materials.front().sides = TouchSides::one; // so that it is not promised
+    EXPECT_EQ(warnings(open), Lines{"1 of 1 surfaces are open: touched from both sides, unless "
+                                    "their nodes specify otherwise"});
+    EXPECT_EQ(warnings(testing::turned_inside_out(box)),
+              Lines{"1 closed surfaces face inwards: touched from within only"});
+}
+
+TEST(MeshWarnings, TellWhatWasDone) {
+    MeshReport report;
+    report.graded_fans = {3, 0}; // none of them coarse
+    EXPECT_TRUE(warnings_about(report, {}).empty());
+    report.open_edges_given = 12;
+    report.closed_cracks = 5;
+    report.split_triangles = 2;
+    report.largest_move_m = 1.23e-6;
+    report.graded_fans.coarse = 2;
+    report.merged_triangles = 2;
+    report.flipped_triangles = 1;
+    report.unorientable_components = 1;
+    std::vector<std::string> expected = {
+        "12 edges were open: closed by moving 5 vertices and dividing 2 triangles, with moves of "
+        "up to 1.3 µm; none is open now",
+        "2 fans have many triangles at one vertex: divided anew, within 1.0 µm",
+        "2 triangles are given in both windings: touched from both sides",
+        "1 triangle was wound opposite to neighbours: turned",
+        "1 surface has no outside, like a Möbius strip: touched from both sides"};
+    EXPECT_EQ(warnings_about(report, {}), expected);
+    report.open_edges = 4;
+    EXPECT_TRUE(warnings_about(report, {}).front().ends_with("; 4 are open now"));
 }
 
 } // namespace

@@ -1,22 +1,28 @@
-// Covers engine/contact/mesh/mesh_topology.cpp.
+// Covers engine/contact/mesh/mesh_topology.cpp, mesh_repair.cpp and surface_facets.cpp.
+#include "engine/contact/mesh/mesh_repair.h"
 #include "engine/contact/mesh/mesh_topology.h"
-
+#include "engine/contact/mesh/surface_facets.h"
 #include "tests/engine/contact/mesh/meshes.h"
+#include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 namespace springdrive::contact {
 namespace {
 
-MeshTopology topology_of(const std::vector<VertexTriple> &triples) {
-    const std::vector<MeshTriangle> triangles = testing::mesh_of(triples);
-    return find_topology(triangles, testing::edges_of(triangles));
-}
+using testing::box_soup;
+using testing::bumpy_sphere;
+using testing::edges_of;
+using testing::mesh_of;
 
-std::vector<bool> closed(const MeshTopology &topology) {
-    std::vector<bool> result;
+using Closed = std::vector<bool>;
+
+Closed closed(const MeshTopology &topology) {
+    Closed result;
     for (const MeshComponent &component : topology.components) {
         result.push_back(component.is_closed);
     }
@@ -25,112 +31,452 @@ std::vector<bool> closed(const MeshTopology &topology) {
 
 const std::vector<VertexTriple> kTetrahedron = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
 
-TEST(MeshTopology, IsEmptyWithoutTriangles) {
-    const MeshTopology topology = topology_of({});
-    EXPECT_TRUE(topology.components.empty());
-    EXPECT_EQ(topology.open_edges, 0U);
+std::vector<VertexTriple> tetrahedron_and(const std::vector<VertexTriple> &more) {
+    std::vector<VertexTriple> triples = kTetrahedron;
+    triples.insert(triples.end(), more.begin(), more.end());
+    return triples;
 }
 
-TEST(MeshTopology, FindsATetrahedronClosed) {
-    const MeshTopology topology = topology_of(kTetrahedron);
-    EXPECT_EQ(closed(topology), std::vector<bool>{true});
-    EXPECT_EQ(topology.open_edges, 0U);
-    EXPECT_EQ(topology.non_manifold_edges, 0U);
-}
-
-TEST(MeshTopology, FindsATetrahedronWithoutOneFaceOpen) {
-    std::vector<VertexTriple> triangles = kTetrahedron;
-    triangles.pop_back();
-    const MeshTopology topology = topology_of(triangles);
-    EXPECT_EQ(closed(topology), std::vector<bool>{false});
-    EXPECT_EQ(topology.open_edges, 3U);
-}
-
-TEST(MeshTopology, DoesNotCountATetrahedronWithATurnedFaceAsClosed) {
-    std::vector<VertexTriple> triangles = kTetrahedron;
-    std::swap(triangles[2][0], triangles[2][1]);
-    const MeshTopology topology = topology_of(triangles);
-    EXPECT_EQ(closed(topology), std::vector<bool>{false});
-    EXPECT_EQ(topology.open_edges, 0U);
-}
-
-TEST(MeshTopology, KeepsSolidsThatShareAnEdgeClosed) {
-    std::vector<VertexTriple> triangles = kTetrahedron;
-    // Another tetrahedron, on the edge 0-1 of the first.
-    triangles.insert(triangles.end(), {{0, 4, 1}, {0, 1, 5}, {1, 4, 5}, {4, 0, 5}});
-    const MeshTopology topology = topology_of(triangles);
-    EXPECT_EQ(closed(topology), std::vector<bool>{true});
-    EXPECT_EQ(topology.non_manifold_edges, 1U);
-}
-
-TEST(MeshTopology, DoesNotConnectOverAVertex) {
-    std::vector<VertexTriple> triangles = kTetrahedron;
-    triangles.insert(triangles.end(), {{0, 5, 4}, {0, 4, 6}, {4, 5, 6}}); // and open
-    const MeshTopology topology = topology_of(triangles);
-    EXPECT_EQ(closed(topology), (std::vector<bool>{true, false}));
-    EXPECT_EQ(topology.component_of_triangle, (std::vector<std::uint32_t>{0, 0, 0, 0, 1, 1, 1}));
-}
-
-TEST(MeshTopology, ConnectsALongStripInAnyOrder) {
+/// Triangles in a line, in any order.
+std::vector<VertexTriple> strip_of(std::uint32_t count) {
     std::vector<VertexTriple> strip;
-    for (std::uint32_t i = 0; i < 5000; ++i) {
+    for (std::uint32_t i = 0; i < count; ++i) {
         strip.push_back(i % 2 == 0 ? VertexTriple{i, i + 1, i + 2} : VertexTriple{i + 1, i, i + 2});
     }
     std::mt19937_64 random(1);
     std::ranges::shuffle(strip, random);
-    const MeshTopology topology = topology_of(strip);
-    EXPECT_EQ(closed(topology), std::vector<bool>{false});
-    EXPECT_EQ(topology.open_edges, 5002U); // Euler: a disc of n triangles has n + 2 border edges
+    return strip;
 }
 
-TEST(MeshTopology, FindsASphereClosed) {
-    const MeshTopology topology = topology_of(testing::icosphere(4, 1.0).triangles);
-    EXPECT_EQ(closed(topology), std::vector<bool>{true});
-    EXPECT_EQ(topology.open_edges, 0U);
+TEST(MeshTopology, FindsWhatIsConnectedClosedAndOrientable) {
+    struct Case {
+        const char *what;
+        std::vector<VertexTriple> triples;
+        std::vector<std::size_t> of_both_windings;
+        Closed closed;
+        std::size_t open_edges = 0;
+        std::size_t non_manifold_edges = 0;
+        bool has_sheets_apart = true; ///< these two of the first component
+        bool is_orientable = true;
+    };
+    const std::vector<VertexTriple> open(kTetrahedron.begin(), kTetrahedron.end() - 1);
+    for (const Case &one : std::vector<Case>{
+             {"nothing", {}, {}, {}},
+             {"a tetrahedron", kTetrahedron, {}, {true}},
+             {"without one face", open, {}, {false}, 3, 0, false},
+             {"with a turned face",
+              {{0, 2, 1}, {0, 1, 3}, {2, 1, 3}, {2, 0, 3}},
+              {},
+              {false},
+              0,
+              0,
+              false,
+              false},
+             {"another on the edge 0-1",
+              tetrahedron_and({{0, 4, 1}, {0, 1, 5}, {1, 4, 5}, {4, 0, 5}}),
+              {},
+              {true},
+              0,
+              1},
+             {"an open one on the vertex 0",
+              tetrahedron_and({{0, 5, 4}, {0, 4, 6}, {4, 5, 6}}),
+              {},
+              {true, false},
+              3},
+             // Euler: a disc of n triangles has n + 2 border edges.
+             {"a strip", strip_of(5000), {}, {false}, 5002, 0, false},
+             {"a sphere", testing::icosphere(4, 1.0).triangles, {}, {true}},
+             {"a Moebius strip", testing::twisted_strip(9, 1), {}, {false}, 18, 0, false, false},
+             {"a strip of two half-turns", testing::twisted_strip(9, 2), {}, {false}, 18, 0, false},
+             {"a sheet on a solid", tetrahedron_and({{0, 1, 4}}), {4}, {true}, 2, 1},
+             {"the same of one winding", tetrahedron_and({{0, 1, 4}}), {}, {false}, 2, 1, false},
+             {"a face of both windings", kTetrahedron, {2}, {true}, 0, 0, false},
+             {"two that share a wall",
+              {{0, 2, 1}, {0, 1, 3}, {2, 0, 3}, {4, 1, 2}, {4, 3, 1}, {4, 2, 3}, {1, 2, 3}},
+              {6},
+              {true},
+              0,
+              3},
+             {"a sheet of both windings", {{0, 1, 2}, {0, 2, 3}}, {0, 1}, {false}, 4, 0, false}}) {
+        SCOPED_TRACE(one.what);
+        std::vector<MeshTriangle> triangles = mesh_of(one.triples);
+        for (const std::size_t index : one.of_both_windings) {
+            triangles[index].has_both_windings = true;
+        }
+        const MeshTopology topology = find_topology(triangles, edges_of(triangles));
+        EXPECT_EQ(closed(topology), one.closed);
+        EXPECT_EQ(topology.open_edges, one.open_edges);
+        EXPECT_EQ(topology.non_manifold_edges, one.non_manifold_edges);
+        ASSERT_EQ(topology.component_of_triangle.size(), triangles.size());
+        for (std::size_t i = 0; i < triangles.size(); ++i) { // the first one's come first
+            EXPECT_EQ(topology.component_of_triangle[i],
+                      one.closed.size() == 2 && i >= 4 ? 1U : 0U);
+        }
+        if (!topology.components.empty()) {
+            EXPECT_EQ(topology.components.front().has_sheets_apart, one.has_sheets_apart);
+            EXPECT_EQ(topology.components.front().is_orientable, one.is_orientable);
+        }
+    }
 }
 
-TEST(MeshTopology, DetectsWhatCannotBeOriented) {
-    EXPECT_FALSE(topology_of(testing::twisted_strip(9, 1)).components.front().is_orientable);
-    EXPECT_TRUE(topology_of(testing::twisted_strip(9, 2)).components.front().is_orientable);
+TEST(EnclosedVolume, IsThatOfTheSolidAloneAndNegativeWithin) {
+    // The last lies 1 m off, so that much more is cancelled; the second is open.
+    TriangleSoup soup = box_soup({0.0, 0.0, 0.0}, {0.01, 0.02, 0.03});
+    TriangleSoup open = box_soup({0.1, 0.0, 0.0}, {0.11, 0.02, 0.03});
+    open.triangles.pop_back();
+    soup =
+        testing::joined(testing::joined(soup, open),
+                        testing::turned_inside_out(box_soup({1.0, 1.0, 1.0}, {1.01, 1.01, 1.02})));
+    std::vector<MeshTriangle> triangles = mesh_of(soup.triangles);
+    triangles.push_back({{0, 4, 7}, 35, true}); // a sheet across two edges of the first
+    const std::vector<double> volumes = enclosed_volumes_m3(
+        triangles, find_topology(triangles, edges_of(triangles)), soup.vertices_m);
+    ASSERT_EQ(volumes.size(), 3U);
+    EXPECT_NEAR(volumes[0], 6e-6, 1e-17);
+    EXPECT_EQ(volumes[1], 0.0);
+    EXPECT_NEAR(volumes[2], -2e-6, 1e-14);
 }
 
-TEST(MeshTopology, DoesNotCountASheetOnASolid) {
-    std::vector<MeshTriangle> triangles = testing::mesh_of(kTetrahedron);
-    triangles.push_back({{0, 1, 4}, 4, true});
-    const MeshTopology topology = find_topology(triangles, testing::edges_of(triangles));
-    EXPECT_EQ(closed(topology), std::vector<bool>{true});
-    EXPECT_TRUE(topology.components.front().has_sheets_apart);
-    triangles.back().has_both_windings = false;
-    EXPECT_EQ(closed(find_topology(triangles, testing::edges_of(triangles))),
-              std::vector<bool>{false});
+struct OrientationOutcome {
+    std::vector<VertexTriple> triples;
+    TurnedTriangles turned;
+};
+
+OrientationOutcome oriented(std::vector<MeshTriangle> triangles,
+                            const std::vector<Vector3> &vertices_m) {
+    const EdgeTable edges = edges_of(triangles);
+    OrientationOutcome outcome{{}, orient_triangles(triangles, edges, vertices_m)};
+    for (const MeshTriangle &triangle : triangles) {
+        outcome.triples.push_back(triangle.vertices);
+    }
+    return outcome;
 }
 
-TEST(MeshTopology, CountsAFaceOfBothWindingsThatClosesASolid) {
-    std::vector<MeshTriangle> triangles = testing::mesh_of(kTetrahedron);
-    triangles[2].has_both_windings = true;
-    const MeshTopology topology = find_topology(triangles, testing::edges_of(triangles));
-    EXPECT_EQ(closed(topology), std::vector<bool>{true});
-    EXPECT_FALSE(topology.components.front().has_sheets_apart);
+OrientationOutcome oriented(const TriangleSoup &soup) {
+    return oriented(mesh_of(soup.triangles), soup.vertices_m);
 }
 
-TEST(MeshTopology, KeepsSolidsWithAWallBetweenThemClosed) {
-    // Two tetrahedra on the face 1-2-3, which both have.
-    std::vector<MeshTriangle> triangles =
-        testing::mesh_of({{0, 2, 1}, {0, 1, 3}, {2, 0, 3}, {4, 1, 2}, {4, 3, 1}, {4, 2, 3}});
-    triangles.push_back({{1, 2, 3}, 6, true});
-    const MeshTopology topology = find_topology(triangles, testing::edges_of(triangles));
-    EXPECT_EQ(closed(topology), std::vector<bool>{true});
-    EXPECT_EQ(topology.non_manifold_edges, 3U);
-    EXPECT_EQ(topology.open_edges, 0U);
+double volume_m3(const std::vector<VertexTriple> &triples, const std::vector<Vector3> &vertices_m) {
+    double volume = 0.0;
+    for (const auto &[a, b, c] : triples) {
+        volume += vertices_m[a].dot(vertices_m[b].cross(vertices_m[c])) / 6.0;
+    }
+    return volume;
 }
 
-TEST(MeshTopology, FindsASheetOfBothWindingsOpen) {
-    std::vector<MeshTriangle> triangles = testing::mesh_of({{0, 1, 2}, {0, 2, 3}});
-    triangles[0].has_both_windings = true;
+/// How many triangles differ in winding from those given.
+std::size_t differences(const std::vector<VertexTriple> &a, const std::vector<VertexTriple> &b) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        VertexTriple turned = b[i];
+        std::rotate(turned.begin(), std::ranges::find(turned, a[i][0]), turned.end());
+        count += turned == a[i] ? 0 : 1;
+    }
+    return count;
+}
+
+TEST(TriangleOrientation, TurnsTheFewInABodyAndInARoom) {
+    std::mt19937_64 random(1);
+    const TriangleSoup body = bumpy_sphere(3, 0.03);
+    for (const TriangleSoup &right : {body, testing::turned_inside_out(body)}) {
+        for (int round = 0; round < 10; ++round) {
+            const TriangleSoup disturbed =
+                testing::partly_turned(right, 0.05 + 0.02 * round, random);
+            const OrientationOutcome outcome = oriented(disturbed);
+            EXPECT_EQ(differences(outcome.triples, right.triangles), 0U);
+            EXPECT_EQ(outcome.turned.of_one_winding,
+                      differences(disturbed.triangles, right.triangles));
+        }
+    }
+}
+
+TEST(TriangleOrientation, TurnsABodyOfRandomWindingOutwards) {
+    std::mt19937_64 random(1);
+    for (int round = 0; round < 20; ++round) {
+        const TriangleSoup body = testing::shuffled(bumpy_sphere(3, 0.03), random);
+        const OrientationOutcome outcome = oriented(testing::partly_turned(body, 0.5, random));
+        EXPECT_TRUE(testing::is_watertight(outcome.triples));
+        EXPECT_GT(volume_m3(outcome.triples, body.vertices_m), 0.0);
+    }
+}
+
+TEST(TriangleOrientation, CountsAreaNotTriangles) {
+    // An octahedron drawn out upwards: its four upper triangles have most of the area.
+    const std::vector<Vector3> vertices_m = {{0.01, 0, 0},  {-0.01, 0, 0}, {0, 0, 0.01},
+                                             {0, 0, -0.01}, {0, 0.1, 0},   {0, -0.001, 0}};
+    const std::vector<VertexTriple> upper_inward = {{4, 0, 2}, {4, 2, 1}, {4, 1, 3}, {4, 3, 0}};
+    std::vector<VertexTriple> triples = upper_inward;
+    triples.insert(triples.end(), {{5, 0, 2}, {5, 2, 1}, {5, 1, 3}, {5, 3, 0}});
+    const OrientationOutcome outcome = oriented(mesh_of(triples), vertices_m);
+    EXPECT_TRUE(testing::is_watertight(outcome.triples));
+    EXPECT_EQ(outcome.turned.of_one_winding, 4U);
+    EXPECT_TRUE(std::equal(upper_inward.begin(), upper_inward.end(), outcome.triples.begin()));
+}
+
+TEST(TriangleOrientation, GivesASheetTheWindingOfItsLargerPart) {
+    std::mt19937_64 random(1);
+    TriangleSoup sheet;
+    for (std::uint32_t i = 0; i < 50; ++i) {
+        sheet.vertices_m.emplace_back(0.01 * i, 0.0, 0.0);
+        sheet.vertices_m.emplace_back(0.01 * i, 0.0, 0.02);
+    }
+    for (std::uint32_t i = 0; i < 48; ++i) {
+        const bool is_turned = i < 20; // 5/12 of it: no clear majority, and no inside either
+        sheet.triangles.push_back((i % 2 == 0) != is_turned
+                                      ? std::array<std::uint32_t, 3>{i, i + 1, i + 2}
+                                      : std::array<std::uint32_t, 3>{i + 1, i, i + 2});
+    }
+    const OrientationOutcome outcome = oriented(sheet);
+    EXPECT_EQ(outcome.turned.of_one_winding, 20U);
+    EXPECT_EQ(outcome.triples.back(), sheet.triangles.back());
+}
+
+TEST(TriangleOrientation, LeavesAMobiusStripUnchangedAndTurnsOtherPatches) {
+    std::vector<VertexTriple> strip = testing::twisted_strip(9, 1);
+    std::vector<VertexTriple> triples = strip;
+    triples.insert(triples.end(), {{20, 22, 21}, {20, 21, 23}, {21, 22, 23}, {20, 22, 23}});
+    std::mt19937_64 random(1);
+    std::vector<Vector3> vertices_m;
+    vertices_m.reserve(24);
+    for (int i = 0; i < 24; ++i) {
+        vertices_m.push_back(testing::random_vector(random, 0.1));
+    }
+    const OrientationOutcome outcome = oriented(mesh_of(triples), vertices_m);
+    EXPECT_TRUE(std::equal(strip.begin(), strip.end(), outcome.triples.begin()));
+    EXPECT_EQ(outcome.turned.of_one_winding, 1U);
+    EXPECT_TRUE(testing::is_watertight(
+        std::vector<VertexTriple>(outcome.triples.end() - 4, outcome.triples.end())));
+}
+
+TEST(TriangleOrientation, LetsTrianglesOfBothWindingsFollowWithoutAVote) {
+    const TriangleSoup body = bumpy_sphere(2, 0.03);
+    std::vector<MeshTriangle> triangles = mesh_of(body.triangles);
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        if (i % 10 != 0) {
+            triangles[i].has_both_windings = true;
+            std::swap(triangles[i].vertices[0], triangles[i].vertices[1]);
+        }
+    }
+    const OrientationOutcome outcome = oriented(triangles, body.vertices_m);
+    EXPECT_EQ(differences(outcome.triples, body.triangles), 0U);
+    EXPECT_EQ(outcome.turned.of_one_winding, 0U);
+    EXPECT_EQ(outcome.turned.of_both, 288U);
+}
+
+struct RepeatOutcome {
+    std::vector<MeshTriangle> triangles;
+    RepeatedTriangles repeated;
+};
+
+RepeatOutcome after_dropping(std::vector<MeshTriangle> triangles,
+                             const std::vector<std::uint16_t> &materials, unsigned threads = 1) {
+    const EdgeTable edges = edges_of(triangles);
+    RepeatedTriangles repeated = drop_repeated_triangles(triangles, edges, materials, threads);
+    return {std::move(triangles), std::move(repeated)};
+}
+
+VertexTriple lowest_first(VertexTriple vertices) {
+    std::rotate(vertices.begin(), std::ranges::min_element(vertices), vertices.end());
+    return vertices;
+}
+
+VertexTriple other_side(VertexTriple vertices) {
+    std::swap(vertices[1], vertices[2]);
+    return lowest_first(vertices);
+}
+
+/// Winding and material, which determine the contact with these triangles.
+using Felt = std::set<std::pair<VertexTriple, std::uint16_t>>;
+
+Felt felt(const std::vector<MeshTriangle> &triangles, const std::vector<std::uint16_t> &materials) {
+    Felt result;
+    for (const MeshTriangle &triangle : triangles) {
+        const std::uint16_t material = materials[triangle.triangle];
+        result.emplace(lowest_first(triangle.vertices), material);
+        if (triangle.has_both_windings) {
+            result.emplace(other_side(triangle.vertices), material);
+        }
+    }
+    return result;
+}
+
+TEST(RepeatedTriangles, KeepsBothWindingsOfWhatWasMergedBefore) {
+    std::vector<MeshTriangle> triangles = mesh_of({{0, 1, 2}, {0, 1, 2}});
     triangles[1].has_both_windings = true;
-    const MeshTopology topology = find_topology(triangles, testing::edges_of(triangles));
-    EXPECT_EQ(closed(topology), std::vector<bool>{false});
-    EXPECT_EQ(topology.open_edges, 4U);
+    const RepeatOutcome outcome = after_dropping(triangles, {0, 0});
+    ASSERT_EQ(outcome.triangles.size(), 1U);
+    EXPECT_TRUE(outcome.triangles.front().has_both_windings);
+}
+
+TEST(RepeatedTriangles, LeavesOneOfEachAndEverySideTouchable) {
+    std::mt19937_64 random(1);
+    for (int round = 0; round < 500; ++round) {
+        std::vector<VertexTriple> triples;
+        std::vector<std::uint16_t> materials;
+        for (int i = 0; i < 40; ++i) {
+            VertexTriple triple = {0, 1, 2};
+            std::array<std::uint32_t, 5> vertices = {0, 1, 2, 3, 4};
+            std::ranges::shuffle(vertices, random);
+            std::copy_n(vertices.begin(), 3, triple.begin());
+            triples.push_back(triple);
+            materials.push_back(static_cast<std::uint16_t>(random() % 4 == 0 ? 1 : 0));
+        }
+        const std::vector<MeshTriangle> before = mesh_of(triples);
+        const RepeatOutcome outcome =
+            after_dropping(before, materials, static_cast<unsigned>(1 + round % 3));
+
+        // By brute force: of each winding the material of its first triangle.
+        Felt expected;
+        std::map<VertexTriple, std::uint32_t> first_of;
+        for (const MeshTriangle &triangle : before) {
+            if (first_of.emplace(lowest_first(triangle.vertices), triangle.triangle).second) {
+                expected.emplace(lowest_first(triangle.vertices), materials[triangle.triangle]);
+            }
+        }
+        ASSERT_EQ(felt(outcome.triangles, materials), expected);
+        ASSERT_EQ(outcome.triangles.size() + outcome.repeated.same_winding.size() +
+                      outcome.repeated.merged.size(),
+                  before.size());
+        std::set<VertexTriple> windings;
+        for (const MeshTriangle &triangle : outcome.triangles) {
+            ASSERT_TRUE(windings.insert(lowest_first(triangle.vertices)).second);
+            ASSERT_EQ(first_of.at(lowest_first(triangle.vertices)), triangle.triangle);
+        }
+    }
+}
+
+TEST(RepeatedTriangles, HandlesAHundredThousandCopies) {
+    std::vector<VertexTriple> triples(100000, {0, 1, 2});
+    triples.push_back({0, 2, 1});
+    const RepeatOutcome outcome =
+        after_dropping(mesh_of(triples), std::vector<std::uint16_t>(triples.size(), 0), 2);
+    EXPECT_EQ(outcome.triangles.size(), 1U);
+    EXPECT_EQ(outcome.repeated.same_winding.size(), 99999U);
+}
+
+std::vector<std::uint32_t> slivers(const TriangleSoup &soup, unsigned threads = 1) {
+    const std::vector<MeshTriangle> triangles = mesh_of(soup.triangles);
+    return slivers_to_leave_out(triangles, edges_of(triangles), soup.vertices_m, threads);
+}
+
+std::vector<FacetSource> facets(TriangleSoup soup, TouchSides sides) {
+    soup.materials.front().sides = sides;
+    const std::vector<MeshTriangle> triangles = mesh_of(soup.triangles);
+    return make_facets(triangles, {}, find_topology(triangles, edges_of(triangles)), soup, 1);
+}
+
+/// A rectangle 1 cm long in rows of two triangles, each row `height_m` high.
+TriangleSoup rows(const std::vector<double> &heights_m) {
+    TriangleSoup soup;
+    soup.vertices_m = {{0.0, 0.0, 0.0}, {0.01, 0.0, 0.0}};
+    double y_m = 0.0;
+    for (const double height_m : heights_m) {
+        y_m += height_m;
+        const auto first = static_cast<std::uint32_t>(soup.vertices_m.size()) - 2;
+        soup.vertices_m.emplace_back(0.0, y_m, 0.0);
+        soup.vertices_m.emplace_back(0.01, y_m, 0.0);
+        soup.triangles.push_back({first, first + 1, first + 3});
+        soup.triangles.push_back({first, first + 3, first + 2});
+    }
+    soup.material_of_triangle.assign(soup.triangles.size(), 0);
+    soup.materials = {{"rows", 0.0}};
+    return soup;
+}
+
+TEST(SurfaceFacets, LeavesOutWhatIsLowerThanTheLeastHeight) {
+    EXPECT_TRUE(slivers(rows({0.01, 1.01 * kMinHeight_m, 0.01})).empty());
+    // Of the two in the row, which share their diagonal, one.
+    EXPECT_EQ(slivers(rows({0.01, 0.99 * kMinHeight_m, 0.01})).size(), 1U);
+}
+
+TEST(SurfaceFacets, KeepsOneOfTwoSliversSideBySide) {
+    const std::vector<double> heights_m(20, 0.9 * kMinHeight_m);
+    const TriangleSoup soup = rows(heights_m);
+    const std::vector<std::uint32_t> left_out = slivers(soup);
+    EXPECT_EQ(left_out.size(), soup.triangles.size() / 2);
+    std::vector<VertexTriple> triples;
+    triples.reserve(left_out.size());
+    for (const std::uint32_t index : left_out) {
+        triples.push_back(soup.triangles[index]);
+    }
+    for (const auto &[edge, counts] : testing::edge_counts(triples)) {
+        EXPECT_EQ(counts[0] + counts[1], 1);
+    }
+}
+
+TEST(SurfaceFacets, LeavesOutOneOfABookOfSlivers) {
+    // All share the edge from 0 to 1.
+    constexpr std::uint32_t kLeaves = 20'000;
+    TriangleSoup soup;
+    soup.vertices_m = {{0.0, 0.0, 0.0}, {0.01, 0.0, 0.0}};
+    for (std::uint32_t i = 0; i < kLeaves; ++i) {
+        soup.vertices_m.emplace_back(0.01 * (i + 1) / (kLeaves + 1), 0.9 * kMinHeight_m, 0.0);
+        soup.triangles.push_back({0, 1, i + 2});
+    }
+    EXPECT_EQ(slivers(soup), std::vector<std::uint32_t>{0});
+    // One without a normal leaves the gap first.
+    soup.vertices_m.back().y() = 0.0;
+    EXPECT_EQ(slivers(soup), std::vector<std::uint32_t>{kLeaves - 1});
+}
+
+TEST(SurfaceFacets, LeavesTheSameOutInAnyNumberOfThreads) {
+    std::vector<double> heights_m;
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> exponent(-10.0, -5.0);
+    heights_m.reserve(300);
+    for (int i = 0; i < 300; ++i) {
+        heights_m.push_back(std::pow(10.0, exponent(random)));
+    }
+    EXPECT_EQ(slivers(rows(heights_m), 2), slivers(rows(heights_m), 1));
+    EXPECT_EQ(slivers(rows(heights_m), 3), slivers(rows(heights_m), 1));
+}
+
+TEST(SurfaceFacets, HaveTheSidesThatTheirMaterialSpecifies) {
+    const TriangleSoup box = testing::box_soup({0.0, 0.0, 0.0}, {0.01, 0.01, 0.01});
+    TriangleSoup open = box;
+    open.triangles.pop_back();
+    const auto expect_all = [](const std::vector<FacetSource> &all, FacetSides sides) {
+        for (const FacetSource &facet : all) {
+            EXPECT_EQ(facet.sides, sides);
+        }
+    };
+    expect_all(facets(box, TouchSides::automatic), FacetSides::one);
+    expect_all(facets(open, TouchSides::automatic), FacetSides::two);
+    expect_all(facets(box, TouchSides::two), FacetSides::two);
+    expect_all(facets(open, TouchSides::one), FacetSides::one);
+}
+
+TEST(SurfaceFacets, HaveTwoSidesWhereBothWindingsWereGiven) {
+    TriangleSoup box = box_soup({0.0, 0.0, 0.0}, {0.01, 0.01, 0.01});
+    box.materials.front().sides = TouchSides::one; // that its normals point to: both
+    std::vector<MeshTriangle> triangles = mesh_of(box.triangles);
+    triangles[7].has_both_windings = true;
+    const std::vector<FacetSource> all =
+        make_facets(triangles, {}, find_topology(triangles, edges_of(triangles)), box, 2);
+    for (const FacetSource &facet : all) {
+        EXPECT_EQ(facet.sides, facet.triangle == 7 ? FacetSides::two : FacetSides::one);
+    }
+}
+
+TEST(SurfaceFacets, AreInOrderWithoutThoseLeftOut) {
+    const TriangleSoup sphere = testing::icosphere(2, 0.03);
+    const std::vector<MeshTriangle> triangles = mesh_of(sphere.triangles);
+    const MeshTopology topology = find_topology(triangles, edges_of(triangles));
+    const std::vector<std::uint32_t> left_out = {0, 5, 106, 107, 160, 319};
+    for (const unsigned threads : {1U, 2U, 3U}) {
+        const std::vector<FacetSource> all =
+            make_facets(triangles, left_out, topology, sphere, threads);
+        ASSERT_EQ(all.size(), triangles.size() - left_out.size());
+        std::uint32_t triangle = 0;
+        for (const FacetSource &facet : all) {
+            while (std::ranges::count(left_out, triangle) > 0) {
+                ++triangle;
+            }
+            ASSERT_EQ(facet.triangle, triangle);
+            ASSERT_EQ(facet.corners_m, testing::corners(sphere, triangle));
+            ++triangle;
+        }
+    }
 }
 
 } // namespace

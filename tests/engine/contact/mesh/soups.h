@@ -162,6 +162,20 @@ inline contact::TriangleSoup sheet(int cells, double half_m) {
     return soup;
 }
 
+/// Triangles about the origin, each between two neighbours of a closed rim.
+inline contact::TriangleSoup closed_fan(const std::vector<Vector3> &rim_m) {
+    contact::TriangleSoup soup;
+    soup.vertices_m = {Vector3::Zero()};
+    soup.vertices_m.insert(soup.vertices_m.end(), rim_m.begin(), rim_m.end());
+    const auto count = static_cast<std::uint32_t>(rim_m.size());
+    for (std::uint32_t i = 0; i < count; ++i) {
+        soup.triangles.push_back({0, 1 + (i + 1) % count, 1 + i});
+    }
+    soup.material_of_triangle.assign(count, 0);
+    soup.materials = {{"fan", 0.0}};
+    return soup;
+}
+
 inline contact::TriangleSoup turned_inside_out(contact::TriangleSoup soup) {
     for (auto &triangle : soup.triangles) {
         std::swap(triangle[1], triangle[2]);
@@ -202,6 +216,25 @@ inline contact::TriangleSoup random_soup(std::mt19937_64 &random, int triangles,
         add_triangle(soup, {a, b, c});
     }
     return soup;
+}
+
+/// Triangles with corners anywhere in a box about the origin.
+inline contact::TriangleSoup scattered_soup(std::mt19937_64 &random, int triangles,
+                                            const Vector3 &half_m) {
+    contact::TriangleSoup soup;
+    for (int i = 0; i < triangles; ++i) {
+        Corners triangle;
+        for (Vector3 &corner : triangle) {
+            corner = random_vector(random, 1.0).cwiseProduct(half_m);
+        }
+        add_triangle(soup, triangle);
+    }
+    return soup;
+}
+
+/// Triangles 10 cm long, in a line a few micrometres thick: the most work for preparation.
+inline contact::TriangleSoup soup_in_a_line(std::mt19937_64 &random, int triangles) {
+    return scattered_soup(random, triangles, {0.05, 3e-6, 3e-6});
 }
 
 /// How often a closed surface winds about a point: 1 inside, 0 outside. By the solid angles of

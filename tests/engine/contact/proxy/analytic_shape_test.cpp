@@ -1,8 +1,14 @@
+// Covers engine/contact/proxy/analytic_shape.cpp and shape_slide.cpp: what is near a shape, and
+// that a slide in closed form ends where the descent does, with no place nearby nearer to the tip.
 #include "engine/contact/proxy/analytic_shape.h"
-#include "tests/engine/contact/proxy/shape_names.h"
+#include "engine/contact/proxy/proxy_solver.h"
+#include "engine/contact/proxy/shape_slide.h"
+#include "tests/engine/contact/mesh/soups.h"
+#include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -13,6 +19,12 @@
 
 namespace springdrive::contact {
 namespace {
+
+/// Of the kinds of AnalyticShape::Size, in their order.
+std::string shape_name(const ::testing::TestParamInfo<int> &info) {
+    const std::array<const char *, 5> names{"Plate", "Sphere", "Box", "Cylinder", "Capsule"};
+    return names[static_cast<std::size_t>(info.param)];
+}
 
 /// A few roundings of coordinates up to 0.5 m: their last place is 1.1e-16 m at most there.
 constexpr double kRounding_m = 1e-15;
@@ -89,27 +101,6 @@ struct SampleSurface {
     }
 };
 
-/// The farthest point of a shape in a direction of its own frame.
-struct Farthest {
-    Vector3 u;
-
-    Vector3 operator()(const Plate &s) const {
-        return {std::copysign(s.half_x_m, u.x()), 0.0, std::copysign(s.half_z_m, u.z())};
-    }
-    Vector3 operator()(const Sphere &s) const { return s.radius_m * u; }
-    Vector3 operator()(const Box &s) const {
-        return {std::copysign(s.half_size_m.x(), u.x()), std::copysign(s.half_size_m.y(), u.y()),
-                std::copysign(s.half_size_m.z(), u.z())};
-    }
-    Vector3 operator()(const Cylinder &s) const {
-        const Vector3 radial = Vector3(u.x(), 0.0, u.z()).normalized();
-        return s.radius_m * radial + Vector3(0.0, std::copysign(s.half_height_m, u.y()), 0.0);
-    }
-    Vector3 operator()(const Capsule &s) const {
-        return s.radius_m * u + Vector3(0.0, std::copysign(s.half_axis_m, u.y()), 0.0);
-    }
-};
-
 /// Whether a point of the shape's own frame lies within the solid.
 struct Holds {
     Vector3 p;
@@ -127,12 +118,12 @@ struct Holds {
 };
 
 /// A shape with its placement and reference data.
-struct Case {
+struct PlacedShape {
     AnalyticShape::Size size;
     Eigen::Isometry3d placement;
     AnalyticShape shape;
 
-    Case(const AnalyticShape::Size &of, const Eigen::Isometry3d &where)
+    PlacedShape(const AnalyticShape::Size &of, const Eigen::Isometry3d &where)
         : size(of), placement(where), shape(of, where, 7) {}
 
     KnownPoint sample(RandomDraws &dice) const {
@@ -163,12 +154,12 @@ AnalyticShape::Size random_size(int kind, RandomDraws &dice) {
 class AnalyticShapes : public ::testing::TestWithParam<int> {
 protected:
     RandomDraws dice;
-    Case random_case() { return {random_size(GetParam(), dice), dice.placement()}; }
+    PlacedShape random_case() { return {random_size(GetParam(), dice), dice.placement()}; }
 };
 
 TEST_P(AnalyticShapes, TheNearestPointLiesStraightBelowTheQueryOnTheSurface) {
     for (int i = 0; i < 2000; ++i) {
-        const Case c = random_case();
+        const PlacedShape c = random_case();
         const Vector3 query_m = c.placement.translation() + dice.within(Vector3::Constant(0.15));
         const NearestOnShape nearest = c.shape.nearest(query_m);
         EXPECT_NEAR(nearest.normal.norm(), 1.0, 1e-15);
@@ -186,7 +177,7 @@ TEST_P(AnalyticShapes, TheNearestPointLiesStraightBelowTheQueryOnTheSurface) {
 
 TEST_P(AnalyticShapes, ThePlaneThroughTheNearestPointHasTheWholeShapeBehindIt) {
     for (int i = 0; i < 200; ++i) {
-        const Case c = random_case();
+        const PlacedShape c = random_case();
         const Vector3 query_m = c.placement.translation() + dice.within(Vector3::Constant(0.15));
         const NearestOnShape nearest = c.shape.nearest(query_m);
         for (int j = 0; j < 100; ++j) {
@@ -200,7 +191,7 @@ TEST_P(AnalyticShapes, ThePlaneThroughTheNearestPointHasTheWholeShapeBehindIt) {
 
 TEST_P(AnalyticShapes, ATenthOfAMicrometreOffTheSurfaceIsMeasuredToTheLastPlaces) {
     for (int i = 0; i < 2000; ++i) {
-        const Case c = random_case();
+        const PlacedShape c = random_case();
         const KnownPoint on = c.sample(dice);
         constexpr double kOff_m = 1e-7;
         const NearestOnShape outside = c.shape.nearest(on.point_m + kOff_m * on.normal);
@@ -219,7 +210,7 @@ TEST_P(AnalyticShapes, AMotionSeparatedFromTheShapeKeepsItsDistance) {
     int parted = 0;
     int far_off = 0;
     for (int i = 0; i < 5000; ++i) {
-        const Case c = random_case();
+        const PlacedShape c = random_case();
         const auto place_m = [&] {
             return Vector3(c.placement.translation() + dice.within(Vector3::Constant(0.2)));
         };
@@ -245,17 +236,17 @@ TEST_P(AnalyticShapes, AMotionSeparatedFromTheShapeKeepsItsDistance) {
     EXPECT_TRUE(far_off > 1000 || GetParam() == 3);
 }
 
-TEST_P(AnalyticShapes, BoundsTouchTheFarthestPointsAlongTheAxes) {
-    for (int i = 0; i < 500; ++i) {
-        const Case c = random_case();
+TEST_P(AnalyticShapes, BoundsAreThoseOfItsPoints) {
+    for (int i = 0; i < 50; ++i) {
+        const PlacedShape c = random_case();
         const Eigen::AlignedBox3d bounds = c.shape.bounds();
-        for (int axis = 0; axis < 3; ++axis) {
-            const Vector3 u = c.placement.linear().row(axis).transpose(); // the axis, turned back
-            const Vector3 max_m = c.placement * std::visit(Farthest{u}, c.size);
-            const Vector3 min_m = c.placement * std::visit(Farthest{-u}, c.size);
-            EXPECT_NEAR(bounds.max()[axis], max_m[axis], kRounding_m);
-            EXPECT_NEAR(bounds.min()[axis], min_m[axis], kRounding_m);
+        Eigen::AlignedBox3d sampled;
+        for (int j = 0; j < 20'000; ++j) {
+            sampled.extend(c.sample(dice).point_m);
         }
+        EXPECT_LT(bounds.exteriorDistance(sampled.min()), kRounding_m);
+        EXPECT_LT(bounds.exteriorDistance(sampled.max()), kRounding_m);
+        EXPECT_LT((bounds.sizes() - sampled.sizes()).norm(), 0.1 * bounds.sizes().norm());
     }
 }
 
@@ -280,32 +271,7 @@ TEST_P(AnalyticShapes, NormalsAreUnitWhereverTheQueryLies) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Every, AnalyticShapes, ::testing::Range(0, 5), testing::shape_name);
-
-TEST(AnalyticShape, HasItsMaterialAndAnInsideUnlessItIsAPlate) {
-    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
-    EXPECT_EQ(AnalyticShape(Sphere{0.02}, here, 65'535).material(), 65'535);
-    EXPECT_TRUE(AnalyticShape(Sphere{0.02}, here, 0).is_solid());
-    EXPECT_TRUE(AnalyticShape(Capsule{0.02, 0.0}, here, 0).is_solid());
-    EXPECT_FALSE(AnalyticShape(Plate{0.02, 0.02}, here, 0).is_solid());
-}
-
-TEST(AnalyticShape, KnownDistances) {
-    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
-    // 3-4-5 triangles off an edge, a rim and a cap.
-    const AnalyticShape box(Box{{0.1, 0.2, 0.3}}, here, 0);
-    EXPECT_NEAR(box.nearest({0.13, 0.24, 0.1}).distance_m, 0.05, kRounding_m);
-    const AnalyticShape cylinder(Cylinder{0.1, 0.2}, here, 0);
-    EXPECT_NEAR(cylinder.nearest({0.0, -0.24, 0.13}).distance_m, 0.05, kRounding_m);
-    const AnalyticShape capsule(Capsule{0.1, 0.2}, here, 0);
-    EXPECT_NEAR(capsule.nearest({0.3, 0.6, 0.0}).distance_m, 0.4, kRounding_m);
-    const AnalyticShape plate(Plate{0.1, 0.2}, here, 0);
-    EXPECT_NEAR(plate.nearest({0.13, -0.04, 0.0}).distance_m, 0.05, kRounding_m);
-    EXPECT_EQ(plate.nearest({0.05, -0.01, 0.05}).normal, Vector3(0.0, -1.0, 0.0));
-    EXPECT_EQ(AnalyticShape(Sphere{0.1}, here, 0).nearest({0.0, 0.0, 0.0}).distance_m, -0.1);
-    EXPECT_EQ(cylinder.nearest({0.0, 0.0, 0.0}).distance_m, -0.1);
-    EXPECT_EQ(cylinder.nearest({0.0, -0.15, 0.0}).normal, Vector3(0.0, -1.0, 0.0));
-}
+INSTANTIATE_TEST_SUITE_P(Every, AnalyticShapes, ::testing::Range(0, 5), shape_name);
 
 TEST(AnalyticShape, RefusesInvalidSizes) {
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
@@ -323,6 +289,195 @@ TEST(AnalyticShape, RefusesInvalidSizes) {
     refuses(Capsule{0.0, 1.0});
     refuses(Capsule{1.0, -1e-9});
     EXPECT_NO_THROW(AnalyticShape(Capsule{1.0, 0.0}, here, 0));
+}
+
+using testing::random_direction;
+using testing::random_vector;
+
+/// A few roundings of places within 0.5 m.
+constexpr double kSlideRounding_m = 1e-15;
+
+/// The descent ends 1e-11 m from its goal on the last tangent plane, and on a curved face that goal
+/// is itself off by up to ten times as much.
+constexpr double kSolverTolerance_m = 1e-10;
+
+AnalyticShape::Size size_of(int kind) {
+    const std::vector<AnalyticShape::Size> sizes = {Plate{0.03, 0.02}, Sphere{0.03},
+                                                    Box{{0.02, 0.01, 0.03}}, Cylinder{0.02, 0.015},
+                                                    Capsule{0.015, 0.02}};
+    return sizes[static_cast<std::size_t>(kind)];
+}
+
+/// A proxy at rest on a shape, and a tip somewhere below.
+struct Scene {
+    const HapticSurface &surface;
+    Rest rest;
+    Vector3 tip_m;
+
+    [[nodiscard]] const AnalyticShape &shape() const { return surface.shapes()[0]; }
+    [[nodiscard]] std::optional<ShapeSlide> slide(double reach_m) const {
+        return slide_over_face(shape(), rest.point_m, tip_m, reach_m);
+    }
+};
+
+class ShapeSlides : public ::testing::TestWithParam<int> {
+protected:
+    std::mt19937_64 random{20260801};
+
+    double between(double low, double high) {
+        return std::uniform_real_distribution(low, high)(random);
+    }
+
+    /// A shape with a random placement.
+    void place_shape() {
+        centre_m_ = random_vector(random, 0.1);
+        Eigen::Isometry3d placement(
+            Eigen::AngleAxisd(between(-3.0, 3.0), random_direction(random)));
+        placement.pretranslate(centre_m_);
+        TriangleSoup soup;
+        soup.materials = {{"shape", 0.25}};
+        surface_ = HapticSurface(soup, {AnalyticShape(size_of(GetParam()), placement, 0)});
+    }
+
+    Scene random_scene(double reach_m) {
+        constexpr int kScenesInAPlace = 100;
+        if (scenes_++ % kScenesInAPlace == 0) {
+            place_shape();
+        }
+        Scene scene{surface_, {}, {}};
+        // From not far outside, so that it is over a face as often as over an edge.
+        NearestOnShape under;
+        do {
+            under = scene.shape().nearest(centre_m_ + random_vector(random, 0.035));
+        } while (under.distance_m <= 0.0);
+        scene.rest.point_m = under.point_m + reach_m * under.normal;
+        const std::optional<Stop> touch =
+            scene.surface.touch(0, scene.rest.point_m, reach_m, 1e-12);
+        EXPECT_TRUE(touch);
+        scene.rest.held_by.add({touch->normal, touch->offset_m, 0});
+        const double step_m = std::pow(10.0, between(-7.0, -1.5));
+        scene.tip_m = scene.rest.point_m + step_m * random_direction(random) -
+                      between(0.0, 5e-3) * under.normal;
+        return scene;
+    }
+
+private:
+    Vector3 centre_m_{Vector3::Zero()};
+    HapticSurface surface_;
+    int scenes_ = 0;
+};
+
+/// Samples of the two motions.
+template <typename Visit>
+void along(const Vector3 &from_m, const ShapeSlide &slide, const Visit &visit) {
+    for (int i = 0; i <= 20; ++i) {
+        visit(from_m + i / 20.0 * (slide.over_m - from_m));
+        visit(slide.over_m + i / 20.0 * (slide.rest_m - slide.over_m));
+    }
+}
+
+TEST_P(ShapeSlides, EndWhereTheSolverDoes) {
+    for (const double reach_m : {kClearance_m, 0.5e-3}) {
+        int slides = 0;
+        for (int i = 0; i < 3000; ++i) {
+            const Scene scene = random_scene(reach_m);
+            const std::optional<ShapeSlide> slide = scene.slide(reach_m);
+            if (!slide) {
+                continue;
+            }
+            Neighbourhood near; // of all there is
+            SearchBudget budget{1000};
+            scene.surface.find_near(scene.rest.point_m, 0.5, budget, near);
+            SolverBudget solver_budget;
+            ProxyPath path;
+            path.restart(scene.rest.point_m);
+            Rest rest = scene.rest;
+            const ProxySolver solver(scene.surface, near, reach_m, solver_budget, path);
+            if (solver.solve(rest, scene.tip_m)) {
+                ++slides;
+                EXPECT_LT((rest.point_m - slide->rest_m).norm(), kSolverTolerance_m) << i;
+                EXPECT_EQ(rest.held_by.size(), 1U);
+                EXPECT_GT(rest.held_by[0].normal.dot(slide->normal), 1.0 - 1e-12) << i;
+            }
+        }
+        EXPECT_GT(slides, 1000);
+    }
+}
+
+TEST_P(ShapeSlides, NeverComeTooNearAndRestWithinReachStraightAboveTheTip) {
+    for (const double reach_m : {kClearance_m, 0.5e-3}) {
+        for (int i = 0; i < 3000; ++i) {
+            const Scene scene = random_scene(reach_m);
+            const std::optional<ShapeSlide> slide = scene.slide(reach_m);
+            if (!slide) {
+                continue;
+            }
+            along(scene.rest.point_m, *slide, [&](const Vector3 &point_m) {
+                EXPECT_GT(scene.shape().nearest(point_m).distance_m, reach_m - kSlideRounding_m)
+                    << i;
+            });
+            const NearestOnShape under = scene.shape().nearest(slide->rest_m);
+            EXPECT_NEAR(under.distance_m, reach_m, kSlideRounding_m) << i;
+            EXPECT_LT((under.point_m + slide->depth_m * -slide->normal - scene.tip_m).norm(),
+                      kSlideRounding_m);
+            EXPECT_NEAR(slide->normal.norm(), 1.0, 1e-15);
+            EXPECT_TRUE(!slide->is_flat || slide->over_m == slide->rest_m);
+        }
+    }
+}
+
+TEST_P(ShapeSlides, DoNotApplyToAProxyThatStartedTooNearOrATipThatLeaves) {
+    for (int i = 0; i < 1000; ++i) {
+        Scene scene = random_scene(kClearance_m);
+        const Vector3 up = scene.rest.held_by[0].normal;
+        EXPECT_FALSE(slide_over_face(scene.shape(), scene.rest.point_m, scene.tip_m, 2e-8));
+        scene.tip_m = scene.rest.point_m + 1e-11 * up;
+        EXPECT_FALSE(scene.slide(kClearance_m)) << i;
+        scene.tip_m = scene.rest.point_m - 1e-11 * up;
+        const std::optional<ShapeSlide> slide = scene.slide(kClearance_m);
+        EXPECT_TRUE(!slide || slide->normal.dot(up) > 1.0 - 1e-12) << i;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, ShapeSlides, ::testing::Range(0, 5), shape_name);
+
+std::optional<ShapeSlide> slide(const AnalyticShape::Size &size, const Vector3 &from_m,
+                                const Vector3 &tip_m) {
+    return slide_over_face(AnalyticShape(size, Eigen::Isometry3d::Identity(), 0), from_m, tip_m,
+                           kClearance_m);
+}
+
+TEST(ShapeSlide, LeavesPathsOverEdgesToTheDescent) {
+    const double high_m = 0.01 + kClearance_m;
+    EXPECT_FALSE(slide(Box{{0.02, 0.01, 0.03}}, {0.0, high_m, 0.0}, {0.0201, 0.0, 0.0}));
+    EXPECT_FALSE(slide(Box{{0.02, 0.01, 0.03}}, {0.0201, high_m, 0.0}, {0.01, 0.0, 0.0}));
+    EXPECT_FALSE(slide(Plate{0.02, 0.03}, {0.0, kClearance_m, 0.0}, {0.0, -0.01, 0.0301}));
+    EXPECT_FALSE(slide(Plate{0.02, 0.03}, {0.02 + kClearance_m, 0.0, 0.0}, {0.01, 0.0, 0.0}));
+    const Cylinder cylinder{0.02, 0.01};
+    const double wide_m = 0.02 + kClearance_m;
+    EXPECT_TRUE(slide(cylinder, {0.0, high_m, 0.0}, {0.0, -0.5, 0.0199}));
+    EXPECT_FALSE(slide(cylinder, {0.0, high_m, 0.0}, {0.0, 0.005, 0.0201}));
+    EXPECT_TRUE(slide(cylinder, {wide_m, 0.0, 0.0}, {0.01, 0.0099, 0.0}));
+    EXPECT_FALSE(slide(cylinder, {wide_m, 0.0, 0.0}, {0.01, 0.0101, 0.0}));
+    EXPECT_FALSE(slide(cylinder, {wide_m, 0.0101, 0.0}, {0.01, 0.0, 0.0})); // from the rim
+}
+
+TEST(ShapeSlide, LeavesLongPathsAroundToTheDescent) {
+    const double out_m = 0.02 + kClearance_m;
+    const auto turned = [](double degrees, double radius_m) {
+        const double angle = degrees * 3.14159265358979 / 180.0;
+        return Vector3(radius_m * std::cos(angle), 0.0, radius_m * std::sin(angle));
+    };
+    for (const AnalyticShape::Size &size :
+         {AnalyticShape::Size(Sphere{0.02}), AnalyticShape::Size(Capsule{0.02, 0.01}),
+          AnalyticShape::Size(Cylinder{0.02, 0.01})}) {
+        const Vector3 from_m(out_m, 0.0, 0.0);
+        EXPECT_TRUE(slide(size, from_m, turned(25.0, 0.015))); // arccos 0.9 is 25.8 degrees
+        EXPECT_FALSE(slide(size, from_m, turned(26.0, 0.015)));
+        EXPECT_FALSE(slide(size, from_m, turned(180.0, 0.015))); // through the middle
+        EXPECT_FALSE(slide(size, from_m, Vector3::Zero()));
+        EXPECT_FALSE(slide(size, from_m, {1e-12, 0.0, 0.0}));
+    }
 }
 
 } // namespace

@@ -24,17 +24,13 @@ TriangleSoup fan_of(std::uint32_t count, double slope, double wave, double noise
                     std::mt19937_64 &random) {
     constexpr double kRadius_m = 5e-3;
     std::uniform_real_distribution<double> one(-1.0, 1.0);
-    TriangleSoup soup;
-    soup.vertices_m = {Vector3::Zero()};
+    std::vector<Vector3> rim_m;
     for (std::uint32_t i = 0; i < count; ++i) {
         const double phi = kTurn * i / count;
         const double height = slope + wave * std::cos(2.0 * phi) + noise * one(random);
-        soup.vertices_m.emplace_back(kRadius_m * Vector3(std::cos(phi), height, std::sin(phi)));
-        soup.triangles.push_back({0, 1 + (i + 1) % count, 1 + i});
+        rim_m.emplace_back(kRadius_m * Vector3(std::cos(phi), height, std::sin(phi)));
     }
-    soup.material_of_triangle.assign(count, 0);
-    soup.materials = {{"fan", 0.0}};
-    return soup;
+    return testing::closed_fan(rim_m);
 }
 
 /// Pages all around an edge but for a tenth of a turn.

@@ -6,6 +6,7 @@
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/brute_force_proxy.h"
 #include "engine/lab/rig/plain_triangles.h"
+#include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/cases.h"
 #include "tests/support/hard_meshes.h"
 
@@ -16,7 +17,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <fstream>
 #include <numbers>
 #include <ostream>
 #include <random>
@@ -31,51 +31,7 @@ inline void PrintTo(const HardMeshKind &kind, std::ostream *out) { *out << kind.
 } // namespace springdrive::testing
 
 namespace springdrive::contact {
-
 namespace {
-
-/// The soup without triangles `first` to `last`, the end excluded.
-[[nodiscard]] TriangleSoup without(TriangleSoup soup, std::size_t first, std::size_t last) {
-    const auto erase = [&](auto &list) {
-        list.erase(list.begin() + static_cast<std::ptrdiff_t>(first),
-                   list.begin() + static_cast<std::ptrdiff_t>(last));
-    };
-    erase(soup.triangles);
-    erase(soup.material_of_triangle);
-    return soup;
-}
-
-/// Leaves out triangles, first many at once, then fewer, as long as `fails(soup)` remains true: of
-/// the result, no single triangle can be left out. Vertices stay.
-template <typename Fails> [[nodiscard]] TriangleSoup shrunk(TriangleSoup soup, const Fails &fails) {
-    for (std::size_t at_once = soup.triangles.size() / 2; at_once > 0;) {
-        bool has_shrunk = false;
-        for (std::size_t first = 0; first < soup.triangles.size();) {
-            const std::size_t last = std::min(first + at_once, soup.triangles.size());
-            TriangleSoup smaller = without(soup, first, last);
-            if (!smaller.triangles.empty() && fails(smaller)) {
-                soup = std::move(smaller);
-                has_shrunk = true;
-            } else {
-                first = last;
-            }
-        }
-        at_once = has_shrunk && at_once == 1 ? 1 : at_once / 2;
-    }
-    return soup;
-}
-
-/// Wavefront OBJ, to look at.
-void write_obj(const std::string &path, const TriangleSoup &soup) {
-    std::ofstream out(path);
-    out.precision(17);
-    for (const Vector3 &vertex_m : soup.vertices_m) {
-        out << "v " << vertex_m.transpose() << '\n';
-    }
-    for (const auto &[a, b, c] : soup.triangles) {
-        out << "f " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << '\n';
-    }
-}
 
 /// A proxy sticks if brute force, which ignores ridges lower than its slack of 2 pm, comes nearer
 /// to the tip by more than this [m]: a tenth of the clearance, which is what two solutions on
@@ -148,20 +104,6 @@ private:
     rig::NearbyTriangles crossings_;
 };
 
-/// Whether the last of these tips leaves the proxy stuck or lets it cross the mesh.
-bool fails_at_the_end(const TriangleSoup &soup, const std::vector<Vector3> &tips_m) {
-    const HapticSurface surface(soup);
-    Proxy proxy;
-    proxy.reset(tips_m.front());
-    Contact contact;
-    for (const Vector3 &tip_m : tips_m) {
-        contact = proxy.update(surface, tip_m);
-    }
-    const Judge judge(soup);
-    return judge.crosses(proxy.path()) || (contact.touching && contact.settled &&
-                                           judge.lag_m(contact.x0_m, tips_m.back()) > kNearer_m);
-}
-
 class ProxyHunt : public ::testing::TestWithParam<testing::HardMeshKind> {
 protected:
     void hunt(std::uint64_t seed) {
@@ -171,38 +113,24 @@ protected:
         testing::ProbingTip tip(mesh.soup, seed);
         Proxy proxy;
         proxy.reset(tip.position_m());
-        std::vector<Vector3> tips_m{tip.position_m()};
+        SCOPED_TRACE(mesh.name + ", seed " + std::to_string(seed));
         for (int step = 0; step < kStepsOnAMesh; ++step) {
-            tips_m.push_back(tip.advance());
-            const Contact contact = proxy.update(surface, tips_m.back());
+            const Vector3 tip_m = tip.advance();
+            const Contact contact = proxy.update(surface, tip_m);
             unsettled += contact.settled ? 0 : 1;
             checked += contact.touching ? 1 : 0;
             if (!contact.settled) {
-                const double before_m = (proxy.path()[0] - tips_m.back()).norm();
-                const double after_m = (contact.x0_m - tips_m.back()).norm();
-                ASSERT_LE(after_m, before_m + kNearer_m)
-                    << mesh.name << ", seed " << seed << ", step " << step;
+                const double before_m = (proxy.path()[0] - tip_m).norm();
+                const double after_m = (contact.x0_m - tip_m).norm();
+                ASSERT_LE(after_m, before_m + kNearer_m) << step;
                 still += before_m - after_m < kNearer_m ? 1 : 0;
             }
-            const bool crosses = judge.crosses(proxy.path());
-            const double lag_m = contact.touching && contact.settled
-                                     ? judge.lag_m(contact.x0_m, tips_m.back())
-                                     : 0.0;
-            if (!crosses && lag_m > kNearer_m && judge.is_squeezed(contact.x0_m)) {
+            ASSERT_FALSE(judge.crosses(proxy.path())) << step;
+            if (contact.touching && contact.settled &&
+                judge.lag_m(contact.x0_m, tip_m) > kNearer_m) {
+                ASSERT_TRUE(judge.is_squeezed(contact.x0_m))
+                    << step << ": could be nearer by " << judge.lag_m(contact.x0_m, tip_m) << " m";
                 ++squeezed;
-                continue;
-            }
-            if (crosses || lag_m > kNearer_m) {
-                const std::string file =
-                    ::testing::TempDir() + mesh.name.substr(0, 4) + std::to_string(seed) + ".obj";
-                const TriangleSoup smallest = shrunk(mesh.soup, [&](const TriangleSoup &soup) {
-                    return fails_at_the_end(soup, tips_m);
-                });
-                write_obj(file, smallest);
-                FAIL() << mesh.name << ", seed " << seed << ", step " << step << ": "
-                       << (crosses ? "crosses the mesh"
-                                   : "could be nearer by " + std::to_string(1e6 * lag_m) + " µm")
-                       << "; " << smallest.triangles.size() << " triangles are enough: " << file;
             }
         }
     }
@@ -240,18 +168,13 @@ TriangleSoup gentle_vertex(std::mt19937_64 &random) {
     std::uniform_real_distribution<double> one(-1.0, 1.0);
     const int count = std::uniform_int_distribution<int>(5, 8)(random);
     const double slope = std::pow(10.0, one(random) - 1.5);
-    TriangleSoup soup;
-    soup.vertices_m = {Vector3::Zero()};
+    std::vector<Vector3> rim_m;
     for (int i = 0; i < count; ++i) {
         const double turn = 2.0 * std::numbers::pi * (i + 0.3 * one(random)) / count;
-        soup.vertices_m.emplace_back(kRadius_m * std::cos(turn), kRadius_m * slope * one(random),
-                                     kRadius_m * std::sin(turn));
-        soup.triangles.push_back({0, static_cast<std::uint32_t>(1 + (i + 1) % count),
-                                  static_cast<std::uint32_t>(1 + i)});
+        rim_m.emplace_back(kRadius_m * std::cos(turn), kRadius_m * slope * one(random),
+                           kRadius_m * std::sin(turn));
     }
-    soup.material_of_triangle.assign(soup.triangles.size(), 0);
-    soup.materials = {{"vertex", 0.0}};
-    return soup;
+    return testing::closed_fan(rim_m);
 }
 
 /// One place of rest in about a thousand is a pit that only the clearance makes.
@@ -283,20 +206,15 @@ TEST(ProxyAtAVertex, IsNotHeldWhereTheMeshLeadsDown) {
 /// the edge that leads down.
 TEST(ProxyAtAVertex, LeavesAlongAnEdgeBesideThePit) {
     constexpr double kNm = 1e-9;
-    TriangleSoup soup;
-    soup.vertices_m = {{0.0, 0.0, 0.0},
-                       {-886006.049 * kNm, 147040.27 * kNm, -68234.4543 * kNm},
-                       {-475109.2 * kNm, 201370.605 * kNm, 334700.556 * kNm},
-                       {-262413.55 * kNm, 131290.679 * kNm, 755656.824 * kNm},
-                       {274972.38 * kNm, 165576.408 * kNm, 430917.239 * kNm},
-                       {432597.723 * kNm, -39913.0089 * kNm, -253653.385 * kNm},
-                       {21818.0132 * kNm, 96461.1377 * kNm, -939662.0 * kNm},
-                       {-389616.569 * kNm, -190103.167 * kNm, -405011.453 * kNm}};
-    for (std::uint32_t i = 0; i < 7; ++i) {
-        soup.triangles.push_back({0, 1 + i, 1 + (i + 1) % 7});
-    }
-    soup.material_of_triangle.assign(7, 0);
-    soup.materials = {{"vertex", 0.0}};
+    const TriangleSoup soup = testing::closed_fan({
+        {-389616.569 * kNm, -190103.167 * kNm, -405011.453 * kNm},
+        {21818.0132 * kNm, 96461.1377 * kNm, -939662.0 * kNm},
+        {432597.723 * kNm, -39913.0089 * kNm, -253653.385 * kNm},
+        {274972.38 * kNm, 165576.408 * kNm, 430917.239 * kNm},
+        {-262413.55 * kNm, 131290.679 * kNm, 755656.824 * kNm},
+        {-475109.2 * kNm, 201370.605 * kNm, 334700.556 * kNm},
+        {-886006.049 * kNm, 147040.27 * kNm, -68234.4543 * kNm},
+    });
     const HapticSurface surface(soup);
     const Judge judge(soup);
     std::mt19937_64 random(1);
@@ -319,18 +237,13 @@ TriangleSoup rough_fan(std::mt19937_64 &random) {
     std::uniform_real_distribution<double> one(-1.0, 1.0);
     const int count = std::uniform_int_distribution<int>(48, 96)(random);
     const double noise_m = 3e-3 * (0.0125 + 0.0075 * one(random));
-    TriangleSoup soup;
-    soup.vertices_m = {Vector3::Zero()};
+    std::vector<Vector3> rim_m;
     for (int i = 0; i < count; ++i) {
         const double turn = 2.0 * std::numbers::pi * (i + 0.3 * one(random)) / count;
         const double out_m = 3e-3 * (0.75 + 0.25 * one(random));
-        soup.vertices_m.emplace_back(out_m * std::cos(turn), noise_m * one(random),
-                                     out_m * std::sin(turn));
-        soup.triangles.push_back({0, static_cast<std::uint32_t>(1 + (i + 1) % count),
-                                  static_cast<std::uint32_t>(1 + i)});
+        rim_m.emplace_back(out_m * std::cos(turn), noise_m * one(random), out_m * std::sin(turn));
     }
-    soup.material_of_triangle.assign(soup.triangles.size(), 0);
-    soup.materials = {{"rough", 0.0}};
+    TriangleSoup soup = testing::closed_fan(rim_m);
     soup.materials[0].sides = TouchSides::two;
     return soup;
 }
@@ -358,19 +271,6 @@ TEST(ProxyAtAVertex, IsNotHeldInTheMiddleOfAGradedFan) {
             EXPECT_LT(judge.lag_m(contact.x0_m, tip_m), kNearer_m) << i << ' ' << k;
         }
     }
-}
-
-TEST(Shrink, LeavesTheTrianglesThatItTakes) {
-    std::mt19937_64 random(1);
-    const TriangleSoup soup = testing::scan(random);
-    const auto needed = {soup.triangles[3], soup.triangles[40], soup.triangles.back()};
-    const TriangleSoup smallest = shrunk(soup, [&](const TriangleSoup &smaller) {
-        return std::ranges::all_of(needed, [&](const auto &triangle) {
-            return std::ranges::find(smaller.triangles, triangle) != smaller.triangles.end();
-        });
-    });
-    EXPECT_EQ(smallest.triangles.size(), 3U);
-    EXPECT_EQ(smallest.material_of_triangle.size(), 3U);
 }
 
 } // namespace

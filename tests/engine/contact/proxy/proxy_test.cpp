@@ -1,15 +1,20 @@
-// Covers engine/contact/proxy/proxy.cpp and engine/contact/proxy/haptic_surface.cpp: known shapes
-// with known results. Properties of any shape and path are in proxy_walk_test.cpp.
+// Covers engine/contact/proxy/proxy.cpp, proxy_solver.cpp and haptic_surface.cpp:
+// known shapes with known results, and Coulomb's law. proxy_walk_test.cpp has what holds on any.
+#include "base/degrees.h"
 #include "engine/contact/proxy/proxy.h"
-
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numbers>
+#include <random>
 #include <type_traits>
 
 namespace springdrive::contact {
@@ -69,17 +74,6 @@ void expect_free_at(const Contact &contact, const Vector3 &tip) {
 
 static_assert(std::is_nothrow_move_constructible_v<HapticSurface>);
 
-TEST(Proxy, IsTheTipInFreeSpace) {
-    const HapticSurface mesh(cube());
-    Proxy proxy;
-    proxy.reset({0.0, 0.05, 0.0});
-    std::mt19937_64 random(1);
-    for (int i = 0; i < 1000; ++i) {
-        const Vector3 tip = Vector3(0.0, 0.05, 0.0) + random_vector(random, 0.029);
-        expect_free_at(proxy.update(mesh, tip), tip);
-    }
-}
-
 TEST(Proxy, IsTheTipOnAnEmptyMesh) {
     Proxy proxy;
     proxy.reset(Vector3::Zero());
@@ -99,21 +93,6 @@ TEST(Proxy, RestsOverTheTipOnAFace) {
     EXPECT_EQ(contact.active_constraints, 1);
     EXPECT_EQ(contact.eta, 0.25);
     EXPECT_TRUE(contact.triangle == 6 || contact.triangle == 7); // box_soup's top
-}
-
-TEST(Proxy, ArrivesAtTheSamePlaceInOneTickAsInMany) {
-    const HapticSurface mesh(cube());
-    for (const int ticks : {1, 7, 1000}) {
-        const Contact contact =
-            contact_after(mesh, {{-0.015, 0.03, 0.0}, {0.015, 0.018, 0.01}}, ticks);
-        EXPECT_LT((contact.x0_m - Vector3(0.015, 0.02, 0.01)).norm(), kPlace_m);
-    }
-}
-
-TEST(Proxy, IsFreeAfterTheTipLeavesTheSurface) {
-    const HapticSurface mesh(cube());
-    const Vector3 end(0.001, 0.0201, 0.0);
-    expect_free_at(contact_after(mesh, {{0, 0.03, 0}, {0, 0.015, 0}, end}), end);
 }
 
 TEST(Proxy, MovesAroundAConvexEdgeWithinOneTick) {
@@ -136,14 +115,6 @@ TEST(Proxy, HasTwoConstraintsInAConcaveEdge) {
     EXPECT_EQ(contact.active_constraints, 2);
     EXPECT_LT((contact.tangent_projector - kZ * kZ.transpose()).norm(), 1e-12);
     EXPECT_LT((contact.normal - Vector3(-0.6, 0.8, 0.0)).norm(), 1e-4); // clearance over gap
-}
-
-TEST(Proxy, HasThreeConstraintsInACorner) {
-    const HapticSurface room(turned_inside_out(cube()));
-    const Contact contact = contact_after(room, {Vector3::Zero(), {0.03, -0.04, 0.05}}, 1);
-    EXPECT_LT((contact.x0_m - Vector3(0.02, -0.02, 0.02)).norm(), kPlace_m);
-    EXPECT_EQ(contact.active_constraints, 3);
-    EXPECT_EQ(contact.tangent_projector, Matrix3::Zero());
 }
 
 TEST(Proxy, HasTwoConstraintsWhereTwoSolidsCross) {
@@ -177,7 +148,10 @@ TEST(Proxy, TakesTheMostRigidOfTheMaterialsItTouches) {
     room.material_of_triangle[4] = room.material_of_triangle[5] = 1; // box_soup's bottom
     const HapticSurface mesh(room);
     EXPECT_EQ(contact_after(mesh, {Vector3::Zero(), 0.03 * kX}).eta, 0.75);
-    EXPECT_EQ(contact_after(mesh, {Vector3::Zero(), -0.03 * kY}).eta, 0.5);
+    const Contact on_floor = contact_after(mesh, {Vector3::Zero(), -0.03 * kY});
+    EXPECT_EQ(on_floor.eta, 0.5);
+    EXPECT_EQ(on_floor.material, 1);
+    EXPECT_NEAR(on_floor.surface_m.y(), -0.02, 1e-15);
     EXPECT_EQ(contact_after(mesh, {Vector3::Zero(), 0.03 * kX - 0.04 * kY}).eta, 0.5);
 }
 
@@ -214,18 +188,6 @@ TEST(Proxy, SlipsRoundTheBorderOfAnOpenSheet) {
     expect_free_at(proxy.update(mesh, {0.0, -0.01, 0.0}), {0.0, -0.01, 0.0});
 }
 
-TEST(Proxy, ForgetsWhatHeldItOnAnotherSurface) {
-    const HapticSurface fine(testing::icosphere(4, 0.03));
-    const HapticSurface coarse(cube());
-    Proxy proxy;
-    proxy.reset({0.0, 0.05, 0.0});
-    EXPECT_TRUE(proxy.update(fine, {0.0, 0.028, 0.0}).touching);
-    const Contact contact = proxy.update(coarse, {0.001, 0.017, 0.0});
-    EXPECT_TRUE(contact.touching);
-    EXPECT_LT((contact.x0_m - Vector3(0.001, 0.02, 0.0)).norm(), kPlace_m);
-    EXPECT_FALSE(proxy.update(HapticSurface(), {0.001, 0.017, 0.0}).touching);
-}
-
 TEST(Proxy, SurvivesATipThatIsNotFinite) {
     const HapticSurface mesh(cube());
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -243,28 +205,205 @@ TEST(Proxy, SurvivesATipThatIsNotFinite) {
     EXPECT_TRUE(after.touching);
 }
 
-TEST(Proxy, StaysBoundedAmongRandomTriangles) {
-    std::mt19937_64 random(3);
-    const HapticSurface mesh(testing::random_soup(random, 3000, 0.03, 0.02));
+/// How much farther from the tip a proxy may end: it steps over ridges of up to 10 µm and descends
+/// on their other side.
+constexpr double kJump_m = 1.2e-5;
+
+/// A box that protrudes from the top of another. In their crease, an extrapolated slide on one of
+/// them once ended 35 mm away around an edge.
+TEST(ProxySolver, IsNotCarriedAwayFromTheTipInACrease) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() =
+        Vector3(-0.016851951473135212, 0.01693078811656986, -0.0043772161063318181);
+    pose.linear() << 0.18458380798980045, -0.38106674033730736, 0.90593430072863645, //
+        0.34153266664254511, -0.83945673057696568, -0.42269118172143555,             //
+        0.92156619699510278, 0.38742810545665202, -0.024803379976381601;
+    const HapticSurface surface(
+        testing::box_soup({-0.04, -0.05, -0.04}, {0.04, 0.0, 0.04}),
+        {AnalyticShape(Box{{0.0059338335564660593, 0.013667825344417399, 0.019736503283795708}},
+                       pose, 0)});
+    const Vector3 from_m(-0.0058666682528241785, 0.00059118778190269533, 0.0059168305426440648);
+    const Vector3 tip_m(-0.0070584584738168331, -0.0016894539568893206, 0.00076325675554547614);
     Proxy proxy;
-    proxy.reset(Vector3::Zero());
-    for (int i = 0; i < 5000; ++i) {
-        const Contact contact = proxy.update(mesh, random_vector(random, 0.05));
-        ASSERT_TRUE(contact.x0_m.allFinite());
-        ASSERT_LT(contact.x0_m.norm(), 0.1);
+    proxy.reset(from_m);
+    const Contact contact = proxy.update(surface, tip_m);
+    EXPECT_TRUE(contact.settled);
+    EXPECT_LT((contact.x0_m - tip_m).norm(), (from_m - tip_m).norm());
+    for (const Vector3 &place_m : proxy.path()) {
+        EXPECT_LE((place_m - tip_m).norm(), (from_m - tip_m).norm() + kJump_m);
     }
 }
 
-TEST(HapticSurface, ReportsItsContents) {
-    const HapticSurface mesh(cube());
-    EXPECT_EQ(mesh.report().triangles_kept, 12U);
-    EXPECT_EQ(mesh.report().closed_components, 1U);
-    EXPECT_EQ(HapticSurface().report().triangles_kept, 0U);
-    SearchBudget budget{1000};
-    const std::optional<SurfaceStop> hit =
-        mesh.first_stop(0.04 * kY, Vector3::Zero(), kClearance_m, budget);
-    ASSERT_TRUE(hit);
-    EXPECT_NEAR(hit->stop.fraction, (0.02 - kClearance_m) / 0.04, 1e-12);
+TEST(ProxySolver, NeverEndsFartherFromTheTipThanItBegan) {
+    constexpr int kTicks = 600;
+    constexpr double kStep_m = 7e-4;
+    constexpr double kDeepest_m = 6e-3;
+    constexpr std::array kReaches_m{kClearance_m, 1e-3};
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        std::mt19937_64 random(seed);
+        Eigen::Isometry3d pose(
+            Eigen::AngleAxisd(static_cast<double>(seed), testing::random_direction(random)));
+        pose.translation() = testing::random_vector(random, 0.03);
+        const AnalyticShape shape(Cylinder{0.02, 0.02}, pose, 0);
+        const HapticSurface surface(testing::bumpy_sphere(3, 0.03), {shape});
+        Proxy proxy(kReaches_m[seed % 2]);
+        Vector3 tip_m = 0.08 * testing::random_direction(random);
+        proxy.reset(tip_m);
+        Vector3 heading = -tip_m.normalized();
+        Vector3 before_m = tip_m;
+        for (int tick = 0; tick < kTicks; ++tick) {
+            heading = (heading + 0.2 * testing::random_direction(random)).normalized();
+            if ((before_m - tip_m).norm() > kDeepest_m || tip_m.norm() > 0.08) {
+                heading = ((tip_m.norm() > 0.08 ? Vector3::Zero() : before_m) - tip_m).normalized();
+            }
+            tip_m += kStep_m * heading;
+            const Contact contact = proxy.update(surface, tip_m);
+            ASSERT_LE((contact.x0_m - tip_m).norm(), (before_m - tip_m).norm() + kJump_m)
+                << "seed " << seed << ", tick " << tick;
+            before_m = contact.x0_m;
+        }
+    }
+}
+
+HapticSurface floor_with(double static_friction, double dynamic_friction) {
+    TriangleSoup soup = testing::box_soup({-0.1, -0.02, -0.1}, {0.1, 0.0, 0.1});
+    soup.materials[0].static_friction = static_friction;
+    soup.materials[0].dynamic_friction = dynamic_friction;
+    return HapticSurface(soup);
+}
+
+/// Between the force and the floor's normal [rad].
+double angle(const Contact &contact) {
+    return std::atan2(std::hypot(contact.normal.x(), contact.normal.z()), contact.normal.y());
+}
+
+/// A proxy pressed straight into the floor at x.
+Proxy pressed(const HapticSurface &floor, double x_m, double depth_m) {
+    Proxy proxy;
+    proxy.reset({x_m, 0.01, 0.0});
+    static_cast<void>(proxy.update(floor, {x_m, -depth_m, 0.0}));
+    return proxy;
+}
+
+TEST(Friction, SlipsAtTheAngleOfTheStaticAndSlidesAtThatOfTheDynamicCoefficient) {
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 40; ++i) {
+        const double mu_s = 0.05 + 0.05 * (i % 20);
+        const double mu_d = 0.7 * mu_s;
+        const HapticSurface floor = floor_with(mu_s, mu_d);
+        const double depth_m = 1e-3 + 1e-4 * static_cast<double>(random() % 30);
+        const double heading = 0.1 * static_cast<double>(random() % 60);
+        Proxy proxy = pressed(floor, 0.0, depth_m);
+        double slipped_at = 0.0;
+        double sliding_at = 0.0;
+        // Steps of 2 µm: at a depth of a millimetre a tenth of a degree.
+        for (int step = 1; step < 4000; ++step) {
+            const double way_m = 2e-6 * step;
+            const Contact contact = proxy.update(
+                floor, {way_m * std::cos(heading), -depth_m, way_m * std::sin(heading)});
+            ASSERT_TRUE(contact.touching);
+            if (contact.sticking) {
+                ASSERT_EQ(contact.tangent_projector, Matrix3::Zero());
+                slipped_at = angle(contact);
+            } else {
+                sliding_at = angle(contact);
+                ASSERT_EQ(contact.active_constraints, 1);
+            }
+        }
+        EXPECT_NEAR(slipped_at, std::atan(mu_s), 0.2 * kRadiansPerDegree);
+        EXPECT_NEAR(sliding_at, std::atan(mu_d), 0.01 * kRadiansPerDegree);
+    }
+}
+
+TEST(Friction, DoesNotCreepWhileItSticks) {
+    // For a minute at 1 kHz, the tip trembling within the cone of friction.
+    const HapticSurface floor = floor_with(0.4, 0.3);
+    Proxy proxy = pressed(floor, 0.01, 2e-3);
+    const Vector3 held = proxy.update(floor, {0.01, -2e-3, 0.0}).x0_m;
+    for (int tick = 0; tick < 60000; ++tick) {
+        const double t = 1e-3 * tick;
+        const Vector3 vibration(0.7e-3 * std::sin(9.0 * t), 1e-4 * std::sin(50.0 * t),
+                                1e-4 * t / 60.0);
+        const Contact contact = proxy.update(floor, Vector3(0.01, -2e-3, 0.0) + vibration);
+        ASSERT_TRUE(contact.sticking);
+        ASSERT_EQ(contact.x0_m, held) << "tick " << tick;
+    }
+}
+
+TEST(Friction, SlipsRightOutsideOfItsConeAndNotRightInside) {
+    const HapticSurface floor = floor_with(0.5, 0.5);
+    for (const double share : {0.99999, 1.00001}) {
+        Proxy proxy = pressed(floor, 0.0, 1e-3);
+        const Contact contact =
+            proxy.update(floor, {0.0, -1e-3, share * 0.5 * (1e-3 + kClearance_m)});
+        EXPECT_EQ(contact.sticking, share < 1.0);
+    }
+}
+
+TEST(Friction, ReleasesWhereTheTipLeaves) {
+    const HapticSurface floor = floor_with(0.8, 0.8);
+    Proxy proxy = pressed(floor, 0.0, 1e-3);
+    const Vector3 above(0.0, 1e-3, 0.0);
+    const Contact contact = proxy.update(floor, above);
+    EXPECT_FALSE(contact.touching);
+    EXPECT_EQ(contact.x0_m, above);
+}
+
+/// The hand's work on the spring between tip and proxy over a closed path, over the stiffness [m²].
+/// @param tip_at  place of the tip from 0 to 1, above the surface at both
+template <typename TipAt> double work_over_m2(const HapticSurface &surface, const TipAt &tip_at) {
+    Vector3 tip = tip_at(0.0);
+    Proxy proxy;
+    proxy.reset(tip);
+    double work_m2 = 0.0;
+    constexpr int kSteps = 4000;
+    for (int i = 1; i <= kSteps; ++i) {
+        const Contact contact = proxy.update(surface, tip);
+        const Vector3 next = tip_at(static_cast<double>(i) / kSteps);
+        if (contact.touching) {
+            // The proxy stays over the step, so the spring's energy is exact at both its ends.
+            work_m2 +=
+                0.5 * ((contact.x0_m - next).squaredNorm() - (contact.x0_m - tip).squaredNorm());
+        }
+        tip = next;
+    }
+    return work_m2;
+}
+
+/// A depth that begins and ends 2 mm above the surface and is 4 mm between.
+double height_m(double turn) { return 2e-3 - 6e-3 * std::sin(0.5 * turn) * std::sin(0.5 * turn); }
+
+/// The proxy is constant within a tick, which always costs the hand work: the nearest point would
+/// have followed.
+TEST(Proxy, GivesBackNoMoreWorkThanItTakesOnAnyClosedPath) {
+    constexpr double kFullTurn = 2.0 * std::numbers::pi;
+    std::mt19937_64 random(2);
+    for (int path = 0; path < 30; ++path) {
+        const HapticSurface floor = floor_with(0.1 * (path % 9), 0.07 * (path % 9));
+        const double a = 1.0 + 0.1 * static_cast<double>(random() % 10);
+        EXPECT_GT(work_over_m2(floor,
+                               [&](double s) {
+                                   return Vector3(0.02 * std::sin(kFullTurn * s),
+                                                  height_m(kFullTurn * s),
+                                                  0.01 * std::sin(2.0 * kFullTurn * s) * a);
+                               }),
+                  -1e-12);
+    }
+    for (const int level : {1, 3, 5}) {
+        constexpr double kBallRadius_m = 0.05;
+        const HapticSurface ball(testing::icosphere(level, kBallRadius_m));
+        for (int path = 0; path < 10; ++path) {
+            const Vector3 a = testing::random_direction(random);
+            const Vector3 b = testing::random_direction(random);
+            const auto tip_at = [&](double s) {
+                const double t = kFullTurn * s;
+                const Vector3 u =
+                    a + 0.5 * std::cos(t) * b + 0.3 * std::sin(t) * a.unitOrthogonal();
+                return Vector3((kBallRadius_m + height_m(t)) * u.normalized());
+            };
+            EXPECT_GT(work_over_m2(ball, tip_at), -1e-15); // round-off of 4000 terms of 1e-6 m²
+        }
+    }
 }
 
 } // namespace

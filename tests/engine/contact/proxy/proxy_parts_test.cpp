@@ -1,13 +1,18 @@
-// Covers engine/contact/proxy/contact_planes.cpp.
+// Covers engine/contact/proxy/contact_planes.cpp, and neighbourhood.cpp with the neighbourhoods of
+// haptic_surface.cpp.
 #include "engine/contact/proxy/contact_planes.h"
-
+#include "engine/contact/proxy/haptic_surface.h"
+#include "engine/contact/proxy/neighbourhood.h"
 #include "tests/engine/contact/mesh/soups.h"
+#include "tests/support/surfaces.h"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <set>
 
 namespace springdrive::contact {
 namespace {
@@ -15,9 +20,7 @@ namespace {
 using testing::random_direction;
 using testing::random_vector;
 
-const Vector3 kUnitX = Vector3::UnitX();
 const Vector3 kUnitY = Vector3::UnitY();
-const Vector3 kUnitZ = Vector3::UnitZ();
 
 ContactPlanes planes(std::initializer_list<ContactPlane> list) {
     ContactPlanes result;
@@ -25,28 +28,6 @@ ContactPlanes planes(std::initializer_list<ContactPlane> list) {
         result.add(plane);
     }
     return result;
-}
-
-TEST(NearestPoint, IsTheTipWhereNothingHoldsItBack) {
-    const Vector3 tip(0.01, 0.02, 0.03);
-    const NearestPoint nearest = nearest_point(tip, planes({{kUnitY, 0.0, 1}}), Vector3::Zero());
-    EXPECT_EQ(nearest.point_m, tip);
-    EXPECT_EQ(nearest.active.size(), 0U);
-}
-
-TEST(NearestPoint, LiesUnderTheTipOnAFace) {
-    const NearestPoint nearest =
-        nearest_point({0.01, -0.02, 0.03}, planes({{kUnitX, -1.0, 1}, {kUnitY, 0.005, 2}}), kUnitY);
-    EXPECT_LT((nearest.point_m - Vector3(0.01, 0.005, 0.03)).norm(), 1e-15);
-    ASSERT_EQ(nearest.active.size(), 1U);
-    EXPECT_EQ(nearest.active[0].obstacle, 2U);
-}
-
-TEST(NearestPoint, LiesInACorner) {
-    const ContactPlanes corner = planes({{kUnitX, 0.1, 1}, {kUnitY, 0.2, 2}, {kUnitZ, 0.3, 3}});
-    const NearestPoint nearest = nearest_point(-Vector3::Ones(), corner, Vector3::Ones());
-    EXPECT_LT((nearest.point_m - Vector3(0.1, 0.2, 0.3)).norm(), 1e-15);
-    EXPECT_EQ(nearest.active.size(), 3U);
 }
 
 /// The conditions of a nearest point: it is allowed, it is on every active plane, and its offset
@@ -133,12 +114,6 @@ void expect_projector(const Matrix3 &P, int rank) {
     EXPECT_NEAR(P.trace(), rank, 1e-14);
 }
 
-TEST(AllowedMotion, IsAnyWithoutPlanes) {
-    const AllowedMotion motion = tangent_projector({});
-    EXPECT_EQ(motion.projector, Matrix3::Identity());
-    EXPECT_EQ(motion.blocked_directions, 0);
-}
-
 TEST(AllowedMotion, LeavesThePlaneOfAFaceTheLineOfAnEdgeAndNothingAtAVertex) {
     std::mt19937_64 random(2);
     for (int i = 0; i < 1000; ++i) {
@@ -171,6 +146,70 @@ TEST(AllowedMotion, CountsNearlyParallelPlanesAsOne) {
     const AllowedMotion two =
         tangent_projector(planes({{kUnitY, 0.0, 0}, {tilted(1.1e-6), 0.0, 0}}));
     EXPECT_EQ(two.blocked_directions, 2);
+}
+
+using testing::random_vector;
+
+Neighbourhood around(const HapticSurface &surface, const Vector3 &centre_m, double radius_m) {
+    SearchBudget budget{1'000'000};
+    Neighbourhood near;
+    surface.find_near(centre_m, radius_m, budget, near);
+    return near;
+}
+
+TEST(Neighbourhood, MissesNothingThatStopsAMotionWithinIt) {
+    std::mt19937_64 random(1);
+    int stopped = 0;
+    for (int mesh = 0; mesh < 40; ++mesh) {
+        const TriangleSoup soup = testing::random_soup(random, 300, 0.04, 0.01);
+        const HapticSurface surface(soup);
+        for (int i = 0; i < 50; ++i) {
+            const Neighbourhood near = around(surface, random_vector(random, 0.04), 0.02);
+            ASSERT_GT(near.radius_m(), 0.0);
+            ASSERT_LE(near.radius_m(), 0.02);
+            ASSERT_LE(near.size(), Neighbourhood::kCapacity);
+            const double inner_m = (near.radius_m() - kClearance_m) / std::sqrt(3.0);
+            const Vector3 from = near.centre_m() + random_vector(random, inner_m);
+            const Vector3 to = near.centre_m() + random_vector(random, inner_m);
+            ASSERT_TRUE(near.covers(from, kClearance_m));
+            SearchBudget budget{1'000'000};
+            const auto expected = surface.first_stop(from, to, kClearance_m, budget);
+            const auto found = surface.first_stop(near, from, to, kClearance_m, budget);
+            ASSERT_EQ(expected.has_value(), found.has_value());
+            if (expected) {
+                ++stopped;
+                ASSERT_EQ(expected->stop.fraction, found->stop.fraction);
+                ASSERT_EQ(expected->obstacle, found->obstacle);
+            }
+        }
+    }
+    EXPECT_GT(stopped, 100); // not vacuous
+}
+
+TEST(Neighbourhood, CoversNothingWhereMoreMeetThanItCanHold) {
+    // A fan of a hundred triangles about one point.
+    TriangleSoup fan;
+    for (int i = 0; i < 100; ++i) {
+        const auto rim = [](int k) {
+            const double angle = 0.0628 * k;
+            return Vector3(0.01 * std::cos(angle), 0.002 * (k % 2), 0.01 * std::sin(angle));
+        };
+        testing::add_triangle(fan, {Vector3::Zero(), rim(i), rim(i + 1)});
+    }
+    const HapticSurface surface(fan);
+    EXPECT_FALSE(around(surface, Vector3::Zero(), 1e-3).covers(Vector3::Zero(), 0.0));
+    EXPECT_TRUE(around(surface, Vector3(0, 0.005, 0), 1e-3).covers(Vector3(0, 0.005, 0), 0.9e-3));
+}
+
+TEST(Neighbourhood, ReportsHowFarAMotionStaysWithin) {
+    const HapticSurface surface(testing::icosphere(2, 0.05));
+    const Neighbourhood near = around(surface, Vector3(0.1, 0.0, 0.0), 0.01);
+    EXPECT_EQ(near.size(), 0);
+    const Vector3 from(0.095, 0.0, 0.0);
+    EXPECT_NEAR(near.covered_fraction(from, {0.125, 0.0, 0.0}, 1e-3), (0.109 - 0.095) / 0.03,
+                1e-12);
+    EXPECT_EQ(near.covered_fraction(from, {0.1, 0.008, 0.0}, 1e-3), 1.0);
+    EXPECT_FALSE(near.covers({0.1, 0.0095, 0.0}, 1e-3));
 }
 
 } // namespace
