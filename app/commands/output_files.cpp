@@ -1,7 +1,7 @@
 #include "app/commands/output_files.h"
 
 #include "base/input_error.h"
-#include "engine/scene/gltf_named_files.h"
+#include "engine/scene/gltf_file.h"
 
 #include <algorithm>
 #include <cerrno>

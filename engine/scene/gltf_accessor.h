@@ -1,6 +1,8 @@
-// Vertex attributes and indices of a glTF, from its accessors or its Draco data, with every bound
-// checked: the only code that reads the bytes of buffers.
+// Vertex attributes and indices of a glTF, from its accessors or its compressed data, with every
+// bound checked: the only code that reads the bytes of buffers.
 #pragma once
+
+#include "base/input_error.h"
 
 #include <array>
 #include <cstddef>
@@ -44,6 +46,19 @@ enum class Scaling : std::uint8_t {
     as_declared, ///< as the accessor's `normalized` says
     unit_range,  ///< always to [0, 1] or [−1, 1]: colours and normals
 };
+
+/// The item of one of the file's arrays.
+/// @param what it is, for the message: "material"
+/// @throw InputError for an index that is not in the file
+template <typename Item>
+[[nodiscard]] const Item &checked(const std::vector<Item> &items, int index,
+                                  const std::string &what) {
+    if (index < 0 || static_cast<std::size_t>(index) >= items.size()) {
+        throw InputError(what + " " + std::to_string(index) + " is not in the file, which has " +
+                         std::to_string(items.size()));
+    }
+    return items[static_cast<std::size_t>(index)];
+}
 
 /// The bytes of a buffer view.
 /// @throw InputError for a view that does not exist or does not lie within its buffer.
@@ -94,5 +109,14 @@ public:
 private:
     std::unique_ptr<draco::Mesh> mesh_;
 };
+
+inline constexpr const char *kMeshoptExtension = "EXT_meshopt_compression";
+
+/// Decodes every buffer view compressed in that way into a buffer of its own, to which the view
+/// then refers.
+/// @throw InputError naming the buffer view, for what is damaged, does not lie within its buffer,
+/// or
+///        is too large.
+void decode_meshopt_views(tinygltf::Model &model);
 
 } // namespace springdrive::scene::gltf

@@ -3,9 +3,7 @@
 #include "base/cancellation.h"
 #include "base/input_error.h"
 #include "engine/scene/gltf_accessor.h"
-#include "engine/scene/gltf_extensions.h"
 #include "engine/scene/gltf_json.h"
-#include "engine/scene/gltf_meshopt.h"
 #include "engine/scene/gltf_uri.h"
 
 #include <nlohmann/json.hpp>
@@ -14,6 +12,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <exception>
 #include <fstream>
 #include <limits>
 #include <span>
@@ -277,6 +276,29 @@ tinygltf::Model read_model(const std::filesystem::path &file, WarningList &warni
     }
     decode_meshopt_views(model);
     return model;
+}
+
+std::vector<std::filesystem::path> files_named_in(const std::filesystem::path &scene) noexcept {
+    std::vector<std::filesystem::path> files;
+    try {
+        const Bytes bytes = read_bytes(scene);
+        const json document = parse_json(is_glb(bytes) ? check_glb(bytes) : check_text(bytes));
+        for (const char *list : {"buffers", "images"}) {
+            for (const json &member : document.value(list, json::array())) {
+                if (!member.is_object() || !member.contains("uri") || !member["uri"].is_string()) {
+                    continue;
+                }
+                const std::string uri = member["uri"].get<std::string>();
+                if (!is_data_uri(uri)) {
+                    files.push_back(scene.parent_path() / uri);
+                    files.push_back(scene.parent_path() / percent_decoded(uri));
+                }
+            }
+        }
+    } catch (const std::exception &) {
+        return files; // loading it will say what is wrong
+    }
+    return files;
 }
 
 } // namespace springdrive::scene::gltf

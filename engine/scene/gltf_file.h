@@ -29,6 +29,11 @@ using Bytes = std::vector<unsigned char>;
 /// The folder in which `read_model` looks for buffers, and in which images are to be looked for.
 [[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path &file);
 
+/// The files that a glTF file refers to: its buffers and images that are files of their own. They
+/// are not opened. Nothing for a file that is missing or no glTF.
+[[nodiscard]] std::vector<std::filesystem::path>
+files_named_in(const std::filesystem::path &scene) noexcept;
+
 /// @throw InputError, without the file's name, for what is no ordinary file, is empty, cannot be
 ///        read or is larger than 2 GB.
 [[nodiscard]] Bytes read_bytes(const std::filesystem::path &file);

@@ -3,6 +3,7 @@
 #include "base/cancellation.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
+#include "engine/scene/gltf_accessor.h"
 
 #include <nlohmann/json.hpp>
 
@@ -13,7 +14,7 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <vector>
+#include <string_view>
 
 namespace springdrive::scene::gltf {
 
@@ -22,78 +23,6 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kDeepestJson = 100; // glTF itself needs about ten
-
-/// Follows the parser through a text that it refuses, to the place where it does.
-class PlaceOfError : public nlohmann::json_sax<json> {
-public:
-    bool null() override { return next(); }
-    bool boolean(bool /*value*/) override { return next(); }
-    bool number_integer(number_integer_t /*value*/) override { return next(); }
-    bool number_unsigned(number_unsigned_t /*value*/) override { return next(); }
-    bool number_float(number_float_t /*value*/, const string_t & /*text*/) override {
-        return next();
-    }
-    bool string(string_t & /*value*/) override { return next(); }
-    bool binary(binary_t & /*value*/) override { return next(); }
-    bool start_object(std::size_t /*elements*/) override { return begin(false); }
-    bool start_array(std::size_t /*elements*/) override { return begin(true); }
-    bool end_object() override { return end(); }
-    bool end_array() override { return end(); }
-    bool key(string_t &name) override {
-        levels_.back().key = name;
-        return true;
-    }
-    bool parse_error(std::size_t /*position*/, const std::string &last_read,
-                     const nlohmann::detail::exception &error) override {
-        constexpr int kNumberOutOfRange = 406;
-        if (error.id == kNumberOutOfRange) {
-            message_ = place() + " is " + one_line(last_read, 40) +
-                       "; it must be a number that is finite in double precision";
-        } else {
-            const std::string what = error.what(); // "[json.exception.…] parse error at …"
-            const std::size_t prefix = what.find("] ");
-            message_ = "is no valid glTF: " +
-                       one_line(prefix == std::string::npos ? what : what.substr(prefix + 2));
-        }
-        return false;
-    }
-
-    [[nodiscard]] const std::string &message() const { return message_; }
-
-private:
-    struct Level {
-        bool is_array;
-        std::size_t index = 0;
-        std::string key;
-    };
-
-    bool begin(bool is_array) {
-        levels_.push_back({is_array, 0, {}});
-        return true;
-    }
-    bool end() {
-        levels_.pop_back();
-        return next();
-    }
-    bool next() {
-        if (!levels_.empty()) {
-            ++levels_.back().index;
-        }
-        return true;
-    }
-    /// As JavaScript has it: "materials[0].emissiveFactor[2]".
-    [[nodiscard]] std::string place() const {
-        std::string path;
-        for (const Level &level : levels_) {
-            path += level.is_array ? "[" + std::to_string(level.index) + "]"
-                                   : (path.empty() ? "" : ".") + one_line(level.key, 40);
-        }
-        return path.empty() ? "its JSON" : path;
-    }
-
-    std::vector<Level> levels_;
-    std::string message_;
-};
 
 enum class Kind : std::uint8_t {
     integer,    ///< an index or a code; −1 also stands for none
@@ -314,6 +243,71 @@ void check_object(json &object, std::span<const Member> members, const std::stri
     }
 }
 
+constexpr std::string_view kSpecularGlossiness = "KHR_materials_pbrSpecularGlossiness";
+
+/// Extensions that are read, and those without which a scene has the same shape and base colours.
+/// The materials are those in the registry of ratified extensions,
+/// https://github.com/KhronosGroup/glTF/blob/main/extensions/README.md: what another one changes is
+/// not known.
+constexpr std::array<std::string_view, 20> kSupported = {kDracoExtension,
+                                                         kMeshoptExtension,
+                                                         "KHR_animation_pointer",
+                                                         "KHR_lights_punctual",
+                                                         "KHR_materials_anisotropy",
+                                                         "KHR_materials_clearcoat",
+                                                         "KHR_materials_dispersion",
+                                                         "KHR_materials_emissive_strength",
+                                                         "KHR_materials_ior",
+                                                         "KHR_materials_iridescence",
+                                                         "KHR_materials_sheen",
+                                                         "KHR_materials_specular",
+                                                         "KHR_materials_transmission",
+                                                         "KHR_materials_unlit",
+                                                         "KHR_materials_variants",
+                                                         "KHR_materials_volume",
+                                                         "KHR_mesh_quantization",
+                                                         "KHR_texture_transform",
+                                                         "KHR_xmp",
+                                                         "KHR_xmp_json_ld"};
+
+bool is_supported(std::string_view extension) {
+    return std::ranges::find(kSupported, extension) != kSupported.end();
+}
+
+json member_or(const json &object, const char *name, json otherwise) {
+    return object.is_object() ? object.value(name, std::move(otherwise)) : otherwise;
+}
+
+/// Each material needs a colour that can be drawn.
+void check_fallback(const json &document, std::string_view extension) {
+    std::size_t index = 0;
+    for (const json &material : member_or(document, "materials", json::array())) {
+        if (member_or(material, "extensions", json::object()).contains(extension) &&
+            !material.contains("pbrMetallicRoughness")) {
+            throw InputError("material " + std::to_string(index) + " needs the extension " +
+                             in_quotes(extension) +
+                             ", which is not supported; export it with metallic-roughness");
+        }
+        ++index;
+    }
+}
+
+/// "2.1" as 2 and 1; nothing for what is no version.
+std::array<int, 2> version_of(const std::string &text) {
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    const std::size_t point = text.find('.');
+    constexpr std::size_t kMaxDigits = 4;
+    const bool is_version =
+        point != std::string::npos && point > 0 && point <= kMaxDigits &&
+        text.size() - point - 1 > 0 && text.size() - point - 1 <= kMaxDigits &&
+        std::all_of(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(point), is_digit) &&
+        std::all_of(text.begin() + static_cast<std::ptrdiff_t>(point) + 1, text.end(), is_digit);
+    if (!is_version) {
+        return {0, 0};
+    }
+    return {std::stoi(text.substr(0, point)), std::stoi(text.substr(point + 1))};
+}
+
 } // namespace
 
 std::size_t json_nesting_depth(std::string_view text) {
@@ -341,11 +335,14 @@ json parse_json(std::string_view text) {
         throw InputError("nests its JSON deeper than " + std::to_string(kDeepestJson) +
                          " levels; no glTF does");
     }
-    json document = json::parse(text.begin(), text.end(), nullptr, /*allow_exceptions=*/false);
-    if (document.is_discarded()) {
-        PlaceOfError place;
-        (void)json::sax_parse(text.begin(), text.end(), &place);
-        throw InputError(place.message());
+    json document;
+    try {
+        document = json::parse(text.begin(), text.end());
+    } catch (const json::exception &error) { // "[json.exception.…] parse error at …"
+        const std::string what = error.what();
+        const std::size_t prefix = what.find("] ");
+        throw InputError("is no valid glTF: " +
+                         one_line(prefix == std::string::npos ? what : what.substr(prefix + 2)));
     }
     if (!document.is_object()) {
         throw InputError("is no valid glTF: its JSON is no object");
@@ -354,5 +351,41 @@ json parse_json(std::string_view text) {
 }
 
 void check_members(json &document) { check_object(document, kDocument, ""); }
+
+void check_versions_and_extensions(const json &document) {
+    const json &asset = document["asset"];
+    const auto version = asset["version"].get<std::string>();
+    if (version_of(version)[0] != 2) {
+        throw InputError("is glTF version " + in_quotes(version) + "; export it as glTF 2.0");
+    }
+    const auto minimum = asset.value("minVersion", std::string("2.0"));
+    if (version_of(minimum) != std::array{2, 0}) {
+        throw InputError("needs glTF version " + in_quotes(minimum) +
+                         " (its minVersion); export it as glTF 2.0");
+    }
+    for (const json &required : member_or(document, "extensionsRequired", json::array())) {
+        const auto extension = required.get<std::string>();
+        if (extension == kSpecularGlossiness) {
+            check_fallback(document, extension);
+        } else if (!is_supported(extension)) {
+            throw InputError("needs the extension " + in_quotes(extension) +
+                             ", which is not supported; export it without");
+        }
+    }
+}
+
+void warn_about_left_out(const json &document, WarningList &warnings) {
+    for (const json &used : member_or(document, "extensionsUsed", json::array())) {
+        const auto extension = used.get<std::string>();
+        if (!is_supported(extension)) {
+            warnings.add("extension " + in_quotes(extension) + " is left out");
+        }
+    }
+    if (const std::size_t count = member_or(document, "animations", json::array()).size();
+        count > 0) {
+        warnings.add(std::to_string(count) +
+                     " animation(s) are not played: the scene stands still");
+    }
+}
 
 } // namespace springdrive::scene::gltf

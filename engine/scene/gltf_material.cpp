@@ -21,15 +21,6 @@ namespace {
 
 constexpr std::size_t kMaxPixels = 134'217'728; // 512 MB once decoded, over all textures
 
-template <typename Item>
-const Item &checked(const std::vector<Item> &items, int index, const std::string &what) {
-    if (index < 0 || static_cast<std::size_t>(index) >= items.size()) {
-        throw InputError(what + " " + std::to_string(index) + " is not in the file, which has " +
-                         std::to_string(items.size()));
-    }
-    return items[static_cast<std::size_t>(index)];
-}
-
 /// Everything is drawn in single precision.
 /// @param what in messages: "material 3: baseColorFactor"
 /// @param is in messages, what it ought to be

@@ -3,7 +3,7 @@
 #include "base/assertions.h"
 #include "base/cancellation.h"
 #include "base/input_error.h"
-#include "engine/scene/visual_pieces.h"
+#include "engine/scene/visual_mesh.h"
 
 #include <tiny_gltf.h>
 

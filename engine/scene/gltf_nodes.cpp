@@ -3,7 +3,7 @@
 #include "base/cancellation.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
-#include "engine/scene/gltf_extras.h"
+#include "engine/scene/gltf_accessor.h"
 
 #include <tiny_gltf.h>
 
@@ -16,52 +16,6 @@
 namespace springdrive::scene::gltf {
 
 namespace {
-
-constexpr std::array<std::string_view, 2> kSides = {"one", "two"}; // TouchSides after automatic
-
-void read_friction(const Extras &extras, contact::SurfaceMaterial &material) {
-    constexpr double kMaximum = 10.0; // rubber reaches about 2; much more is a typing error
-    const std::string range = "a number from 0 to 10";
-    const auto at_rest = extras.number("static_friction", 0.0, kMaximum, range);
-    const auto sliding = extras.number("dynamic_friction", 0.0, kMaximum, range);
-    if (!at_rest && !sliding) {
-        return;
-    }
-    material.static_friction = at_rest ? *at_rest : *sliding;
-    material.dynamic_friction = sliding ? *sliding : *at_rest;
-    if (material.dynamic_friction > material.static_friction) {
-        extras.refuse("dynamic_friction",
-                      "a number from 0 to 10, not above its static_friction: what slides would "
-                      "otherwise stick again at once");
-    }
-}
-
-void read_sides(const Extras &extras, contact::SurfaceMaterial &material) {
-    if (const auto sides = extras.word("sides", kSides, "'one' or 'two'")) {
-        material.sides = *sides == 0 ? contact::TouchSides::one : contact::TouchSides::two;
-    }
-}
-
-/// A plate has no inside; a solid is touched from outside only.
-void check_sides(const TouchExtras &touch, const std::string &label) {
-    const bool is_plate = touch.shape == ShapeKind::plate;
-    const contact::TouchSides impossible =
-        is_plate ? contact::TouchSides::one : contact::TouchSides::two;
-    if (touch.shape && touch.material.sides == impossible) {
-        throw InputError(label + ": a " + name_of(*touch.shape) + " is touched from " +
-                         (is_plate ? "both sides; set extras.sides to 'two'"
-                                   : "outside only; set extras.sides to 'one'") +
-                         ", or leave it out");
-    }
-}
-
-std::size_t checked_index(int index, std::size_t size, const std::string &what) {
-    if (index < 0 || static_cast<std::size_t>(index) >= size) {
-        throw InputError(what + " " + std::to_string(index) + " is not in the file, which has " +
-                         std::to_string(size));
-    }
-    return static_cast<std::size_t>(index);
-}
 
 std::string label_of(const tinygltf::Model &model, std::size_t node) {
     const std::string &name = model.nodes[node].name;
@@ -81,12 +35,13 @@ std::string name_of(const tinygltf::Model &model, std::size_t index) {
 std::vector<int> root_nodes(const tinygltf::Model &model) {
     if (model.defaultScene >= 0 || !model.scenes.empty()) {
         const int scene = std::max(model.defaultScene, 0);
-        return model.scenes[checked_index(scene, model.scenes.size(), "scene")].nodes;
+        return checked(model.scenes, scene, "scene").nodes;
     }
     std::vector<bool> has_parent(model.nodes.size(), false);
     for (const tinygltf::Node &node : model.nodes) {
         for (const int child : node.children) {
-            has_parent[checked_index(child, model.nodes.size(), "child node")] = true;
+            static_cast<void>(checked(model.nodes, child, "child node"));
+            has_parent[static_cast<std::size_t>(child)] = true;
         }
     }
     std::vector<int> roots;
@@ -166,30 +121,6 @@ void push_all(std::vector<Visit> &stack, const std::vector<int> &nodes,
 
 } // namespace
 
-TouchExtras read_touch(const std::string &text, const TouchExtras &parent, const std::string &label,
-                       WarningList &warnings) {
-    const Extras extras(text, label, warnings);
-    TouchExtras touch = parent;
-    touch.shape.reset();
-    constexpr std::size_t kMaxCaption = 40;
-    touch.caption = extras.text("caption", kMaxCaption).value_or("");
-    if (const auto eta =
-            extras.number("eta", 0.0, 1.0, "a number from 0 (rigid) to 1 (free space)")) {
-        touch.material.eta = *eta;
-    }
-    read_friction(extras, touch.material);
-    read_sides(extras, touch.material);
-    if (const auto smooth = extras.flag("smooth")) {
-        touch.smooth = *smooth;
-    }
-    if (const auto shape = extras.word("shape", kShapeNames,
-                                       "'plate', 'sphere', 'box', 'cylinder' or 'capsule'")) {
-        touch.shape = static_cast<ShapeKind>(*shape);
-    }
-    check_sides(touch, label);
-    return touch;
-}
-
 std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model, WarningList &warnings) {
     std::vector<PlacedMesh> placed;
     std::vector<bool> seen(model.nodes.size(), false);
@@ -199,8 +130,8 @@ std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model, WarningList &
         stop_if_given_up();
         const Visit visit = stack.back();
         stack.pop_back();
-        const std::size_t index = checked_index(visit.node, model.nodes.size(), "node");
-        const tinygltf::Node &node = model.nodes[index];
+        const tinygltf::Node &node = checked(model.nodes, visit.node, "node");
+        const auto index = static_cast<std::size_t>(visit.node);
         const std::string label = label_of(model, index);
         if (seen[index]) {
             throw InputError(label + " is reached twice; glTF nodes must form a tree, without "
@@ -214,7 +145,7 @@ std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model, WarningList &
         const TouchExtras touch =
             read_touch(node.extras_json_string, visit.parent_touch, label, warnings);
         if (node.mesh >= 0) {
-            checked_index(node.mesh, model.meshes.size(), label + ": mesh");
+            static_cast<void>(checked(model.meshes, node.mesh, label + ": mesh"));
             placed.push_back(
                 {name_of(model, index), label, node.mesh, to_world, touch, node.skin >= 0});
             placed.back().touch.material.name = placed.back().name;

@@ -1,14 +1,11 @@
-// The node graph of a glTF, flattened, and what its "extras" say: which meshes are placed where,
-// and how they feel. The keys are those that `load_gltf` documents.
+// The node graph of a glTF, flattened: which meshes are placed where, and how they feel.
 #pragma once
 
-#include "engine/contact/mesh/surface_material.h"
-#include "engine/scene/shape_fit.h"
+#include "engine/scene/gltf_extras.h"
 #include "engine/scene/warning_list.h"
 
 #include <Eigen/Geometry>
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,26 +14,6 @@ class Model;
 }
 
 namespace springdrive::scene::gltf {
-
-/// What a node's extras say about touch. All but `shape` and `caption` pass from a node to its
-/// children.
-struct TouchExtras {
-    contact::SurfaceMaterial material;
-    bool smooth = false;            ///< touched and drawn as the curved surface of its normals
-    std::optional<ShapeKind> shape; ///< touched as this instead of as its triangles
-    std::string caption;            ///< shown on it; may be empty
-};
-
-/// A node's touch. A node that gives one coefficient of friction gives both: the other is the same.
-/// @param text JSON of its extras
-/// @param parent what its parent passes on
-/// @param label of the node, for messages
-/// @param warnings gains the values of a wrong type, out of range or unknown: another program's,
-///        which may use the same names; they are left out
-/// @throw InputError for dynamic friction above static, and for a shape that cannot be touched from
-///        the sides that it asks for.
-[[nodiscard]] TouchExtras read_touch(const std::string &text, const TouchExtras &parent,
-                                     const std::string &label, WarningList &warnings);
 
 /// A node that holds a mesh.
 struct PlacedMesh {

@@ -4,6 +4,7 @@
 #include "base/input_error.h"
 #include "engine/scene/gltf.h"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -234,6 +235,15 @@ inline std::vector<std::array<Vector3, 3>> corners_of(const contact::TriangleSou
                            surface.vertices_m[triangle[2]]});
     }
     return corners;
+}
+
+/// What the triangles enclose, in cubic units; negative where they are wound inwards.
+inline double volume_of(const contact::TriangleSoup &surface) {
+    double six_volumes = 0.0;
+    for (const auto &[a, b, c] : corners_of(surface)) {
+        six_volumes += a.dot(b.cross(c));
+    }
+    return six_volumes / 6.0;
 }
 
 } // namespace springdrive::scene

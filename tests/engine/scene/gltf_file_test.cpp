@@ -1,5 +1,8 @@
+// Covers engine/scene/gltf_file.cpp, gltf_json.cpp and gltf_uri.cpp.
 #include "engine/scene/gltf_file.h"
 
+#include "engine/scene/gltf_json.h"
+#include "engine/scene/gltf_uri.h"
 #include "tests/engine/scene/gltf_builder.h"
 
 namespace springdrive::scene {
@@ -31,9 +34,12 @@ TEST(GltfFile, TextAndBinaryGiveTheSameScene) {
 TEST(GltfFile, BuffersBesideTheFileAreRead) {
     const GltfBuilder builder = one_triangle();
     const TemporaryFolder folder;
-    folder.write("my data.bin", builder.buffer);
+    folder.write("my data.bin", builder.buffer + "and more");
     const auto file = folder.write("scene.gltf", builder.json("my%20data.bin"));
-    EXPECT_EQ(load_gltf(file, small_workspace()).surface.triangles.size(), 1U);
+    const auto relative = std::filesystem::relative(file, std::filesystem::current_path());
+    for (const std::filesystem::path &path : {file, relative}) {
+        EXPECT_EQ(load_gltf(path, small_workspace()).surface.triangles.size(), 1U);
+    }
     const auto binary = folder.write("empty.gltf", builder.json("absent.bin"));
     expect_message(failure_of_file(binary), "absent.bin");
     folder.write("short.bin", "abc");
@@ -41,16 +47,6 @@ TEST(GltfFile, BuffersBesideTheFileAreRead) {
     expect_message(failure_of_file(mismatch), "short.bin");
     const auto a_folder = folder.write("folder.gltf", builder.json("."));
     EXPECT_NE(failure_of_file(a_folder), "loaded");
-}
-
-TEST(GltfFile, ARelativePathFindsItsBuffers) {
-    const GltfBuilder builder = one_triangle();
-    const TemporaryFolder folder;
-    folder.write("data.bin", builder.buffer);
-    const auto file = folder.write("scene.gltf", builder.json("data.bin"));
-    const auto here = std::filesystem::current_path();
-    const auto relative = std::filesystem::relative(file, here);
-    EXPECT_EQ(load_gltf(relative, small_workspace()).surface.triangles.size(), 1U);
 }
 
 TEST(GltfFile, SaysWhatIsWrongWithTheFileItself) {
@@ -64,15 +60,6 @@ TEST(GltfFile, SaysWhatIsWrongWithTheFileItself) {
     expect_message(failure_of("{\"asset\": \n{\"version\": \n oops"), "is no valid glTF");
     expect_message(failure_of("{}"), "is no valid glTF");
     expect_message(failure_of("glTF"), "is truncated: 4 bytes");
-}
-
-TEST(GltfFile, RefusesOtherVersions) {
-    GltfBuilder builder = one_triangle();
-    builder.asset = R"({"version": "1.0"})";
-    expect_failure(builder, "is glTF version '1.0'");
-    std::string glb = one_triangle().glb();
-    glb[4] = 1;
-    expect_message(failure_of(glb), "is .glb version 1");
 }
 
 TEST(GltfFile, EveryTruncationOfABinaryFileIsRefused) {
@@ -96,6 +83,7 @@ TEST(GltfFile, BinaryChunksMustLieWithinTheFile) {
     expect_message(failure_of(with_number(12, 0xffffffff)), "is damaged");
     // Longer by the chunk's own header: within the file's length, but eight bytes too many.
     expect_message(failure_of(with_number(binary_chunk, 36 + 8)), "is damaged");
+    expect_message(failure_of(with_number(4, 1)), "is .glb version 1");
     expect_message(failure_of(with_number(8, 12)), "first .glb chunk is no JSON");
     expect_message(failure_of(with_number(16, 0x12345678)), "first .glb chunk is no JSON");
 }
@@ -104,29 +92,22 @@ TEST(GltfFile, DeeplyNestedJsonIsRefusedBeforeItIsParsed) {
     const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
     expect_message(failure_of(R"({"asset": {"version": "2.0"}, "extras": )" + deep + "}"),
                    "nests its JSON deeper than 100");
+    using gltf::json_nesting_depth; // which counts brackets outside of strings only
+    EXPECT_EQ(json_nesting_depth(R"({"a": [{"b": []}, {}], "c": []})"), 4U);
+    EXPECT_EQ(json_nesting_depth(R"({"[[[[\"[[[[": "{{{{"})"), 1U);
+    EXPECT_EQ(json_nesting_depth("]]]]{\"\\"), 1U);
 }
 
-TEST(GltfFile, WrongTypesInTheJsonAreRefusedOrHarmless) {
-    // The message is one line whatever tinygltf or its JSON library says.
+TEST(GltfFile, WrongTypesInTheJsonAreRefusedInOneLine) {
     for (const std::string members :
          {R"("buffers": [3])", R"("buffers": [{"byteLength": "many"}])", R"("meshes": [null])",
           R"("meshes": [{"primitives": [7]}])", R"("nodes": ["a"])", R"("accessors": [{}])",
-          R"("meshes": {"primitives": []})", R"("buffers": [{"byteLength": 0, "uri": ""}])",
+          R"("buffers": [{"byteLength": 0, "uri": ""}])", R"("scene": "first")",
           R"("nodes": [{"matrix": ["a"], "children": {"b": 1}}], "scenes": [[]])",
           R"("bufferViews": [{"buffer": 0.5, "byteLength": 1e30}])",
-          R"("images": [{"uri": "a", "bufferView": 0}])", R"("scene": "first")"}) {
-        const std::string text = R"({"asset": {"version": "2.0"}, )" + members + "}";
-        EXPECT_NE(failure_of(text), "") << text;
+          R"("images": [{"uri": "a", "bufferView": 0}])"}) {
+        EXPECT_NE(failure_of(R"({"asset": {"version": "2.0"}, )" + members + "}"), "") << members;
     }
-}
-
-TEST(GltfFile, ALongDataUriIsNotRepeatedInTheMessage) {
-    GltfBuilder builder = one_triangle();
-    builder.buffer.resize(100'000);
-    std::string text = builder.gltf();
-    text.replace(text.find("\"byteLength\": 100000"), 20, "\"byteLength\": 100001");
-    EXPECT_EQ(line_of_failure(text), "buffer 0: its data: URI has 100000 bytes, but its byteLength "
-                                     "is 100001; copy or export it again");
 }
 
 /// Files as other programs make them: valid, and more than the least that glTF asks for.
@@ -173,6 +154,9 @@ std::vector<Accepted> accepted_files() {
     text.insert(text.find("}]", text.find("\"buffers\"")) + 1, R"(, {"byteLength": 8})");
     files.push_back({"a buffer without uri that nothing refers to", text, 1});
     text = builder.gltf();
+    text.insert(1, R"("extensions": [3], "extras": {"byteOffset": -4}, )");
+    files.push_back({"members of other programs", text, 1});
+    text = builder.gltf();
     text.replace(text.find("\"count\": 3"), 10, "\"count\": 3.0");
     files.push_back({"whole numbers with a fraction of zero", text, 1});
     return files;
@@ -186,14 +170,6 @@ TEST(GltfFile, ValidFilesOfOtherProgramsLoad) {
             ADD_FAILURE() << file.what << ": " << error.what();
         }
     }
-}
-
-TEST(GltfFile, OnlyABuffersOwnBytesAreReadOfALongerFile) {
-    const GltfBuilder builder = one_triangle();
-    const TemporaryFolder folder;
-    folder.write("long.bin", builder.buffer + "and more");
-    const auto file = folder.write("scene.gltf", builder.json("long.bin"));
-    EXPECT_EQ(load_gltf(file, small_workspace()).surface.triangles.size(), 1U);
 }
 
 TEST(GltfFile, TheBinaryChunkIsTheFirstBuffersOnly) {
@@ -234,13 +210,28 @@ std::vector<Refused> refused_files() {
         R"(node 1: its children is {"b":1}; it must be an array of whole numbers)");
     add("a primitive that is none", R"("meshes": [{"primitives": [{"attributes": {}}, 7]}])",
         "mesh 0: primitive 1 is 7; it must be an object");
-    add("an infinite colour",
-        R"("materials": [{}, {"pbrMetallicRoughness": {"baseColorFactor": [0, 1e999, 0, 1]}}])",
-        "materials[1].pbrMetallicRoughness.baseColorFactor[1] is 1e999; it must be a number that "
-        "is finite in double precision");
+    add("a number that no double holds",
+        R"("materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0, 1e999, 0, 1]}}])",
+        "is no valid glTF: number overflow parsing '1e999'");
     add("no JSON", R"("nodes": [{]})",
         "is no valid glTF: parse error at line 1, column 42: syntax error while parsing object key "
         "- unexpected ']'; expected string literal");
+    const auto with_offset = [&](const std::string &offset, const std::string &line) {
+        add("an offset",
+            R"("accessors": [{"componentType": 5126, "count": 1, "type": "VEC3", )" + offset + "}]",
+            "accessor 0: " + line);
+    };
+    with_offset(R"("byteOffset": 4.5)", "its byteOffset is 4.5; it must be a whole number from 0");
+    with_offset(R"("byteOffset": "4")",
+                R"(its byteOffset is "4"; it must be a whole number from 0)");
+    with_offset(R"("byteOffset": null)",
+                "its byteOffset is null; it must be a whole number from 0");
+    with_offset(R"("sparse": {"count": 1, "indices": {"bufferView": 0, "componentType": 5121},
+                              "values": {"bufferView": 0, "byteOffset": -1}})",
+                "sparse: values: its byteOffset is -1; it must be a whole number from 0 to "
+                "2147483647");
+    add("a stride", R"("bufferViews": [{"buffer": 0, "byteLength": 4, "byteStride": -12}])",
+        "buffer view 0: its byteStride is -12; it must be a whole number from 0");
     add("no length", R"("buffers": [{}])", "buffer 0 has no byteLength");
     add("an index that wraps around", R"("nodes": [{"mesh": 4294967296}])",
         "node 0: its mesh is 4294967296; it must be a whole number of 32 bits");
@@ -255,9 +246,189 @@ std::vector<Refused> refused_files() {
 }
 
 TEST(GltfFile, RefusedFilesAreToldWhatIsWrongAndWhere) {
+    EXPECT_EQ(line_of_failure("{}"), "is no valid glTF: it has no asset");
     for (const Refused &file : refused_files()) {
         EXPECT_EQ(line_of_failure(file.text), file.line) << file.what;
     }
+}
+
+GltfBuilder requiring(const std::string &extension) {
+    GltfBuilder builder = one_triangle();
+    builder.more = R"("extensionsRequired": [")" + extension + "\"], ";
+    return builder;
+}
+
+TEST(GltfExtensions, ThoseWithoutEffectOnTheShapeMayBeRequired) {
+    for (const char *fine :
+         {"KHR_mesh_quantization", "KHR_materials_unlit", "KHR_materials_clearcoat",
+          "KHR_texture_transform", "KHR_animation_pointer", "EXT_meshopt_compression"}) {
+        EXPECT_EQ(load(requiring(fine)).surface.triangles.size(), 1U) << fine;
+    }
+}
+
+TEST(GltfExtensions, OthersThatAreRequiredAreNamed) {
+    for (const std::string lacking :
+         {"KHR_texture_basisu", "EXT_mesh_gpu_instancing", "KHR_materials_", "KHR_materials_velvet",
+          "KHR_materials_unlit2", "KHR_node_visibility", ""}) {
+        EXPECT_EQ(line_of_failure(requiring(lacking).gltf()),
+                  "needs the extension '" + lacking +
+                      "', which is not supported; export it without");
+    }
+}
+
+TEST(GltfExtensions, RequiredSpecularGlossinessNeedsAnotherColourBesideIt) {
+    const std::string extension = "KHR_materials_pbrSpecularGlossiness";
+    GltfBuilder builder = requiring(extension);
+    const std::string members = R"("extensions": {")" + extension + R"(": {}})";
+    builder.materials = {"{}", "{" + members + R"(, "pbrMetallicRoughness": {}})"};
+    EXPECT_EQ(load(builder).surface.triangles.size(), 1U);
+    builder.materials.push_back("{" + members + "}");
+    EXPECT_EQ(line_of_failure(builder.gltf()),
+              "material 2 needs the extension '" + extension +
+                  "', which is not supported; export it with metallic-roughness");
+    builder.more = R"("extensionsUsed": [")" + extension + "\"], ";
+    EXPECT_TRUE(has_warning(load(builder), "extension '" + extension + "' is left out"));
+}
+
+TEST(GltfExtensions, WhatIsLeftOutIsWarnedOf) {
+    GltfBuilder builder = one_triangle();
+    builder.more = R"("extensionsUsed": ["EXT_mesh_gpu_instancing", "KHR_materials_velvet"],
+                      "animations": [{}, {}], )";
+    const Scene scene = load(builder);
+    EXPECT_TRUE(has_warning(scene, "extension 'EXT_mesh_gpu_instancing' is left out"));
+    EXPECT_TRUE(has_warning(scene, "extension 'KHR_materials_velvet' is left out"));
+    EXPECT_TRUE(has_warning(scene, "2 animation(s) are not played"));
+}
+
+TEST(GltfExtensions, AMinimumVersionAboveOursIsRefused) {
+    GltfBuilder builder = one_triangle();
+    for (const std::string fine : {R"("2.0")", R"("2.1")", R"("2.1", "minVersion": "2.0")"}) {
+        builder.asset = R"({"version": )" + fine + "}";
+        EXPECT_EQ(load(builder).surface.triangles.size(), 1U) << fine;
+    }
+    for (const std::string minimum : {"2.1", "3.0", "2", "", "2.0.1", "two", "2.00000000000000"}) {
+        builder.asset = R"({"version": "2.1", "minVersion": ")" + minimum + "\"}";
+        EXPECT_EQ(line_of_failure(builder.gltf()),
+                  "needs glTF version '" + minimum + "' (its minVersion); export it as glTF 2.0");
+    }
+    for (const std::string version : {"1.0", "20.0", "2", "2.", ".0", "2.x"}) {
+        builder.asset = R"({"version": ")" + version + "\"}";
+        EXPECT_EQ(line_of_failure(builder.gltf()),
+                  "is glTF version '" + version + "'; export it as glTF 2.0");
+    }
+}
+
+std::string text_of(const gltf::Bytes &bytes) { return {bytes.begin(), bytes.end()}; }
+
+template <typename Step> std::string refusal_of(Step &&step) {
+    try {
+        step();
+    } catch (const InputError &error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(GltfUri, DataInBase64OrPercentEncodedComeOutAlike) {
+    const std::string bytes("\0\x01 any%\xff\"bytes", 13);
+    for (std::size_t length = 0; length <= bytes.size(); ++length) {
+        const std::string part = bytes.substr(0, length);
+        EXPECT_EQ(text_of(gltf::decode_data_uri("data:;base64," + to_base64(part))), part);
+        EXPECT_EQ(
+            text_of(gltf::decode_data_uri("data:text/plain;charset=x," + percent_encoded(part))),
+            part);
+    }
+    EXPECT_EQ(text_of(gltf::decode_data_uri("data:;base64,YQ%3D%3D")), "a"); // an encoded '='
+    EXPECT_EQ(text_of(gltf::decode_data_uri("data:;base64,YQ")), "a");
+    EXPECT_EQ(text_of(gltf::decode_data_uri("data:,100%,%4")), "100%,%4");
+}
+
+TEST(GltfUri, DamagedDataAreRefused) {
+    EXPECT_EQ(refusal_of([] { (void)gltf::decode_data_uri("data:;base64"); }),
+              "is damaged: it has no comma; export it again");
+    EXPECT_EQ(refusal_of([] { (void)gltf::decode_data_uri("data:;base64,AA=A"); }),
+              "is damaged: character 3 of its data is no base64 digit; export it "
+              "again");
+}
+
+/// A folder with a scene's folder in it, and a file in each.
+class Folders : public TemporaryFolder {
+public:
+    Folders() {
+        std::filesystem::create_directories(scene() / "textures");
+        write("secret.bin", "secret");
+        write("scene/data.bin", "data");
+        write("scene/textures/wood.png", "wood");
+    }
+    [[nodiscard]] std::filesystem::path scene() const { return path() / "scene"; }
+};
+
+TEST(GltfUri, FilesWithinTheScenesFolderAreRead) {
+    const Folders folders;
+    for (const auto &[uri, bytes] :
+         std::vector<std::pair<std::string, std::string>>{{"data.bin", "data"},
+                                                          {"./data.bin", "data"},
+                                                          {"textures/../data.bin", "data"},
+                                                          {"textures/wood.png", "wood"},
+                                                          {"textures/%77ood.png", "wood"}}) {
+        EXPECT_EQ(text_of(gltf::read_uri(uri, folders.scene(), 100)), bytes) << uri;
+    }
+    EXPECT_EQ(text_of(gltf::read_uri("data.bin", folders.scene(), 3)), "dat");
+}
+
+TEST(GltfUri, LinksMayLeadToFilesWithinTheScenesFolder) {
+    const Folders folders;
+    std::filesystem::create_symlink("textures/wood.png", folders.scene() / "link.png");
+    std::filesystem::create_symlink(folders.scene(), folders.path() / "other_name");
+    EXPECT_EQ(text_of(gltf::read_uri("link.png", folders.scene(), 100)), "wood");
+    EXPECT_EQ(text_of(gltf::read_uri("link.png", folders.path() / "other_name", 100)), "wood");
+}
+
+TEST(GltfUri, FilesOutsideAreRefusedAlikeWhetherTheyExistOrNot) {
+    const Folders folders;
+    std::filesystem::create_symlink(folders.path() / "secret.bin", folders.scene() / "link.bin");
+    std::filesystem::create_symlink(folders.path() / "none.bin", folders.scene() / "dead.bin");
+    std::filesystem::create_symlink("..", folders.scene() / "up");
+    const std::string outside =
+        "lies outside the scene's folder and is not read; put the file there";
+    const std::string not_relative = "is not relative to the scene's file and is not read; put the "
+                                     "file into the scene's folder";
+    const std::string by_link =
+        "lies outside the scene's folder, by way of a link, and is not read; "
+        "put the file there";
+    const std::string absolute = (folders.path() / "secret.bin").string();
+    struct Case {
+        std::string uri;
+        std::string why;
+    };
+    for (const Case &one : std::vector<Case>{{"../secret.bin", outside},
+                                             {"../none.bin", outside},
+                                             {"%2e%2e/secret.bin", outside},
+                                             {"textures/../../secret.bin", outside},
+                                             {"../scene/data.bin", outside},
+                                             {"..", outside},
+                                             {"data.bin%00.png", outside},
+                                             {"/none.bin", not_relative},
+                                             {"file:///etc/passwd", not_relative},
+                                             {"http://example.org/a.bin", not_relative},
+                                             {"C:\\data.bin", not_relative},
+                                             {"link.bin", by_link},
+                                             {"dead.bin", by_link},
+                                             {"up/secret.bin", by_link},
+                                             {"up/none.bin", by_link}}) {
+        EXPECT_EQ(refusal_of([&] { (void)gltf::read_uri(one.uri, folders.scene(), 100); }), one.why)
+            << one.uri;
+    }
+    EXPECT_EQ(refusal_of([&] { (void)gltf::read_uri(absolute, folders.scene(), 100); }),
+              not_relative);
+}
+
+TEST(GltfUri, WhatIsNoFileIsRefused) {
+    const Folders folders;
+    EXPECT_EQ(refusal_of([&] { (void)gltf::read_uri("textures", folders.scene(), 9); }),
+              "cannot be read: it is no ordinary file");
+    EXPECT_EQ(refusal_of([&] { (void)gltf::read_uri("none.png", folders.scene(), 9); }),
+              "cannot be read: there is no such file");
 }
 
 } // namespace

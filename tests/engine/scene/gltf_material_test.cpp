@@ -286,19 +286,6 @@ TEST(GltfMaterial, ImagesThatCannotBeHadAreWarnedOfAndLeftOut) {
     EXPECT_TRUE(has_warning(load(webp), "extension 'EXT_texture_webp' is left out"));
 }
 
-TEST(GltfMaterial, ColoursBeyondSinglePrecisionAreRefused) {
-    GltfBuilder builder = textured(embedded_image());
-    builder.materials = {R"({"pbrMetallicRoughness": {"baseColorFactor": [1, 1e39, 1, 1]}})"};
-    EXPECT_EQ(line_of_failure(builder.gltf()),
-              "node 'picture': material 0: baseColorFactor is 1e+39; a colour is from 0 to 1, and "
-              "must be finite in single precision");
-    builder.materials = {R"({"emissiveFactor": [1, 1, 1], "extensions":
-                             {"KHR_materials_emissive_strength": {"emissiveStrength": 1e39}}})"};
-    EXPECT_EQ(line_of_failure(builder.gltf()),
-              "node 'picture': material 0: emissiveFactor is 1e+39; a colour is from 0 to 1, and "
-              "must be finite in single precision");
-}
-
 TEST(GltfMaterial, RefusesReferencesToWhatIsNotThere) {
     GltfBuilder builder = textured(embedded_image());
     builder.textures = {R"({"source": 1})"};
@@ -403,11 +390,6 @@ TEST(GltfMaterial, EmissionWhoseTextureCannotBeDrawnIsLeftOut) {
     const Scene without = load(emissive("", R"(, "texCoord": 1)"));
     EXPECT_EQ(without.meshes.front().emission, kDark);
     EXPECT_TRUE(has_warning(without, "node 'picture': it has a texture but no TEXCOORD_1"));
-}
-
-TEST(GltfMaterial, DoubleSidedComesThrough) {
-    GltfBuilder builder = textured(embedded_image(), R"(, "doubleSided": true)");
-    EXPECT_TRUE(load(builder).meshes.front().double_sided);
 }
 
 } // namespace

@@ -1,5 +1,6 @@
+// Covers engine/scene/gltf_mesh.cpp and gltf.cpp: what is touched and drawn of a file.
+#include "engine/scene/gltf.h"
 #include "engine/scene/gltf_mesh.h"
-
 #include "tests/engine/scene/gltf_builder.h"
 
 #include <Eigen/Geometry>
@@ -76,18 +77,6 @@ TEST(GltfPrimitive, FanIsTheListThatTheSpecificationSpellsOut) {
     expect_same_surface(load_primitive(zigzag(7), R"(, "mode": 6)").surface, expected.surface);
 }
 
-TEST(GltfPrimitive, AFlatStripLooksOneWayThroughout) {
-    std::vector<float> flat = zigzag(9);
-    for (std::size_t i = 2; i < flat.size(); i += 3) {
-        flat[i] = 0.0F;
-    }
-    for (const auto &[a, b, c] : corners_of(load_primitive(flat, R"(, "mode": 5)").surface)) {
-        const Vector3 u = b - a;
-        const Vector3 v = c - a;
-        EXPECT_LT(u.x() * v.y() - u.y() * v.x(), 0.0);
-    }
-}
-
 TEST(GltfPrimitive, EveryIndexWidthGivesTheSameSurface) {
     const std::vector<std::uint8_t> narrow = {6, 4, 5, 0, 1, 2, 3, 6, 1};
     const std::vector<std::uint16_t> middle(narrow.begin(), narrow.end());
@@ -144,24 +133,6 @@ TEST(GltfPrimitive, QuantisedPositionsAreScaledAsDeclared) {
     EXPECT_DOUBLE_EQ(plain[2].y(), -32.768);
 }
 
-TEST(GltfPrimitive, BytePositionsAreReadSignedAndUnsigned) {
-    GltfBuilder builder;
-    builder.asset = kMetres;
-    const std::vector<std::int8_t> bytes = {0, 0, 0, 0, -5, 0, 0, 0, 0, 7, 0, 0};
-    const int view = builder.add_view({reinterpret_cast<const char *>(bytes.data()), 12},
-                                      R"(, "byteStride": 4)");
-    for (const int type : {kByte, kUnsignedByte}) {
-        builder.accessors = {R"({"bufferView": )" + std::to_string(view) +
-                             R"(, "componentType": )" + std::to_string(type) +
-                             R"(, "count": 3, "type": "VEC3"})"};
-        builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}}]})"};
-        builder.nodes = {R"({"mesh": 0})"};
-        const auto vertices = load(builder).surface.vertices_m;
-        EXPECT_EQ(vertices[1], Vector3(type == kByte ? -5.0 : 251.0, 0, 0));
-        EXPECT_EQ(vertices[2], Vector3(0, 7, 0));
-    }
-}
-
 TEST(GltfPrimitive, RefusesWhatDoesNotFitTogether) {
     const auto failing = [](const std::string &primitive, const std::string &message) {
         GltfBuilder builder = one_triangle(R"("name": "bad")");
@@ -196,20 +167,6 @@ TEST(GltfPrimitive, RefusesPositionsThatAreNotFinite) {
     }
 }
 
-TEST(GltfPrimitive, AssemblyKeepsEveryCornerInRange) {
-    std::mt19937_64 random(11);
-    for (int trial = 0; trial < 100; ++trial) {
-        std::vector<std::uint32_t> corners(random() % 40);
-        for (std::uint32_t &corner : corners) {
-            corner = static_cast<std::uint32_t>(random() % 1000);
-        }
-        const std::size_t n = corners.size();
-        EXPECT_EQ(gltf::assemble_triangles(4, corners).size(), n / 3);
-        EXPECT_EQ(gltf::assemble_triangles(5, corners).size(), n < 3 ? 0 : n - 2);
-        EXPECT_EQ(gltf::assemble_triangles(6, corners).size(), n < 3 ? 0 : n - 2);
-    }
-}
-
 constexpr float kFloatRounding = 1e-6F; // of unit vectors and colours
 
 Vector3 normal_of(const VisualVertex &vertex) {
@@ -218,15 +175,6 @@ Vector3 normal_of(const VisualVertex &vertex) {
 
 Vector3 position_of(const VisualVertex &vertex) {
     return {vertex.position_m[0], vertex.position_m[1], vertex.position_m[2]};
-}
-
-/// Twice the volume's triple: six times what the triangles enclose, positive when wound outwards.
-double six_volumes(const contact::TriangleSoup &surface) {
-    double sum = 0.0;
-    for (const auto &[a, b, c] : corners_of(surface)) {
-        sum += a.dot(b.cross(c));
-    }
-    return sum;
 }
 
 /// The tetrahedron with unit legs along the axes: volume 1/6.
@@ -244,12 +192,12 @@ GltfBuilder tetrahedron(const std::string &node_members) {
 TEST(GltfMesh, MirroredNodesAreStillWoundOutwards) {
     for (const char *scale : {"[1, 1, 1]", "[-1, 1, 1]", "[1, -1, -1]", "[-1, -1, -1]"}) {
         const Scene scene = load(tetrahedron(R"("scale": )" + std::string(scale)));
-        EXPECT_DOUBLE_EQ(six_volumes(scene.surface), 1.0) << scale;
+        EXPECT_DOUBLE_EQ(volume_of(scene.surface), 1.0 / 6.0) << scale;
     }
     // A mirror in a parent counts as much as one in the node, and two cancel.
     GltfBuilder builder = tetrahedron(R"("scale": [-1, 1, 1])");
     builder.nodes.emplace_back(R"({"children": [0], "scale": [1, -2, 1]})");
-    EXPECT_DOUBLE_EQ(six_volumes(load(builder).surface), 2.0);
+    EXPECT_DOUBLE_EQ(volume_of(load(builder).surface), 2.0 / 6.0);
 }
 
 TEST(GltfMesh, MissingNormalsBecomeTheFlatOnesOfEachTriangle) {
@@ -371,11 +319,143 @@ TEST(GltfMesh, OpaqueMaterialsIgnoreAlpha) {
     EXPECT_EQ(opaque[0][3], 1.0F);
 }
 
-TEST(GltfMesh, WithoutMaterialItIsWhiteAndSingleSided) {
-    const VisualMesh mesh = load(one_triangle()).meshes.front();
-    EXPECT_EQ(mesh.vertices[0].colour, (std::array<float, 4>{1, 1, 1, 1}));
-    EXPECT_FALSE(mesh.double_sided);
-    EXPECT_EQ(mesh.texture, -1);
+constexpr double kFittedRounding_m = 1e-12; // a few double operations on metres
+
+TEST(Gltf, ASceneWithoutUnitsIsFittedAndCentred) {
+    GltfBuilder builder = one_triangle();
+    builder.asset = R"({"version": "2.0"})";
+    const Scene scene = load(builder);
+    // ½ × ¼ units into 60 % of 0.2 × 0.1 m: both axes ask for 0.24 m a unit.
+    EXPECT_FALSE(scene.in_metres);
+    EXPECT_NEAR(scene.metres_per_unit, 0.24, kFittedRounding_m);
+    EXPECT_LT((scene.lower_m - Vector3(-0.06, 0.0, -0.015)).norm(), kFittedRounding_m);
+    EXPECT_LT((scene.upper_m - Vector3(0.06, 0.06, -0.015)).norm(), kFittedRounding_m);
+    EXPECT_LT((scene.surface.vertices_m[1] - Vector3(0.06, 0.0, -0.015)).norm(), kFittedRounding_m);
+    EXPECT_FLOAT_EQ(scene.meshes[0].vertices[1].position_m[0], 0.06F);
+    EXPECT_EQ(scene.file.filename(), "scene.gltf");
+}
+
+TEST(Gltf, MetresAreTakenAsTheyStandFromAssetOrScene) {
+    GltfBuilder builder = one_triangle();
+    EXPECT_EQ(load(builder).surface.vertices_m[1], Vector3(0.5, 0, 0));
+    builder.asset = R"({"version": "2.0"})";
+    builder.scenes = {R"({"nodes": [0], "extras": {"units": "m"}})"};
+    const Scene scene = load(builder);
+    EXPECT_TRUE(scene.in_metres);
+    EXPECT_EQ(scene.metres_per_unit, 1.0);
+    EXPECT_EQ(scene.surface.vertices_m[1], Vector3(0.5, 0, 0));
+    EXPECT_EQ(scene.upper_m, Vector3(0.5, 0.25, 0));
+}
+
+TEST(Gltf, OtherUnitsAreAnotherProgramsAndTheSceneIsFitted) {
+    const std::string other = ": left out as another program's; it would have to be 'm' (metres)";
+    const auto expect_fitted = [&](const GltfBuilder &builder, const std::string &warning) {
+        const Scene scene = load(builder);
+        EXPECT_FALSE(scene.in_metres);
+        EXPECT_TRUE(has_warning(scene, warning + other)) << warning;
+    };
+    GltfBuilder builder = one_triangle();
+    builder.asset = R"({"version": "2.0", "extras": {"units": "centimeters"}})";
+    expect_fitted(builder, "asset: extras.units is 'centimeters'");
+    builder.asset = R"({"version": "2.0"})";
+    builder.scenes = {R"({"nodes": [0], "extras": {"units": 1}})"};
+    expect_fitted(builder, "scene: extras.units is 1");
+    builder.scenes = {R"({"nodes": [0], "extras": {"units": null}})"};
+    expect_fitted(builder, "scene: extras.units is null");
+}
+
+TEST(Gltf, MetresOutsideTheWorkspaceAreWarnedOfAndAbsurdOnesRefused) {
+    EXPECT_TRUE(has_warning(load(one_triangle()), "outside the device's workspace"));
+    EXPECT_FALSE(has_warning(load(one_triangle(R"("scale": [0.1, 0.1, 0.1])")), "outside"));
+    expect_failure(one_triangle(R"("scale": [-4000, 1, 1])"), "reaches 2000 m far");
+}
+
+TEST(Gltf, UnusedVerticesDoNotCountForTheFit) {
+    GltfBuilder builder = one_triangle();
+    builder.asset = R"({"version": "2.0"})";
+    const Scene plain = load(builder);
+    std::vector<float> with_stray = kTriangle;
+    with_stray.insert(with_stray.end(), {1000.0F, 0.0F, 0.0F});
+    builder.add_positions(with_stray);
+    builder.add_accessor(std::vector<std::uint8_t>{0, 1, 2}, kUnsignedByte, "SCALAR");
+    builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 1}, "indices": 2}]})"};
+    EXPECT_EQ(load(builder).metres_per_unit, plain.metres_per_unit);
+}
+
+TEST(Gltf, NothingToTouchIsRefused) {
+    GltfBuilder builder;
+    expect_failure(builder, "has no triangle to touch");
+    builder = one_triangle();
+    builder.nodes = {R"({"name": "camera"})"};
+    expect_failure(builder, "has no triangle to touch");
+    builder = one_triangle();
+    builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}, "mode": 0}]})"};
+    expect_failure(builder, "has no triangle to touch (node 0: 3 points");
+    builder = one_triangle();
+    builder.scenes = {R"({"nodes": []})"};
+    expect_failure(builder, "has no triangle to touch");
+}
+
+TEST(Gltf, PrimitivesWithoutPositionsAreLeftOut) {
+    GltfBuilder builder = one_triangle(R"("name": "part")");
+    builder.meshes = {R"({"primitives": [{"attributes": {}, "indices": 0},
+                          {"attributes": {"POSITION": 0}}, {"attributes": {"NORMAL": 0}}]})"};
+    const Scene scene = load(builder);
+    EXPECT_EQ(scene.surface.triangles.size(), 1U);
+    EXPECT_TRUE(has_warning(scene, "node 'part': a primitive without POSITION cannot be touched or "
+                                   "drawn"));
+    builder.meshes = {R"({"primitives": [{"attributes": {}}]})"};
+    EXPECT_EQ(line_of_failure(builder.gltf()),
+              "has no triangle to touch (node 'part': a primitive without POSITION cannot be "
+              "touched or drawn)");
+}
+
+TEST(Gltf, EqualWarningsOnManyNodesAreOneLine) {
+    GltfBuilder builder = one_triangle();
+    builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}, "targets": [{}]},
+                          {"attributes": {"POSITION": 0}, "targets": [{}]}]})"};
+    builder.nodes.clear();
+    constexpr int kNodes = 5000;
+    for (int i = 0; i < kNodes; ++i) {
+        builder.nodes.emplace_back(R"({"mesh": 0, "skin": 0})");
+    }
+    EXPECT_EQ(load(builder).warnings,
+              (std::vector<std::string>{
+                  "nodes 0, 1, 2 and 4997 more: its skin is left out; it is touched and drawn in "
+                  "the pose that it was modelled in",
+                  "nodes 0, 1, 2 and 4997 more: its morph targets are left out; it is touched and "
+                  "drawn in its base shape",
+                  "the scene is in metres and lies partly outside the device's workspace"}));
+}
+
+TEST(Gltf, EverythingInOnePointIsRefused) {
+    expect_failure(one_triangle(R"("scale": [0, 0, 0])"), "all its triangles lie in one point");
+}
+
+TEST(Gltf, AbsurdNumbersOfTrianglesAreRefusedBeforeAnyIsRead) {
+    // 70,000 triangles a node, at 300 bytes.
+    GltfBuilder builder = one_triangle();
+    builder.add_accessor(std::vector<std::uint8_t>(210'000, 7), kUnsignedByte, "SCALAR");
+    builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]})"};
+    builder.nodes.assign(500, R"({"mesh": 0})");
+    expect_failure(
+        builder,
+        "node 409: with it the scene has 28700000 triangles and 1230 vertices, "
+        "for which loading needs about 8 GiB of memory; at most 8 GiB are allowed: simplify it");
+    builder.nodes.resize(409);
+    expect_failure(builder, "index 7 is out of range"); // just few enough to look inside
+}
+
+TEST(Gltf, MoreMaterialsThanTrianglesCanNameAreRefused) {
+    GltfBuilder builder = one_triangle();
+    builder.nodes.assign(65'536, R"({"mesh": 0})");
+    EXPECT_EQ(load(builder).surface.material_of_triangle.back(), 65'535);
+    builder.nodes.emplace_back(R"({"mesh": 0})");
+    expect_failure(builder, "has more than 65536 nodes with triangles");
+}
+
+TEST(Gltf, ANameWithLineEndsStillMakesOneLine) {
+    expect_failure(one_triangle(R"("name": "a\nb\u001b[2J", "scale": [1])"), "node 'a b [2J'");
 }
 
 } // namespace

@@ -45,19 +45,6 @@ TEST(GltfNodes, ParentsApplyAfterTheirChildren) {
     EXPECT_EQ(vertices[1], Vector3(5, 0, 0)); // 2 (3 · ½ + 1)
 }
 
-TEST(GltfNodes, OneMeshStandsWhereverANodePlacesIt) {
-    GltfBuilder builder = one_triangle();
-    builder.nodes = {R"({"mesh": 0, "name": "left"})",
-                     R"({"mesh": 0, "name": "right", "translation": [1, 0, 0]})"};
-    const Scene scene = load(builder);
-    ASSERT_EQ(scene.surface.triangles.size(), 2U);
-    ASSERT_EQ(scene.meshes.size(), 2U);
-    EXPECT_EQ(scene.meshes[1].name, "right");
-    const auto corners = corners_of(scene.surface);
-    EXPECT_EQ(corners[1][0] - corners[0][0], Vector3(1, 0, 0));
-    EXPECT_EQ(scene.surface.material_of_triangle, (std::vector<std::uint16_t>{0, 1}));
-}
-
 TEST(GltfNodes, OnlyTheDefaultSceneIsTaken) {
     GltfBuilder builder = one_triangle();
     builder.nodes = {R"({"mesh": 0})", R"({"mesh": 0, "translation": [7, 0, 0]})"};
@@ -172,26 +159,6 @@ gltf::TouchExtras read(const std::string &json, const gltf::TouchExtras &parent 
     return gltf::read_touch(json, parent, "node 'pad'", warnings);
 }
 
-/// With `value` under `key` a file loads as without, and a warning names node, key, value and what
-/// it would have to be: other programs use the same names.
-void expect_left_out(const std::string &key, const std::string &value, const std::string &shown,
-                     const std::string &wanted) {
-    const Scene scene =
-        load(one_triangle(R"("name": "pad", "extras": {")" + key + "\": " + value + "}"));
-    EXPECT_TRUE(has_warning(scene, "node 'pad': extras." + key + " is " + shown +
-                                       ": left out as another program's; it would have to be " +
-                                       wanted))
-        << key << ' ' << value;
-    ASSERT_EQ(scene.surface.materials.size(), 1U);
-    contact::SurfaceMaterial plain;
-    plain.name = "pad";
-    EXPECT_EQ(scene.surface.materials[0].eta, plain.eta);
-    EXPECT_EQ(scene.surface.materials[0].static_friction, plain.static_friction);
-    EXPECT_EQ(scene.surface.materials[0].sides, plain.sides);
-    EXPECT_TRUE(scene.shapes.empty());
-    EXPECT_TRUE(scene.flat_surface.triangles.empty());
-}
-
 TEST(TouchExtras, NodesWithoutAnyFeelRigidAndSmooth) {
     for (const std::string json : {"", "{}", "null", "[1]", "7", R"("text")", R"({"other": 1})"}) {
         const gltf::TouchExtras touch = read(json);
@@ -204,30 +171,25 @@ TEST(TouchExtras, NodesWithoutAnyFeelRigidAndSmooth) {
     }
 }
 
-TEST(TouchExtras, AFileCanSayAllOfIt) {
-    const Scene scene = load(one_triangle(R"("name": "pad", "extras": {"eta": 0.25,
-        "static_friction": 0.75, "dynamic_friction": 0.5, "sides": "two"})"));
-    ASSERT_EQ(scene.surface.materials.size(), 1U);
-    const contact::SurfaceMaterial &material = scene.surface.materials[0];
-    EXPECT_EQ(material.name, "pad");
-    EXPECT_EQ(material.eta, 0.25);
-    EXPECT_EQ(material.static_friction, 0.75);
-    EXPECT_EQ(material.dynamic_friction, 0.5);
-    EXPECT_EQ(material.sides, contact::TouchSides::two);
-}
-
-TEST(TouchExtras, OneCoefficientOfFrictionStandsForBoth) {
-    for (const std::string key : {"static_friction", "dynamic_friction"}) {
-        const gltf::TouchExtras touch = read("{\"" + key + "\": 0.5}");
-        EXPECT_EQ(touch.material.static_friction, 0.5) << key;
-        EXPECT_EQ(touch.material.dynamic_friction, 0.5) << key;
-    }
-}
-
-TEST(TouchExtras, ANodeThatGivesOneCoefficientForgetsItsParentsOther) {
+TEST(TouchExtras, OneCoefficientOfFrictionStandsForBothAndForgetsTheParents) {
     const gltf::TouchExtras parent = read(R"({"static_friction": 0.9, "dynamic_friction": 0.1})");
-    EXPECT_EQ(read(R"({"static_friction": 0.05})", parent).material.dynamic_friction, 0.05);
-    EXPECT_EQ(read(R"({"dynamic_friction": 2})", parent).material.static_friction, 2.0);
+    struct Case {
+        const char *json;
+        double static_friction;
+        double dynamic_friction;
+    };
+    for (const Case &one :
+         std::vector<Case>{{R"({"static_friction": 0.05})", 0.05, 0.05},
+                           {R"({"dynamic_friction": 2})", 2.0, 2.0},
+                           {R"({"static_friction": 10})", 10.0, 10.0}, // the ends of the range
+                           {R"({"static_friction": 0})", 0.0, 0.0},
+                           {R"({"static_friction": 0.5, "dynamic_friction": 0.5})", 0.5, 0.5},
+                           {R"({"eta": 1})", 0.9, 0.1}}) {
+        const contact::SurfaceMaterial material = read(one.json, parent).material;
+        EXPECT_EQ(material.static_friction, one.static_friction) << one.json;
+        EXPECT_EQ(material.dynamic_friction, one.dynamic_friction) << one.json;
+    }
+    EXPECT_EQ(read(R"({"eta": 1})").material.eta, 1.0);
 }
 
 TEST(TouchExtras, AllButTheShapePassesToTheChildren) {
@@ -240,6 +202,7 @@ TEST(TouchExtras, AllButTheShapePassesToTheChildren) {
     const Scene scene = load(builder);
     ASSERT_EQ(scene.surface.materials.size(), 2U);
     const contact::SurfaceMaterial &inheriting = scene.surface.materials[0];
+    EXPECT_EQ(inheriting.name, "heir");
     EXPECT_EQ(inheriting.eta, 0.5);
     EXPECT_EQ(inheriting.static_friction, 0.75);
     EXPECT_EQ(inheriting.dynamic_friction, 0.25);
@@ -256,60 +219,77 @@ TEST(TouchExtras, AllButTheShapePassesToTheChildren) {
     EXPECT_FALSE(read("", parent).shape);
 }
 
-TEST(TouchExtras, TheEndsOfTheRangesAreAllowed) {
-    EXPECT_EQ(read(R"({"eta": 1})").material.eta, 1.0);
-    EXPECT_EQ(read(R"({"static_friction": 10})").material.dynamic_friction, 10.0);
-    EXPECT_EQ(read(R"({"static_friction": 0})").material.static_friction, 0.0);
-    EXPECT_EQ(
-        read(R"({"static_friction": 0.5, "dynamic_friction": 0.5})").material.dynamic_friction,
-        0.5);
-}
-
-TEST(TouchExtras, LeavesNumbersOutOfRangeToOtherPrograms) {
+/// With `value` under `key` a file loads as without, and a warning names node, key, value and what
+/// it would have to be: other programs use the same names.
+TEST(TouchExtras, LeavesWhatCannotBeToOtherPrograms) {
+    struct Case {
+        std::string key;
+        std::vector<std::pair<std::string, std::string>> values; ///< and as they are shown
+        std::string wanted;
+    };
+    const std::vector<std::pair<std::string, std::string>> no_numbers{
+        {"null", "null"},
+        {R"("high")", "'high'"},
+        {"true", "true"},
+        {"[0.5]", "[0.5]"},
+        {R"({"a": 1})", R"({"a":1})"}};
+    const std::vector<std::pair<std::string, std::string>> no_words{
+        {"null", "null"},       {"6", "6"},
+        {"true", "true"},       {R"(["one"])", R"(["one"])"},
+        {R"("")", "''"},        {R"("Box")", "'Box'"},
+        {R"("both")", "'both'"}};
     const std::string eta = "a number from 0 (rigid) to 1 (free space)";
-    expect_left_out("eta", "1.0000001", "1.0000001", eta);
-    expect_left_out("eta", "-1e-9", "-1e-09", eta);
-    expect_left_out("eta", "4294967296", "4294967296", eta); // 0, if cut to 32 bits
-    for (const std::string key : {"static_friction", "dynamic_friction"}) {
-        expect_left_out(key, "10.5", "10.5", "a number from 0 to 10");
-        expect_left_out(key, "-0.5", "-0.5", "a number from 0 to 10");
+    for (const Case &one : std::vector<Case>{
+             {"eta", no_numbers, eta},
+             {"eta", {{"1.0000001", "1.0000001"}, {"-1e-9", "-1e-09"}}, eta},
+             {"eta", {{"4294967296", "4294967296"}}, eta}, // 0, if cut to 32 bits
+             {"static_friction", no_numbers, "a number from 0 to 10"},
+             {"static_friction", {{"10.5", "10.5"}, {"-0.5", "-0.5"}}, "a number from 0 to 10"},
+             {"dynamic_friction", no_numbers, "a number from 0 to 10"},
+             {"dynamic_friction", {{"10.5", "10.5"}, {"-0.5", "-0.5"}}, "a number from 0 to 10"},
+             {"sides", no_words, "'one' or 'two'"},
+             {"shape", no_words, "'plate', 'sphere', 'box', 'cylinder' or 'capsule'"},
+             {"smooth", {{"null", "null"}, {"1", "1"}, {R"("yes")", "'yes'"}}, "true or false"},
+             {"caption", {{"7", "7"}}, "a text of 1 to 40 bytes"}}) {
+        for (const auto &[value, shown] : one.values) {
+            SCOPED_TRACE(one.key + " " + value);
+            const Scene scene = load(
+                one_triangle(R"("name": "pad", "extras": {")" + one.key + "\": " + value + "}"));
+            EXPECT_TRUE(has_warning(scene, "node 'pad': extras." + one.key + " is " + shown +
+                                               ": left out as another program's; it would have "
+                                               "to be " +
+                                               one.wanted));
+            ASSERT_EQ(scene.surface.materials.size(), 1U);
+            EXPECT_EQ(scene.surface.materials[0].eta, 0.0);
+            EXPECT_EQ(scene.surface.materials[0].static_friction, 0.0);
+            EXPECT_EQ(scene.surface.materials[0].sides, contact::TouchSides::automatic);
+            EXPECT_TRUE(scene.shapes.empty() && scene.captions.empty());
+            EXPECT_TRUE(scene.flat_surface.triangles.empty());
+        }
     }
 }
 
-TEST(TouchExtras, LeavesWhatIsNoNumberNoWordNoFlagToOtherPrograms) {
-    for (const std::string key : {"eta", "static_friction", "dynamic_friction"}) {
-        expect_left_out(key, "null", "null", "a number from 0");
-        expect_left_out(key, "\"high\"", "'high'", "a number from 0");
-        expect_left_out(key, "true", "true", "a number from 0");
-        expect_left_out(key, "[0.5]", "[0.5]", "a number from 0");
-        expect_left_out(key, R"({"a": 1})", R"({"a":1})", "a number from 0");
-    }
-    for (const std::string value : {"null", "6", "true", "[\"one\"]"}) {
-        expect_left_out("sides", value, value, "'one' or 'two'");
-        expect_left_out("shape", value, value, "'plate', 'sphere', 'box', 'cylinder' or 'capsule'");
-    }
-    expect_left_out("sides", "\"both\"", "'both'", "'one' or 'two'");
-    expect_left_out("sides", "\"\"", "''", "'one' or 'two'");
-    expect_left_out("shape", "\"Box\"", "'Box'", "'plate', 'sphere'");
-    for (const std::string value : {"null", "1", "\"yes\""}) {
-        expect_left_out("smooth", value, value[0] == '"' ? "'yes'" : value, "true or false");
-    }
-}
-
-TEST(TouchExtras, RefusesDynamicFrictionAboveStatic) {
-    expect_failure(one_triangle(R"("name": "pad", "extras": {"static_friction": 0.25,
-                                "dynamic_friction": 0.5})"),
-                   "node 'pad': extras.dynamic_friction is 0.5; it must be a number from 0 to 10, "
-                   "not above its static_friction");
-}
-
-TEST(TouchExtras, RefusesSidesThatAShapeDoesNotHave) {
+TEST(TouchExtras, RefusesWhatContradictsItself) {
     EXPECT_NO_THROW(read(R"({"shape": "plate", "sides": "two"})"));
     EXPECT_NO_THROW(read(R"({"shape": "sphere", "sides": "one"})"));
-    expect_failure(one_triangle(R"("name": "pad", "extras": {"shape": "plate", "sides": "one"})"),
-                   "node 'pad': a plate is touched from both sides; set extras.sides to 'two'");
-    expect_failure(one_triangle(R"("name": "pad", "extras": {"shape": "box", "sides": "two"})"),
-                   "node 'pad': a box is touched from outside only; set extras.sides to 'one'");
+    for (const auto &[extras, message] : std::vector<std::pair<std::string, std::string>>{
+             {R"("static_friction": 0.25, "dynamic_friction": 0.5)",
+              "extras.dynamic_friction is 0.5; it must be a number from 0 to 10, not above"},
+             {R"("shape": "plate", "sides": "one")", "a plate is touched from both sides"},
+             {R"("shape": "box", "sides": "two")", "a box is touched from outside only"}}) {
+        expect_failure(one_triangle(R"("name": "pad", "extras": {)" + extras + "}"),
+                       "node 'pad': " + message);
+    }
+}
+
+TEST(TouchExtras, ACaptionStandsOnItsNodeAlone) {
+    const Scene scene = load(one_triangle(R"("extras": {"caption": "soft"})"));
+    ASSERT_EQ(scene.captions.size(), 1U);
+    EXPECT_EQ(scene.captions.front().text, "soft");
+    EXPECT_NEAR(scene.captions.front().at_m.y(), scene.upper_m.y(), 1e-12);
+    gltf::TouchExtras parent;
+    parent.caption = "all of it";
+    EXPECT_EQ(read("{}", parent).caption, "");
 }
 
 GltfBuilder with_scene_extras(const std::string &extras) {
@@ -318,19 +298,13 @@ GltfBuilder with_scene_extras(const std::string &extras) {
     return builder;
 }
 
-void expect_refused(const std::string &extras, const std::string &message) {
-    expect_failure(with_scene_extras(extras), message);
-}
-
-TEST(SceneExtras, WithoutAnyTheDefaultsHold) {
-    const Scene scene = load(one_triangle());
-    EXPECT_FALSE(scene.planar);
-    EXPECT_EQ(scene.tolerance.force_N, 0.05);
-    EXPECT_NEAR(scene.tolerance.direction_rad, 5.0 * kRadiansPerDegree, 1e-4);
-    EXPECT_EQ(scene.tolerance.bandwidth_hz, 200.0);
-}
-
 TEST(SceneExtras, AFileCanSayAllOfIt) {
+    const Scene silent = load(one_triangle());
+    EXPECT_FALSE(silent.planar);
+    EXPECT_EQ(silent.tolerance.force_N, 0.05);
+    EXPECT_NEAR(silent.tolerance.direction_rad, 5.0 * kRadiansPerDegree, 1e-4);
+    EXPECT_EQ(silent.tolerance.bandwidth_hz, 200.0);
+    EXPECT_EQ(load(with_scene_extras(R"({"tolerance": {}})")).tolerance.force_N, 0.05);
     const Scene scene = load(with_scene_extras(
         R"({"planar": true, "other": [1], "tolerance": {"force_N": 0.25, "direction_deg": 9,
             "bandwidth_hz": 30}})"));
@@ -338,13 +312,6 @@ TEST(SceneExtras, AFileCanSayAllOfIt) {
     EXPECT_EQ(scene.tolerance.force_N, 0.25);
     EXPECT_NEAR(scene.tolerance.direction_rad, 9.0 * kRadiansPerDegree, 1e-15);
     EXPECT_EQ(scene.tolerance.bandwidth_hz, 30.0);
-}
-
-TEST(SceneExtras, WhatIsLeftOutKeepsItsDefault) {
-    const Scene scene = load(with_scene_extras(R"({"tolerance": {"force_N": 1}})"));
-    EXPECT_EQ(scene.tolerance.force_N, 1.0);
-    EXPECT_EQ(scene.tolerance.bandwidth_hz, ModelTolerance{}.bandwidth_hz);
-    EXPECT_EQ(load(with_scene_extras(R"({"tolerance": {}})")).tolerance.force_N, 0.05);
 }
 
 TEST(SceneExtras, TheAssetSpeaksWhereTheSceneIsSilent) {
@@ -357,41 +324,77 @@ TEST(SceneExtras, TheAssetSpeaksWhereTheSceneIsSilent) {
     EXPECT_EQ(scene.tolerance.bandwidth_hz, 50.0);
 }
 
-TEST(SceneExtras, TheEndsOfTheRangesAreAllowedAndNothingBeyond) {
-    const auto force = [](const std::string &value) {
-        return R"({"tolerance": {"force_N": )" + value + "}}";
+TEST(SceneExtras, LeavesWhatIsOfAnotherKindToOtherPrograms) {
+    struct Case {
+        std::string key;
+        std::vector<std::string> values;
+        std::string wanted;
     };
-    EXPECT_EQ(load(with_scene_extras(force("0.0001"))).tolerance.force_N, 0.0001);
-    EXPECT_EQ(load(with_scene_extras(force("10"))).tolerance.force_N, 10.0);
-    expect_refused(force("0.00009"),
-                   "scene: extras.tolerance.force_N is 9e-05; it must be a number from 0.0001");
-    expect_refused(force("10.1"), "scene: extras.tolerance.force_N is 10.1; it must be");
-    expect_refused(force("\"low\""), "scene: extras.tolerance.force_N is 'low'; it must be");
-    expect_refused(force("null"), "scene: extras.tolerance.force_N is null; it must be");
-    expect_refused(R"({"tolerance": {"direction_deg": 0}})",
-                   "extras.tolerance.direction_deg is 0; it must be a number from 0.01 to 180");
-    expect_refused(R"({"tolerance": {"bandwidth_hz": 0.5}})",
-                   "extras.tolerance.bandwidth_hz is 0.5; it must be a number from 1 to 5000");
+    for (const Case &one :
+         std::vector<Case>{{"tolerance",
+                            {"0.05", "null", "[0.05]", "true", R"({"chord":1})"},
+                            "an object of force_N, direction_deg and bandwidth_hz"},
+                           {"lesson",
+                            {"7", "null", "[1]", R"({"chapter":1})"},
+                            "an object of title, feel, point and normal"},
+                           {"planar", {"null", "1"}, "true or false"}}) {
+        for (const std::string &value : one.values) {
+            const Scene scene = load(with_scene_extras("{\"" + one.key + "\": " + value + "}"));
+            EXPECT_TRUE(has_warning(scene, "scene: extras." + one.key + " is " + value +
+                                               ": left out as another program's; it would have "
+                                               "to be " +
+                                               one.wanted))
+                << value;
+            EXPECT_EQ(scene.tolerance.force_N, ModelTolerance{}.force_N);
+            EXPECT_FALSE(scene.planar);
+            EXPECT_TRUE(scene.lesson.is_empty());
+        }
+    }
 }
 
-TEST(SceneExtras, LeavesWhatIsNoToleranceAndNoFlagToOtherPrograms) {
-    const auto expect_left_out = [](const std::string &extras, const std::string &warning) {
-        const Scene scene = load(with_scene_extras(extras));
-        EXPECT_TRUE(has_warning(scene, warning)) << warning;
-        EXPECT_EQ(scene.tolerance.force_N, ModelTolerance{}.force_N);
-        EXPECT_FALSE(scene.planar);
+TEST(SceneExtras, RefusesWhatCannotBeInAnObjectOfOurs) {
+    const auto tolerance = [](const std::string &members) {
+        return R"({"tolerance": {)" + members + "}}";
     };
-    const std::string other = ": left out as another program's; it would have to be ";
-    for (const std::string value : {"0.05", "null", "[0.05]", "true", R"({"chord":1})"}) {
-        expect_left_out(R"({"tolerance": )" + value + "}",
-                        "scene: extras.tolerance is " + value + other +
-                            "an object of force_N, direction_deg and bandwidth_hz");
+    const auto lesson = [](const std::string &members) {
+        return R"({"lesson": {)" + members + "}}";
+    };
+    for (const std::string force : {"0.0001", "10"}) { // the ends of the range
+        EXPECT_EQ(load(with_scene_extras(tolerance(R"("force_N": )" + force))).tolerance.force_N,
+                  std::stod(force));
     }
-    expect_left_out(R"({"planar": "yes"})",
-                    "scene: extras.planar is 'yes'" + other + "true or false");
-    expect_refused(R"({"tolerance": {"force_N": 1, "force": 1}})",
-                   "scene: extras.tolerance.force is not known; what may stand there is force_N, "
-                   "direction_deg, bandwidth_hz");
+    const std::string longest(40, 'a');
+    EXPECT_EQ(load(with_scene_extras(lesson(R"("title": ")" + longest + '"'))).lesson.title,
+              longest);
+    const std::string point = R"("point": [0, 0, 0])";
+    const std::string normal = R"("normal": [0, 1, 0])";
+    for (const auto &[extras, message] : std::vector<std::pair<std::string, std::string>>{
+             {tolerance(R"("force_N": 0.00009)"), "tolerance.force_N is 9e-05; it must be a number "
+                                                  "from 0.0001"},
+             {tolerance(R"("force_N": 10.1)"), "tolerance.force_N is 10.1; it must be"},
+             {tolerance(R"("force_N": "low")"), "tolerance.force_N is 'low'; it must be"},
+             {tolerance(R"("force_N": null)"), "tolerance.force_N is null; it must be"},
+             {tolerance(R"("direction_deg": 0)"), "it must be a number from 0.01 to 180"},
+             {tolerance(R"("bandwidth_hz": 0.5)"), "it must be a number from 1 to 5000"},
+             {tolerance(R"("force_N": 1, "force": 1)"),
+              "tolerance.force is not known; what may stand there is force_N, direction_deg, "
+              "bandwidth_hz"},
+             {lesson(R"("title": 5)"), "lesson.title is 5; it must be a text of 1 to 40 bytes"},
+             {lesson(R"("title": " ")"), "lesson.title is ''; it must be a text"},
+             {lesson(R"("title": ")" + longest + "a\""), "it must be a text of 1 to 40 bytes"},
+             {lesson(R"("feel": ")" + std::string(201, 'a') + '"'), "a text of 1 to 200 bytes"},
+             {lesson(R"("point": [0, 0], )" + normal),
+              "lesson.point is [0,0]; it must be a list of three numbers"},
+             {lesson(R"("point": [0, 0, "0"], )" + normal), "three numbers from -1e+06 to 1e+06"},
+             {lesson(R"("point": [0, 0, 2e6], )" + normal), "a list of three numbers from"},
+             {lesson(point), "lesson.point is [0,0,0]; it must be given with its normal"},
+             {lesson(normal), "lesson.normal is [0,1,0]; it must be given with its point"},
+             {lesson(point + R"(, "normal": [0, 0, 0])"), "it must be a direction, not zero"},
+             {lesson(R"("title": "A wall", "sentence": "Press.")"),
+              "lesson.sentence is not known; what may stand there is title, feel, point, "
+              "normal"}}) {
+        expect_failure(with_scene_extras(extras), message);
+    }
 }
 
 TEST(SceneExtras, ALessonIsReadWhole) {
@@ -419,57 +422,6 @@ TEST(SceneExtras, ASpotIsFittedWithItsScene) {
     };
     EXPECT_TRUE(std::ranges::any_of(scene.surface.vertices_m, is_corner));
     EXPECT_FALSE(scene.lesson.spot->point_m.isZero(1e-3)); // it was moved
-}
-
-TEST(SceneExtras, ALessonOfAnotherKindIsLeftOutAndAWrongOneRefused) {
-    for (const std::string value : {"\"touch\"", "null", "[1]", R"({"chapter":1})"}) {
-        const Scene scene = load(with_scene_extras(R"({"lesson": )" + value + "}"));
-        EXPECT_TRUE(scene.lesson.is_empty());
-        EXPECT_TRUE(has_warning(scene, "left out as another program's; it would have to be an "
-                                       "object of title, feel, point and normal"))
-            << value;
-    }
-    const auto lesson = [](const std::string &members) {
-        return R"({"lesson": {)" + members + "}}";
-    };
-    expect_refused(lesson(R"("title": 5)"),
-                   "scene: extras.lesson.title is 5; it must be a text of 1 to 40 bytes");
-    expect_refused(lesson(R"("title": " ")"), "extras.lesson.title is ''; it must be a text");
-    EXPECT_NO_THROW(load(with_scene_extras(lesson(R"("title": ")" + std::string(40, 'a') + '"'))));
-    expect_refused(lesson(R"("title": ")" + std::string(41, 'a') + '"'),
-                   "it must be a text of 1 to 40 bytes");
-    expect_refused(lesson(R"("feel": ")" + std::string(201, 'a') + '"'),
-                   "it must be a text of 1 to 200 bytes");
-    expect_refused(lesson(R"("point": [0, 0], "normal": [0, 1, 0])"),
-                   "scene: extras.lesson.point is [0,0]; it must be a list of three numbers");
-    expect_refused(lesson(R"("point": [0, 0, "0"], "normal": [0, 1, 0])"),
-                   "it must be a list of three numbers from -1e+06 to 1e+06");
-    expect_refused(lesson(R"("point": [0, 0, 2e6], "normal": [0, 1, 0])"),
-                   "it must be a list of three numbers from");
-    expect_refused(lesson(R"("point": [0, 0, 0])"),
-                   "extras.lesson.point is [0,0,0]; it must be given with its normal");
-    expect_refused(lesson(R"("normal": [0, 1, 0])"),
-                   "extras.lesson.normal is [0,1,0]; it must be given with its point");
-    expect_refused(lesson(R"("point": [0, 0, 0], "normal": [0, 0, 0])"),
-                   "extras.lesson.normal is [0,0,0]; it must be a direction, not zero");
-    expect_refused(lesson(R"("title": "A wall", "sentence": "Press.")"),
-                   "scene: extras.lesson.sentence is not known; what may stand there is title, "
-                   "feel, point, normal");
-}
-
-TEST(TouchExtras, ACaptionStandsOnItsNodeAloneAndAnotherProgramsIsLeftOut) {
-    const Scene scene = load(one_triangle(R"("extras": {"caption": "soft"})"));
-    ASSERT_EQ(scene.captions.size(), 1U);
-    EXPECT_EQ(scene.captions.front().text, "soft");
-    EXPECT_NEAR(scene.captions.front().at_m.y(), scene.upper_m.y(), 1e-12);
-    const Scene other = load(one_triangle(R"("extras": {"caption": 7})"));
-    EXPECT_TRUE(other.captions.empty());
-    EXPECT_TRUE(has_warning(other, "extras.caption is 7: left out as another program's; it would "
-                                   "have to be a text of 1 to 40 bytes"));
-    WarningList warnings;
-    gltf::TouchExtras parent;
-    parent.caption = "all of it";
-    EXPECT_EQ(gltf::read_touch("{}", parent, "node 'child'", warnings).caption, "");
 }
 
 TEST(GltfNodes, AMillionChildrenOfOneNodeAreRefusedByName) {

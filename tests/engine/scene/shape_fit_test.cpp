@@ -1,9 +1,14 @@
-#include "engine/scene/shape_fit.h"
-
+// Covers engine/scene/shape_fit.cpp and fit.cpp.
 #include "assets/scenes/shapes.h"
+#include "base/input_error.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
+#include "engine/scene/fit.h"
+#include "engine/scene/shape_fit.h"
+#include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/scene/gltf_builder.h"
+
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
@@ -257,30 +262,6 @@ contact::TriangleSoup soup_of(const scenes::Part &part, const Eigen::Isometry3d 
     return soup;
 }
 
-/// A prism of `sides` about y, with flat ends: the tessellation of a cylinder.
-contact::TriangleSoup prism_soup(int sides, double radius_m, double half_height_m) {
-    contact::TriangleSoup soup;
-    soup.materials.push_back({"test", 0.0});
-    const auto ring = [&](int i, double y_m) {
-        const double angle = 2.0 * std::numbers::pi * (i % sides) / sides;
-        return Vector3(radius_m * std::sin(angle), y_m, radius_m * std::cos(angle));
-    };
-    const auto add = [&](const Vector3 &a, const Vector3 &b, const Vector3 &c) {
-        const auto first = static_cast<std::uint32_t>(soup.vertices_m.size());
-        soup.vertices_m.insert(soup.vertices_m.end(), {a, b, c});
-        soup.triangles.push_back({first, first + 1, first + 2});
-        soup.material_of_triangle.push_back(0);
-    };
-    const Vector3 up_m(0.0, half_height_m, 0.0);
-    for (int i = 0; i < sides; ++i) {
-        add(ring(i, -half_height_m), ring(i + 1, -half_height_m), ring(i + 1, half_height_m));
-        add(ring(i, -half_height_m), ring(i + 1, half_height_m), ring(i, half_height_m));
-        add(up_m, ring(i, half_height_m), ring(i + 1, half_height_m));
-        add(-up_m, ring(i + 1, -half_height_m), ring(i, -half_height_m));
-    }
-    return soup;
-}
-
 Eigen::Isometry3d anywhere(std::mt19937 &random) {
     std::normal_distribution<double> normal;
     Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
@@ -328,7 +309,10 @@ TEST(ShapeRecognition, ASphereIsOffByTheSagittaOfItsFacets) {
 TEST(ShapeRecognition, ACylinderIsOffByTheSagittaOfItsSides) {
     constexpr int kSides = 48;
     constexpr double kTrueRadius_m = 0.02;
-    const auto fit = recognise_shape(prism_soup(kSides, kTrueRadius_m, 0.035), 0);
+    const auto fit = recognise_shape(
+        testing::lathed(
+            {{0.0, -0.035}, {kTrueRadius_m, -0.035}, {kTrueRadius_m, 0.035}, {0.0, 0.035}}, kSides),
+        0);
     ASSERT_TRUE(fit);
     ASSERT_TRUE(std::holds_alternative<contact::Cylinder>(fit->shape.size()));
     const auto &cylinder = std::get<contact::Cylinder>(fit->shape.size());
@@ -376,6 +360,64 @@ TEST(ShapeRecognition, WhatIsOpenInsideOutOrOtherIsNone) {
     EXPECT_FALSE(recognise_shape(sheet, 0));
 
     EXPECT_FALSE(recognise_shape(rig::bumpy_sphere(4, 0.02, 0.002, 0.01), 0));
+}
+
+constexpr double kFitRounding = 1e-12; // relative, a few operations in double precision
+
+BoundingBox box_between(const Vector3 &lower, const Vector3 &upper) {
+    BoundingBox box;
+    box.include(lower);
+    box.include(upper);
+    return box;
+}
+
+TEST(Fit, FillsSixtyPercentAlongTheTightestAxisAndLessAlongTheOthers) {
+    const device::Workspace workspace{Vector3(0.01, 0.02, 0.03), Vector3(0.3, 0.2, 0.1)};
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> coordinate(-100.0, 100.0);
+    for (int trial = 0; trial < 200; ++trial) {
+        BoundingBox box;
+        for (int corner = 0; corner < 2; ++corner) {
+            box.include(Vector3(coordinate(random), coordinate(random), coordinate(random)));
+        }
+        const Fit fit = fit_into(workspace, box);
+        const Vector3 lower = fit(box.lower);
+        const Vector3 upper = fit(box.upper);
+        EXPECT_LT((0.5 * (lower + upper) - workspace.centre_m).norm(), kFitRounding);
+        const Vector3 share = (upper - lower).cwiseQuotient(workspace.size_m);
+        EXPECT_NEAR(share.maxCoeff(), 0.6, kFitRounding);
+        EXPECT_TRUE(lies_within(workspace, box_between(lower, upper)));
+    }
+}
+
+TEST(Fit, AFlatSceneIsScaledByWhatItSpans) {
+    const device::Workspace workspace{Vector3::Zero(), Vector3(0.3, 0.2, 0.1)};
+    const Fit fit = fit_into(workspace, box_between(Vector3(0, 5, 0), Vector3(3, 5, 0.5)));
+    EXPECT_NEAR(fit.scale, 0.06, kFitRounding); // 0.6 × 0.3 / 3
+    EXPECT_NEAR(fit(Vector3(0, 5, 0)).y(), 0.0, kFitRounding);
+}
+
+TEST(Fit, RefusesAPointAndTheBoundless) {
+    const device::Workspace workspace{Vector3::Zero(), Vector3(0.3, 0.2, 0.1)};
+    EXPECT_THROW((void)fit_into(workspace, box_between(Vector3(1, 2, 3), Vector3(1, 2, 3))),
+                 InputError);
+    EXPECT_THROW(
+        (void)fit_into(workspace, box_between(Vector3(-1.5e308, 0, 0), Vector3(1.5e308, 0, 0))),
+        InputError);
+    EXPECT_THROW((void)fit_into(workspace, box_between(Vector3::Zero(), Vector3(1e-320, 0, 0))),
+                 InputError);
+}
+
+TEST(Fit, WithinMeansOnEverySide) {
+    const device::Workspace workspace{Vector3(1, 1, 1), Vector3(2, 2, 2)};
+    EXPECT_TRUE(lies_within(workspace, box_between(Vector3(0, 0, 0), Vector3(2, 2, 2))));
+    for (int axis = 0; axis < 3; ++axis) {
+        Vector3 beyond = Vector3::Zero();
+        beyond[axis] = 0.001;
+        EXPECT_FALSE(
+            lies_within(workspace, box_between(Vector3::Zero(), Vector3(2, 2, 2) + beyond)));
+        EXPECT_FALSE(lies_within(workspace, box_between(-beyond, Vector3(2, 2, 2))));
+    }
 }
 
 } // namespace

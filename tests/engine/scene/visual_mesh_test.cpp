@@ -1,6 +1,6 @@
-#include "engine/scene/creases.h"
-
-#include "engine/scene/visual_pieces.h"
+// Covers engine/scene/visual_mesh.cpp and texture_scaling.cpp: how a scene is drawn.
+#include "engine/scene/texture_scaling.h"
+#include "engine/scene/visual_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -140,6 +140,108 @@ TEST(Creases, AreLeftOutWhereTheyAreTooMany) {
     EXPECT_EQ(creases(closed).size(), 12U);
     closed.indices.insert(closed.indices.end(), once.begin(), once.end());
     EXPECT_TRUE(creases(closed).empty());
+}
+
+/// Vertices that carry their number as x; triangles between random ones.
+VisualMesh random_mesh(std::size_t vertices, std::size_t triangles) {
+    std::mt19937_64 dice(20260733);
+    std::uniform_int_distribution<std::uint32_t> any(0, static_cast<std::uint32_t>(vertices) - 1);
+    VisualMesh mesh;
+    mesh.name = "mesh";
+    mesh.texture = 3;
+    mesh.double_sided = true;
+    mesh.finish.normal_texture = 5;
+    for (std::size_t i = 0; i < vertices; ++i) {
+        mesh.vertices.push_back({{static_cast<float>(i), 0.0F, 0.0F}, {}, {}, {}});
+        mesh.tangents.push_back({0.0F, static_cast<float>(i), 0.0F, 1.0F});
+    }
+    for (std::size_t i = 0; i < 3 * triangles; ++i) {
+        mesh.indices.push_back(any(dice));
+    }
+    return mesh;
+}
+
+/// The numbers of all corners, triangle by triangle.
+std::vector<float> corners(const std::vector<VisualMesh> &meshes) {
+    std::vector<float> numbers;
+    for (const VisualMesh &mesh : meshes) {
+        for (const std::uint32_t index : mesh.indices) {
+            numbers.push_back(mesh.vertices.at(index).position_m[0]);
+        }
+    }
+    return numbers;
+}
+
+TEST(VisualPieces, HoldTheSameTrianglesInTheSameOrder) {
+    const VisualMesh mesh = random_mesh(1000, 3000);
+    const std::vector<float> wanted = corners({mesh});
+    for (const std::size_t maximum : {3U, 4U, 10U, 100U, 999U}) {
+        const std::vector<VisualMesh> pieces = in_pieces(mesh, maximum);
+        EXPECT_GT(pieces.size(), 1U);
+        EXPECT_EQ(corners(pieces), wanted) << maximum;
+        for (const VisualMesh &piece : pieces) {
+            EXPECT_LE(piece.vertices.size(), maximum);
+            EXPECT_LE(piece.indices.size(), 6 * maximum);
+            EXPECT_FALSE(piece.indices.empty());
+            EXPECT_EQ(piece.name, "mesh");
+            EXPECT_EQ(piece.texture, 3);
+            EXPECT_EQ(piece.finish.normal_texture, 5);
+            ASSERT_EQ(piece.tangents.size(), piece.vertices.size());
+            for (std::size_t i = 0; i < piece.vertices.size(); ++i) {
+                ASSERT_EQ(piece.tangents[i][1], piece.vertices[i].position_m[0]);
+            }
+            EXPECT_TRUE(piece.double_sided);
+        }
+    }
+}
+
+TEST(VisualPieces, ASmallMeshStaysAsItIs) {
+    const VisualMesh mesh = random_mesh(100, 200);
+    const std::vector<VisualMesh> pieces = in_pieces(mesh, 100);
+    ASSERT_EQ(pieces.size(), 1U);
+    EXPECT_EQ(pieces[0].indices, mesh.indices);
+    EXPECT_EQ(pieces[0].vertices.size(), mesh.vertices.size());
+    EXPECT_EQ(in_pieces(random_mesh(100, 201), 100).size(), 2U); // few vertices, many triangles
+    EXPECT_EQ(in_pieces(random_mesh(3, 0), 100).size(), 1U);
+}
+
+/// Grey values in rows of `width`; alpha is the grey value less one.
+Texture grey(int width, const std::vector<int> &values) {
+    Texture texture;
+    texture.width = width;
+    texture.height = static_cast<int>(values.size()) / width;
+    for (const int value : values) {
+        const auto byte = static_cast<std::uint8_t>(value);
+        texture.rgba.insert(texture.rgba.end(),
+                            {byte, byte, byte, static_cast<std::uint8_t>(byte - 1)});
+    }
+    return texture;
+}
+
+TEST(TextureScaling, SmallTexturesStayAsTheyAre) {
+    const Texture texture = grey(3, {1, 2, 3, 4, 5, 6});
+    EXPECT_EQ(scaled_down(texture, 3).rgba, texture.rgba);
+}
+
+TEST(TextureScaling, EachPixelIsTheMeanOfThoseThatItCovers) {
+    Texture texture = grey(4, {10, 20, 30, 50, 30, 40, 50, 70});
+    texture.wrap_s = Texture::Wrap::mirror;
+    texture.has_alpha = true;
+    texture.holds_numbers = true;
+    const Texture half = scaled_down(texture, 2);
+    EXPECT_EQ(half.rgba, grey(2, {15, 40, 35, 60}).rgba);
+    EXPECT_EQ(half.wrap_s, Texture::Wrap::mirror);
+    EXPECT_TRUE(half.has_alpha);
+    EXPECT_TRUE(half.holds_numbers);
+    EXPECT_EQ(scaled_down(texture, 1).rgba, grey(1, {38}).rgba); // 37.5
+}
+
+TEST(TextureScaling, OnlyTheSideThatIsTooLongIsScaled) {
+    // Three pixels on two: the middle one is covered by both.
+    const Texture scaled = scaled_down(grey(3, {10, 20, 50}), 2);
+    EXPECT_EQ(scaled.width, 2);
+    EXPECT_EQ(scaled.height, 1);
+    EXPECT_EQ(scaled.rgba, grey(2, {15, 35}).rgba);
 }
 
 } // namespace

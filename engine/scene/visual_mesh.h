@@ -1,8 +1,11 @@
-// The lines in which a drawn surface turns sharply or ends, so that steps are seen from above, too.
+// What is drawn of a scene besides its meshes as they are: the lines in which a surface turns
+// sharply or ends, so that steps are seen from above, too; and pieces that reach the graphics card
+// within a frame.
 #pragma once
 
 #include "engine/scene/scene.h"
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -20,5 +23,14 @@ inline constexpr std::size_t kMaxCreases = 4'000;
 /// their own edges. Vertices at the same place, to the last bit, count as one, whichever mesh they
 /// are of.
 [[nodiscard]] std::vector<LineSegment> creases_of(std::span<const VisualMesh> meshes);
+
+/// No piece has more vertices, or more than twice as many triangles: 10 MB, or 10 ms to upload even
+/// where OpenGL runs in software.
+inline constexpr std::size_t kMaxPieceVertices = 131'072;
+
+/// The same triangles in the same order in as few meshes as it takes; a mesh that is small enough
+/// comes back as it is. Vertices that several pieces use are repeated.
+[[nodiscard]] std::vector<VisualMesh> in_pieces(VisualMesh mesh,
+                                                std::size_t max_vertices = kMaxPieceVertices);
 
 } // namespace springdrive::scene

@@ -1,0 +1,85 @@
+// Covers engine/scene/load_progress.cpp, warning_list.cpp and
+// scene_surface.cpp: what is said about loading.
+#include "engine/scene/load_progress.h"
+#include "engine/scene/scene_surface.h"
+#include "engine/scene/warning_list.h"
+#include "tests/engine/contact/mesh/soups.h"
+#include "tests/engine/scene/gltf_builder.h"
+#include "tests/support/error_text.h"
+
+#include <gtest/gtest.h>
+
+namespace springdrive::scene {
+namespace {
+
+TEST(LoadProgress, TellsStageAndPercentWhereItIsKnown) {
+    LoadProgress progress;
+    EXPECT_EQ(progress.text(), "reading the file");
+    progress.begin(LoadProgress::Stage::gathering, true);
+    EXPECT_EQ(progress.text(), "gathering triangles, 0 %");
+    progress.advance_to(0.404);
+    EXPECT_EQ(progress.text(), "gathering triangles, 40 %");
+    progress.advance_to(1.1);
+    EXPECT_EQ(progress.text(), "gathering triangles, 100 %");
+    progress.begin(LoadProgress::Stage::preparing, false);
+    EXPECT_EQ(progress.text(), "preparing the surface for touch");
+    progress.begin(LoadProgress::Stage::measuring, true);
+    progress.advance_to(0.1);
+    EXPECT_EQ(progress.text(), "measuring models, 10 %");
+}
+
+TEST(LoadProgress, LoadingEndsWithEverythingPlaced) {
+    const TemporaryFolder folder;
+    LoadProgress progress;
+    const Scene scene =
+        load_gltf(folder.write("scene.gltf", one_triangle().gltf()), small_workspace(), &progress);
+    EXPECT_EQ(progress.stage(), LoadProgress::Stage::placing);
+    EXPECT_EQ(progress.text(), "placing the scene, 100 %");
+    EXPECT_EQ(scene.surface.triangles.size(), 1U);
+}
+
+using Lines = std::vector<std::string>;
+
+TEST(WarningList, NumbersAreAddedUp) {
+    WarningList warnings;
+    warnings.add_of("node 'a'", nullptr, 3, "points are left out");
+    EXPECT_EQ(warnings.lines(), Lines{"node 'a': 3 points are left out"});
+    warnings.add_of("node 'b'", nullptr, 4, "points are left out");
+    EXPECT_EQ(warnings.lines(), Lines{"nodes 'a', 'b': 7 points are left out"});
+}
+
+TEST(WarningList, PartsOfOneThingCountOnce) {
+    WarningList warnings;
+    const int a = 0;
+    const int b = 0;
+    for (const int *identity : {&a, &a, &b, &b}) {
+        warnings.add_of("node 'same'", identity, 1, "points are left out");
+    }
+    EXPECT_EQ(warnings.lines(), Lines{"nodes 'same', 'same': 4 points are left out"});
+}
+
+TEST(WarningList, TheNumberOfLinesIsBounded) {
+    WarningList warnings;
+    for (std::size_t i = 0; i < kMaxWarningLines; ++i) {
+        warnings.add(std::to_string(i));
+    }
+    EXPECT_EQ(warnings.lines().size(), kMaxWarningLines);
+    EXPECT_EQ(warnings.lines().back(), std::to_string(kMaxWarningLines - 1));
+    warnings.add("one");
+    warnings.add("two");
+    EXPECT_EQ(warnings.lines().size(), kMaxWarningLines);
+    EXPECT_EQ(warnings.lines().back(), "and 3 more remarks");
+}
+
+TEST(SceneSurface, NamesTheFileWhoseSurfaceIsTooMuchWork) {
+    std::mt19937_64 random(1);
+    Scene scene;
+    scene.file = "folder/line.glb";
+    scene.surface = testing::soup_in_a_line(random, 6000);
+    EXPECT_TRUE(testing::error_text_of([&] {
+                    static_cast<void>(haptic_surface_of(scene));
+                }).starts_with("folder/line.glb: preparing its 6000 triangles for touch needs "));
+}
+
+} // namespace
+} // namespace springdrive::scene
