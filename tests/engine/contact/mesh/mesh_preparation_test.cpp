@@ -3,7 +3,6 @@
 #include "engine/contact/mesh/mesh_warnings.h"
 #include "tests/engine/contact/mesh/meshes.h"
 #include "tests/engine/contact/mesh/soups.h"
-#include "tests/support/error_text.h"
 #include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>
@@ -279,18 +278,6 @@ TEST(MeshPreparation, AccountsForEveryTriangle) {
         }
         EXPECT_EQ(report.triangles_kept, kept.size());
     }
-}
-
-TEST(MeshPreparation, RefusesTrianglesThatTouchEachOtherEverywhere) {
-    std::mt19937_64 random(1);
-    const TriangleSoup soup = testing::soup_in_a_line(random, 6000);
-    const std::string error =
-        testing::error_text_of([&] { static_cast<void>(prepare_mesh(soup)); });
-    EXPECT_TRUE(error.starts_with("preparing its 6000 triangles for touch needs about "));
-    EXPECT_TRUE(error.find(" steps, most of them to divide triangles where vertices of others "
-                           "touch their edges; at most 2012 million are allowed: ") !=
-                std::string::npos)
-        << error;
 }
 
 TEST(MeshPreparation, LeavesAMobiusStripTwoSided) {

@@ -218,7 +218,7 @@ TEST_P(ProxyAtSpeed, NeverEntersASolidWhateverItsEdges) {
         Proxy proxy;
         proxy.reset(Vector3::Constant(0.02));
         int touching = 0;
-        const int steps = GetParam() < 0.5 ? 20000 : 4000;
+        const int steps = GetParam() < 0.5 ? 12000 : 4000;
         for (int i = 0; i < steps; ++i) {
             const Vector3 tip = walk.next();
             const Contact contact = proxy.update(solid, tip);

@@ -316,14 +316,14 @@ TEST(Friction, SlipsAtTheAngleOfTheStaticAndSlidesAtThatOfTheDynamicCoefficient)
 }
 
 TEST(Friction, DoesNotCreepWhileItSticks) {
-    // For a minute at 1 kHz, the tip trembling within the cone of friction.
+    // For 20 s at 1 kHz, the tip trembling within the cone of friction.
     const HapticSurface floor = floor_with(0.4, 0.3);
     Proxy proxy = pressed(floor, 0.01, 2e-3);
     const Vector3 held = proxy.update(floor, {0.01, -2e-3, 0.0}).x0_m;
-    for (int tick = 0; tick < 60000; ++tick) {
+    for (int tick = 0; tick < 20000; ++tick) {
         const double t = 1e-3 * tick;
         const Vector3 vibration(0.7e-3 * std::sin(9.0 * t), 1e-4 * std::sin(50.0 * t),
-                                1e-4 * t / 60.0);
+                                1e-4 * t / 20.0);
         const Contact contact = proxy.update(floor, Vector3(0.01, -2e-3, 0.0) + vibration);
         ASSERT_TRUE(contact.sticking);
         ASSERT_EQ(contact.x0_m, held) << "tick " << tick;
