@@ -1,6 +1,6 @@
 #include "app/study/sound/masking_noise.h"
 
-#include "app/study/sound/faded_noise.h"
+#include "app/study/sound/pink_noise.h"
 #include "base/input_error.h"
 
 #include <fmt/core.h>
@@ -166,7 +166,6 @@ MaskingNoise::MaskingNoise(MaskingNoise &&) noexcept = default;
 MaskingNoise &MaskingNoise::operator=(MaskingNoise &&) noexcept = default;
 
 std::string MaskingNoise::device() const { return output_->name; }
-double MaskingNoise::sample_rate_Hz() const { return output_->sample_rate_Hz; }
 bool MaskingNoise::is_playing() const { return output_->is_playing(); }
 int MaskingNoise::underruns() const { return output_->underruns.load(std::memory_order_relaxed); }
 

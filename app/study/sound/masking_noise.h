@@ -26,7 +26,6 @@ public:
 
     /// Name of the output, as the sound system gives it.
     [[nodiscard]] std::string device() const;
-    [[nodiscard]] double sample_rate_Hz() const;
 
     /// Whether sound has been asked for within the last half second: false after the output was
     /// lost, or the sound system has stopped.

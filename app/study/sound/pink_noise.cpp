@@ -8,14 +8,9 @@
 
 namespace springdrive::app {
 
-namespace {
-
-double full_scale_of(double level_dBFS) { return std::pow(10.0, level_dBFS / 20.0); }
-
-} // namespace
-
 PinkNoise::PinkNoise(double sample_rate_Hz, double level_dBFS) {
-    const double deviation = full_scale_of(level_dBFS) / std::sqrt(static_cast<double>(kProcesses));
+    const double deviation =
+        std::pow(10.0, level_dBFS / 20.0) / std::sqrt(static_cast<double>(kProcesses));
     double rate_Hz = kFastest_Hz;
     for (Process &process : processes_) {
         process.keep = std::exp(-2.0 * std::numbers::pi * rate_Hz / sample_rate_Hz);
@@ -47,10 +42,6 @@ void PinkNoise::fill(std::span<float> samples) noexcept {
     for (float &sample : samples) {
         sample = static_cast<float>(std::clamp(next(), -1.0, 1.0));
     }
-}
-
-double clipped_share(double level_dBFS) {
-    return std::erfc(1.0 / (full_scale_of(level_dBFS) * std::numbers::sqrt2));
 }
 
 } // namespace springdrive::app

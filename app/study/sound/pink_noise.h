@@ -1,4 +1,5 @@
-// Pink noise: its power density falls with 1/f, so that every octave has the same power.
+// Pink noise: its power density falls with 1/f, so that every octave has the same power; and the
+// same with a soft start and end.
 //
 // A sum of Ornstein-Uhlenbeck processes of equal variance whose rates are a geometric series has
 // Σ λ_k/(λ_k² + ω²), which is 1/ω but for a ripple of 2/cosh(π²/ln r), with r the ratio of the
@@ -8,9 +9,13 @@
 // 10 kHz, at 44.1 and 48 kHz.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <span>
 
 namespace springdrive::app {
@@ -29,7 +34,8 @@ public:
     /// drawn is uniform: excess kurtosis −0.035 at 48 kHz.
     [[nodiscard]] double next() noexcept;
 
-    /// Fills with the next samples, clipped to ±1.
+    /// Fills with the next samples, clipped to ±1: at most a share of erfc(1/(σ√2)), that of a
+    /// normal noise. 4.6 % at −6 dBFS, 0.007 % at −12, one in 10¹⁷ at −18.6.
     void fill(std::span<float> samples) noexcept;
 
 private:
@@ -42,8 +48,30 @@ private:
     std::uint64_t draws_ = 0; ///< of SplitMix64, from the same start in every program
 };
 
-/// At most this share of the samples is clipped: that of a normal noise, erfc(1/(σ√2)). 4.6 % at
-/// −6 dBFS, 0.007 % at −12, one in 10¹⁷ at −18.6.
-[[nodiscard]] double clipped_share(double level_dBFS);
+/// The gain rises and falls with (1 − cos)/2, whose slope has no step: no click. RT-safe.
+class FadedNoise {
+public:
+    FadedNoise(double sample_rate_Hz, double level_dBFS, double fade_s)
+        : noise_(sample_rate_Hz, level_dBFS), step_(1.0 / (fade_s * sample_rate_Hz)) {}
+
+    /// From any thread: from now on it falls silent.
+    void end() noexcept { is_ending_.store(true, std::memory_order_relaxed); }
+
+    void fill(std::span<float> samples) noexcept {
+        noise_.fill(samples);
+        const bool is_ending = is_ending_.load(std::memory_order_relaxed);
+        for (float &sample : samples) {
+            faded_in_ = std::clamp(faded_in_ + (is_ending ? -step_ : step_), 0.0, 1.0);
+            const double gain = 0.5 - 0.5 * std::cos(std::numbers::pi * faded_in_);
+            sample = static_cast<float>(gain * static_cast<double>(sample));
+        }
+    }
+
+private:
+    PinkNoise noise_;
+    double step_ = 0.0;     ///< a sample's share of the fade
+    double faded_in_ = 0.0; ///< 0 silent, 1 as loud as it gets
+    std::atomic<bool> is_ending_{false};
+};
 
 } // namespace springdrive::app

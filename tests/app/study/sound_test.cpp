@@ -1,15 +1,29 @@
-// Covers app/study/sound/pink_noise.cpp and faded_noise.h: level, spectrum, clipping and fades
-// against theory.
-#include "app/study/sound/faded_noise.h"
+// Covers app/study/sound/{pink_noise,masking_noise}.cpp: level, spectrum, clipping and fades
+// against theory; what the system's sound output is given, by an output of ALSA that writes to a
+// file; and what is said where there is none.
+#include "app/study/sound/masking_noise.h"
 #include "app/study/sound/pink_noise.h"
-
+#include "base/input_error.h"
 #include "base/split_mix.h"
+#include "tests/support/child_process.h"
+#include "tests/support/files.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
+#include <unsupported/Eigen/FFT>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <complex>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <numbers>
+#include <string>
+#include <thread>
 #include <vector>
 
 namespace springdrive::app {
@@ -62,58 +76,23 @@ TEST(PinkNoise, HasTheLevelAskedFor) {
     }
 }
 
-using Spectrum = std::vector<std::complex<double>>;
-
 constexpr std::size_t kSegment = 16'384;
 constexpr std::size_t kSegments = 256;
 
-/// e^(−2πi n/kSegment) for the first half of a turn.
-const Spectrum &turns() {
-    static const Spectrum all = [] {
-        Spectrum one(kSegment / 2);
-        for (std::size_t i = 0; i < one.size(); ++i) {
-            one[i] = std::polar(1.0, -2.0 * std::numbers::pi * static_cast<double>(i) /
-                                         static_cast<double>(kSegment));
-        }
-        return one;
-    }();
-    return all;
-}
-
-/// Cooley and Tukey 1965, for lengths that divide kSegment.
-void transform(Spectrum &values) {
-    const std::size_t half = values.size() / 2;
-    if (half == 0) {
-        return;
-    }
-    Spectrum even(half);
-    Spectrum odd(half);
-    for (std::size_t i = 0; i < half; ++i) {
-        even[i] = values[2 * i];
-        odd[i] = values[2 * i + 1];
-    }
-    transform(even);
-    transform(odd);
-    const std::size_t stride = kSegment / values.size();
-    for (std::size_t i = 0; i < half; ++i) {
-        const std::complex<double> turned = turns()[i * stride] * odd[i];
-        values[i] = even[i] + turned;
-        values[i + half] = even[i] - turned;
-    }
-}
-
 /// Power at each multiple of rate/kSegment, averaged over segments with Hann's window (Welch 1967).
 std::vector<double> power(const std::vector<double> &samples) {
+    Eigen::FFT<double> transform;
     std::vector<double> sum(kSegment / 2);
+    std::vector<double> segment(kSegment);
+    std::vector<std::complex<double>> spectrum;
     for (std::size_t from = 0; from + kSegment <= samples.size(); from += kSegment) {
-        Spectrum segment(kSegment);
         for (std::size_t i = 0; i < kSegment; ++i) {
             const double turn = static_cast<double>(i) / static_cast<double>(kSegment);
             segment[i] = samples[from + i] * (1.0 - std::cos(2.0 * std::numbers::pi * turn));
         }
-        transform(segment);
+        transform.fwd(spectrum, segment);
         for (std::size_t i = 0; i < sum.size(); ++i) {
-            sum[i] += std::norm(segment[i]);
+            sum[i] += std::norm(spectrum[i]);
         }
     }
     return sum;
@@ -186,10 +165,7 @@ TEST(PinkNoise, FallsByThreeDecibelsAnOctave) {
         }
         EXPECT_NEAR(slope_dB(all), -3.01, 0.05) << rate_Hz;
     }
-}
-
-/// The other side: the measure sees another spectrum.
-TEST(PinkNoise, IsNotWhite) {
+    // The measure sees another spectrum.
     std::vector<double> white(kSegment * kSegments);
     std::uint64_t draw = 0;
     for (double &sample : white) {
@@ -207,7 +183,6 @@ TEST(PinkNoise, IsClippedAsSeldomAsIsStated) {
     };
     for (const Case &one :
          {Case{-6.0, 0.046014, 0.03}, Case{-12.0, 6.8605e-5, 0.2}, Case{-30.0, 1.7958e-219, 0.0}}) {
-        EXPECT_NEAR(clipped_share(one.level_dBFS), one.stated, 1e-4 * one.stated);
         PinkNoise noise(kRate_Hz, one.level_dBFS);
         std::vector<float> samples(kSamples);
         noise.fill(samples);
@@ -256,6 +231,88 @@ TEST(FadedNoise, BeginsAndEndsWithoutAClick) {
     faded.end();
     expect_gain(kFade, [&](std::size_t i) { return risen(1.0 - double(i + 1) / double(kFade)); });
     expect_gain(1000, [](std::size_t) { return 0.0; });
+}
+
+/// What is said, also by the libraries below, in a process that is prepared for it.
+std::string in_child(const std::function<void()> &prepare,
+                     const std::function<std::string()> &step) {
+    return testing::said_in_child(prepare, [&step] {
+        ::testing::internal::CaptureStderr();
+        std::string said;
+        try {
+            said = step();
+        } catch (const InputError &error) {
+            said = error.what();
+        }
+        return said + ::testing::internal::GetCapturedStderr();
+    });
+}
+
+TEST(MaskingNoise, WithoutASoundOutputSaysSoInALine) {
+    const std::string said = in_child([] {},
+                                      [] {
+                                          const MaskingNoise noise(-80.0);
+                                          return std::string("plays");
+                                      });
+    if (said == "plays") {
+        GTEST_SKIP() << "this machine has a sound output";
+    }
+    EXPECT_EQ(said,
+              "masking noise: there is no sound output; plug in headphones and choose them as "
+              "the system's sound output, or give --without-noise, which plays none");
+}
+
+constexpr const char *kSystems = "/usr/share/alsa/alsa.conf"; ///< of the package libasound2-data
+
+TEST(MaskingNoise, PlaysSoftlyBegunAndEndedAtItsLevel) {
+    if (!std::filesystem::exists(kSystems)) {
+        GTEST_SKIP() << kSystems << " is not there";
+    }
+    constexpr double kLevel_dBFS = -40.0;
+    const std::filesystem::path folder = testing::fresh_folder("sound");
+    const std::filesystem::path raw = folder / "played.raw";
+    const std::filesystem::path configuration = folder / "asound.conf";
+    std::ofstream(configuration) << fmt::format(
+        "<{}>\npcm.!default {{ type file slave.pcm \"null\" file \"{}\" format "
+        "\"raw\" }}\n",
+        kSystems, raw.string());
+    const std::string said =
+        in_child([&] { setenv("ALSA_CONFIG_PATH", configuration.c_str(), 1); },
+                 [] {
+                     MaskingNoise noise(kLevel_dBFS);
+                     std::this_thread::sleep_for(std::chrono::milliseconds(200));
+                     const MaskingNoise moved(std::move(noise));
+                     return moved.device() + (moved.is_playing() ? " plays" : " is silent");
+                 });
+    ASSERT_EQ(said, "default plays");
+    const std::string bytes = testing::contents_of(raw);
+    std::vector<float> samples(bytes.size() / sizeof(float)); // left and right
+    std::memcpy(samples.data(), bytes.data(), samples.size() * sizeof(float));
+    // That output takes sound as fast as it is made: many seconds in these 0.2, and silence while
+    // the fade is waited for.
+    while (!samples.empty() && samples.back() == 0.0F) {
+        samples.pop_back();
+    }
+    constexpr std::size_t kFade = 48'000; // half a second of two channels at 48 kHz
+    ASSERT_GT(samples.size(), 4 * kFade);
+    double sum = 0.0;
+    double loudest = 0.0;
+    const std::size_t end = samples.size() - kFade;
+    for (std::size_t i = 0; i + 1 < samples.size(); i += 2) {
+        ASSERT_EQ(samples[i], samples[i + 1]) << "the same in both ears";
+        const auto sample = static_cast<double>(samples[i]);
+        sum += i >= kFade && i < end ? 2.0 * sample * sample : 0.0;
+        loudest = std::max(loudest, std::abs(sample));
+    }
+    const double level_dBFS = 10.0 * std::log10(sum / static_cast<double>(end - kFade));
+    EXPECT_NEAR(level_dBFS, kLevel_dBFS, 1.0) << "some seconds; exactly in PinkNoise";
+    // Soft at both ends: a thousandth of the amplitude and less in the first and last millisecond.
+    const double amplitude = std::pow(10.0, kLevel_dBFS / 20.0);
+    for (std::size_t i = 0; i < 88; ++i) {
+        EXPECT_LT(std::abs(samples[i]), 1e-3 * amplitude) << i;
+        EXPECT_LT(std::abs(samples[samples.size() - 1 - i]), 1e-3 * amplitude) << i;
+    }
+    EXPECT_GT(loudest, 2.0 * amplitude) << "and not in between";
 }
 
 } // namespace
