@@ -3,7 +3,6 @@
 
 #include "app/stage/frame_loop.h"
 #include "app/study/participant/participant_window.h"
-#include "app/study/sitting/sitting_frame.h"
 #include "app/study/sitting/sitting_state.h"
 #include "engine/session/session.h"
 

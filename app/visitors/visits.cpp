@@ -1,30 +1,96 @@
 #include "app/visitors/visits.h"
 
+#include "app/study/participant/participant_input.h"
 #include "app/study/sitting/sitting.h"
-#include "app/visitors/curve_of_answers.h"
 #include "base/input_error.h"
+#include "base/vector.h"
 #include "engine/study/conduct/conduct.h"
-#include "engine/study/observers/simulated_sitting.h"
+#include "engine/study/observers/simulated_answer.h"
+#include "engine/study/protocol/analysis_plan.h"
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
+#include <iterator>
 #include <utility>
+#include <variant>
+#include <vector>
 
 namespace springdrive::app::visitors {
 
 namespace {
 
 using study_screen::AnswerChoice;
+using study_screen::InputSource;
 using study_screen::OwnCurve;
+using study_screen::ParticipantInput;
 using study_screen::ParticipantPicture;
 using study_screen::Resumable;
 using study_screen::SittingFrame;
+using study_screen::SittingState;
 using study_screen::SittingStep;
 
 constexpr const char *kVisitor = "V1"; ///< a code, as the study in memory wants one
 constexpr const char *kNothingIsKept = "Nothing of this is kept: no answer, no name, no file.";
 constexpr double kDot_s = 0.15;      ///< for which a reckoned answer is shown
 constexpr double kShowStart_s = 6.0; ///< of a show
+constexpr double kReading_s = 4.0;   ///< until a visitor who is made up goes on
+constexpr double kMove_m = 0.003;    ///< of a tip: more than a device that lies still drifts
+constexpr double kThinking_s = 0.6;  ///< until the answer
+
+constexpr std::array kTicks_deg{1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 90.0};
+/// So near to an end of what is thought possible, an interval is open there: within a cell of the
+/// usual grids.
+constexpr double kEnd = 1.05;
+
+struct Levels {
+    double lowest;
+    double highest;
+};
+
+Levels levels_of(const study::Protocol &protocol) {
+    const std::vector<double> levels = study::presentable_levels(protocol);
+    const auto [lowest, highest] = std::ranges::minmax(levels);
+    return {lowest, highest};
+}
+
+/// Steps that wait for any key.
+bool waits_for_key(SittingStep step) {
+    switch (step) {
+    case SittingStep::instructions:
+    case SittingStep::practice_begins:
+    case SittingStep::practice_ends:
+    case SittingStep::block_begins:
+    case SittingStep::in_break:
+    case SittingStep::over:
+        return true;
+    default:
+        return false;
+    }
+}
+
+ParticipantInput key_press(std::string name, double clock_s) {
+    ParticipantInput input;
+    input.name = std::move(name);
+    input.clock_s = clock_s;
+    return input;
+}
+
+/// Someone did something: any press.
+bool has_acted(const std::vector<ParticipantInput> &inputs) {
+    return std::ranges::any_of(inputs, &ParticipantInput::is_press);
+}
+
+/// A press of that key, or a click on the plate that shows it.
+bool is_pressed(const std::vector<ParticipantInput> &inputs, std::string_view key,
+                std::size_t choice) {
+    return std::ranges::any_of(inputs, [&](const ParticipantInput &input) {
+        return input.is_press && (input.source == InputSource::choice
+                                      ? input.choice == choice
+                                      : input.source == InputSource::key && input.name == key);
+    });
+}
 
 AnswerChoice card_of(std::string text, const std::string &key) {
     return {std::move(text), study_screen::shown_key(key, false)};
@@ -56,6 +122,201 @@ std::string result_text(const study::PsychometricFunction &made_up, Visitor visi
 }
 
 } // namespace
+
+std::string validate_for_visitors(const study::Protocol &protocol) {
+    if (!study::is_forced_choice(protocol.task.kind) ||
+        std::holds_alternative<study::Adjustment>(protocol.method)) {
+        return "is no forced choice, of which a visitor's own curve could be drawn; name another "
+               "protocol";
+    }
+    if (protocol.conditions.size() != 1) {
+        return "has more than one condition, which visitors have no time for; leave one";
+    }
+    if (protocol.noise) {
+        return "plays a masking noise, which nobody is there to turn down; remove its [noise]";
+    }
+    if (!protocol.questionnaire.empty()) {
+        return "asks questions, whose answers would not be kept; remove its [[questions]]";
+    }
+    if (protocol.variable.parameter != "turn_deg" ||
+        study::analysis_family(protocol).scale != study::Scale::logarithmic ||
+        levels_of(protocol).lowest <= 0.0) {
+        return "does not vary turn_deg on a logarithmic scale, which the words on the screen are "
+               "for; name another protocol";
+    }
+    return {};
+}
+
+std::optional<study::SeriesResult> result_of_visit(const study::Protocol &protocol,
+                                                   const study::StudyContents &visit) {
+    if (visit.sessions.empty()) {
+        return std::nullopt;
+    }
+    std::vector<study::Series> series =
+        study::series_of(protocol, visit, visit.sessions.front().device);
+    if (series.empty() || study::counting_trials(protocol, series.front()).empty()) {
+        return std::nullopt;
+    }
+    return study::result_of(protocol, std::move(series.front()));
+}
+
+OwnCurve curve_of(const study::Protocol &protocol,
+                  const std::optional<study::SeriesResult> &result) {
+    const Levels levels = levels_of(protocol);
+    OwnCurve curve;
+    curve.lowest_level = levels.lowest;
+    curve.highest_level = levels.highest;
+    curve.guess = 1.0 / protocol.task.alternatives;
+    std::ranges::copy_if(kTicks_deg, std::back_inserter(curve.ticks), [&](double tick) {
+        return tick >= curve.lowest_level && tick <= curve.highest_level;
+    });
+    curve.level_label = "how far the force was turned (degrees)";
+    curve.share_label = "right answers";
+    if (!result) {
+        return curve;
+    }
+    for (const study::LevelCount &count : result->counts) {
+        curve.dots.push_back(
+            {count.level, static_cast<double>(count.positive) / count.trials, count.trials});
+    }
+    if (result->fitted) {
+        for (const study::FunctionPoint &point : result->fitted->course) {
+            curve.course.push_back({point.level, point.proportion, point.low, point.high});
+        }
+        const study::PosteriorSummary &threshold = result->fitted->threshold;
+        curve.threshold = {threshold.median, threshold.low, threshold.high};
+    }
+    return curve;
+}
+
+std::string threshold_words(const OwnCurve &curve) {
+    if (!curve.threshold) {
+        return {};
+    }
+    const OwnCurve::Threshold &threshold = *curve.threshold;
+    if (threshold.high * kEnd >= curve.highest_level) {
+        return fmt::format("more than {:.0f} degrees", threshold.low);
+    }
+    if (threshold.low <= kEnd * curve.lowest_level) {
+        return fmt::format("less than {:.0f} degrees", threshold.high);
+    }
+    return fmt::format("{:.0f} degrees ({:.0f} to {:.0f})", threshold.level, threshold.low,
+                       threshold.high);
+}
+
+/// A sitting without an experimenter. Not in the unnamed namespace, as coroutines hold it.
+class UnattendedVisit {
+public:
+    /// @param session  and the protocol: must outlive this
+    /// @param made_up  answers in the visitor's place; nothing: a visitor does
+    UnattendedVisit(session::Session &session, const study::Protocol &protocol,
+                    std::optional<study::SimulatedParticipant> made_up)
+        : session_(session), protocol_(protocol), made_up_(made_up),
+          seen_s_(session.servo().now_s()), stop_(session.servo().inputs().requested_stop),
+          step_since_s_(session.servo().now_s()) {}
+
+    /// What is shown of a sitting's picture. With a mouse all can be done by its left button.
+    [[nodiscard]] ParticipantPicture for_visitors(ParticipantPicture picture, SittingStep step) {
+        const double now_s = session_.servo().now_s();
+        if (std::exchange(step_, step) != step) {
+            step_since_s_ = now_s;
+        }
+        was_asked_ = !made_up_ && now_s - seen_s_ > kAskedAfter_s;
+        picture.choices_take_clicks = true;
+        if (waits_for_key(step)) {
+            picture.choices = {card_of("Go on", "enter")};
+        } else if (step == SittingStep::device_stopped) {
+            picture.choices = {card_of("Let it go on", "enter")};
+        }
+        if (made_up_) {
+            picture.footer = "A made-up visitor answers. Escape: back to the start.";
+        }
+        if (was_asked_) {
+            picture.heading = "Still there?";
+            picture.text = "Press any key.";
+            picture.is_calm_stop = false;
+            picture.choices = {card_of("Yes", "enter")};
+        }
+        return picture;
+    }
+
+    /// What a sitting gets of the frame in which that was shown.
+    [[nodiscard]] SittingFrame for_sitting(SittingFrame frame, const SittingState &state) {
+        if (!made_up_ && away_s(frame.inputs) > kGoneAfter_s) {
+            stop(frame, VisitEnd::gone);
+        }
+        if (is_pressed(frame.inputs, "escape", SIZE_MAX)) {
+            stop(frame, VisitEnd::left);
+        }
+        if (was_asked_) { // it answers that, and nothing that was behind it
+            frame.inputs.clear();
+        }
+        if (state.step == SittingStep::device_stopped && is_pressed(frame.inputs, "enter", 0)) {
+            frame.orders.resets_device = true;
+        }
+        if (state.step == SittingStep::over) { // their curve follows at once
+            frame.inputs.push_back(key_press("enter", session_.servo().now_s()));
+        }
+        if (made_up_) {
+            act_made_up(state, frame);
+        }
+        return frame;
+    }
+
+    [[nodiscard]] VisitEnd end() const { return end_; }
+
+private:
+    /// Since somebody acted, stopped the device, or moved the tip of a real one.
+    [[nodiscard]] double away_s(const std::vector<ParticipantInput> &inputs) {
+        const double now_s = session_.servo().now_s();
+        const std::uint32_t requested = session_.servo().inputs().requested_stop; // no input's key
+        const bool is_stopped = std::exchange(stop_, requested) != requested;
+        const Vector3 &tip_m = session_.latest().tip_m;
+        const bool has_moved =
+            !session_.hand().is_simulated() && (!tip_m_ || (tip_m - *tip_m_).norm() > kMove_m);
+        if (has_moved) {
+            tip_m_ = tip_m;
+        }
+        if (has_acted(inputs) || is_stopped || has_moved) {
+            seen_s_ = now_s;
+        }
+        return now_s - seen_s_;
+    }
+
+    /// Answers to what the method asks for, not to what was delivered: that is in no picture.
+    void act_made_up(const SittingState &state, SittingFrame &frame) {
+        const double now_s = session_.servo().now_s();
+        const double shown_s = now_s - step_since_s_;
+        if (waits_for_key(state.step) && shown_s >= kReading_s) {
+            frame.inputs.push_back(key_press("enter", now_s));
+        } else if (state.step == SittingStep::response && shown_s >= kThinking_s) {
+            const study::SimulatedAnswer answer = study::simulated_answer(
+                protocol_, *made_up_, *state.trial, state.trial->level.value());
+            const auto *chosen = std::get_if<study::Chosen>(&answer.response);
+            const auto alternative = static_cast<std::size_t>(chosen ? chosen->alternative - 1 : 0);
+            frame.inputs.push_back(key_press(
+                study_screen::input_name(protocol_.responses.keys.at(alternative)), now_s));
+        } else if (state.trials.size() >= kShownTrials) {
+            stop(frame, VisitEnd::seen_enough);
+        }
+    }
+
+    void stop(SittingFrame &frame, VisitEnd why) {
+        frame.orders.stops = true;
+        end_ = why;
+    }
+
+    session::Session &session_;
+    const study::Protocol &protocol_;
+    std::optional<study::SimulatedParticipant> made_up_;
+    double seen_s_;                ///< when somebody was there
+    std::optional<Vector3> tip_m_; ///< of a real device, where it was when it was moved last
+    std::uint32_t stop_;           ///< the last one requested here
+    double step_since_s_;          ///< since when the present step is shown
+    SittingStep step_ = SittingStep::instructions;
+    bool was_asked_ = false; ///< in the present frame, whether somebody is still there
+    VisitEnd end_ = VisitEnd::none;
+};
 
 Visits::Visits(VisitsPlan plan, session::Session &session, study_screen::ShowsScene show_scene)
     : plan_(std::move(plan)), session_(session), show_scene_(std::move(show_scene)) {}

@@ -5,26 +5,48 @@
 //     └► a visitor who is made up: three trials, the others reckoned, the curve ──► start
 //
 // A visit's trials are in a study in memory, which is gone when the next visitor begins: nothing of
-// a visitor is in any file.
+// a visitor is in any file. A visitor's sitting is a participant's in which nobody looks after the
+// visitor: what an experimenter would do is done between the sitting and the window.
+//
+//   sitting ──picture──► buttons, "Still there?" ──► window
+//   sitting ◄──inputs── answers of a visitor who is made up ◄── window
 #pragma once
 
+#include "app/study/participant/participant_picture.h"
 #include "app/study/sitting/resumable.h"
+#include "app/study/sitting/sitting_state.h"
 #include "app/study/sitting/trial_presenter.h"
-#include "app/visitors/unattended_visit.h"
 #include "engine/session/session.h"
 #include "engine/study/methods/psychometric_function.h"
+#include "engine/study/observers/simulated_sitting.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/study_setting.h"
+#include "engine/study/results/series_result.h"
+#include "engine/study/store/study_contents.h"
 #include "engine/study/store/study_store.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 
 namespace springdrive::app::visitors {
 
+inline constexpr double kAskedAfter_s = 30.0; ///< without a sign of anybody: "Still there?"
+inline constexpr double kGoneAfter_s = 40.0;
+/// A visitor who is made up is shown for so many trials.
+inline constexpr std::size_t kShownTrials = 3;
+
+/// Why a visit was ended before the sitting was through.
+enum class VisitEnd : std::uint8_t {
+    none,
+    gone,       ///< nobody was there any more
+    left,       ///< by Escape
+    seen_enough ///< of a visitor who is made up
+};
+
 struct VisitsPlan {
-    study::Protocol protocol; ///< a task for visitors, see curve_of_answers.h
+    study::Protocol protocol; ///< a task for visitors: see `validate_for_visitors`
     study::StudySetting setting;
     study::ProtocolFolders folders;
     study::PsychometricFunction made_up; ///< who answers where nobody feels anything
@@ -81,5 +103,23 @@ private:
     int begun_ = 0;
     study_screen::Frames frames_;
 };
+
+/// Why a protocol is no task for visitors, in a line with what to do; empty when it is one: one
+/// condition, a forced choice about an angle on a logarithmic scale, no questions.
+[[nodiscard]] std::string validate_for_visitors(const study::Protocol &protocol);
+
+// @pre of the following: the protocol is a task for visitors
+
+/// The fit of the only participant's trials; nothing before the first one that counts.
+[[nodiscard]] std::optional<study::SeriesResult> result_of_visit(const study::Protocol &protocol,
+                                                                 const study::StudyContents &visit);
+
+/// Axes, and what `result` has of dots and fit.
+[[nodiscard]] study_screen::OwnCurve curve_of(const study::Protocol &protocol,
+                                              const std::optional<study::SeriesResult> &result);
+
+/// "14 degrees (9 to 22)"; where the interval reaches an end of what was presented, "less than 4
+/// degrees" or "more than 38 degrees".
+[[nodiscard]] std::string threshold_words(const study_screen::OwnCurve &curve);
 
 } // namespace springdrive::app::visitors

@@ -7,7 +7,6 @@
 #include "app/host/ending_signal.h"
 #include "app/stage/open_session.h"
 #include "app/study/sitting/sitting_activity.h"
-#include "app/visitors/curve_of_answers.h"
 #include "app/visitors/visitor_window.h"
 #include "app/visitors/visits.h"
 #include "base/input_error.h"

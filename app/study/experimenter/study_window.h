@@ -1,23 +1,47 @@
 // The two windows of a sitting: the experimenter's, with panels and the whole device, and the
-// participant's.
+// participant's. The stimuli are hidden from the experimenter at first, so that nothing in the
+// experimenter's face or voice can tell of them.
 #pragma once
 
 #include "app/stage/frame_loop.h"
 #include "app/stage/view_control.h"
-#include "app/study/experimenter/experimenter_panel.h"
-#include "app/study/experimenter/live_fit.h"
+#include "app/study/experimenter/live_charts.h"
 #include "app/study/participant/participant_window.h"
-#include "app/study/sitting/sitting_frame.h"
 #include "app/study/sitting/sitting_state.h"
 #include "app/view/renderer.h"
+#include "app/view/view_state.h"
+#include "app/widgets/rectangle.h"
 #include "app/window/window.h"
 #include "engine/session/session.h"
+#include "engine/study/protocol/protocol.h"
 #include "engine/study/store/study_store.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace springdrive::app::study_screen {
+
+enum class EndAsked : std::uint8_t { nothing, stop, leave };
+
+struct ExperimenterPanelState {
+    bool is_paused = false;
+    bool shows_stimuli = false; ///< condition, level, answers and fit
+    std::string error;          ///< why the device could not be zeroed
+    std::string note;           ///< being typed
+    double typed_s = 0.0;       ///< when its last key was, by ImGui::GetTime
+    std::vector<std::string> notes_of_today;
+    EndAsked asked = EndAsked::nothing; ///< until it is confirmed
+};
+
+struct ExperimenterActs {
+    ExperimenterOrders orders;
+    bool emergency_stop = false;
+    bool zeroes_device = false;      ///< it is held in its zero pose
+    std::optional<std::string> note; ///< to be stored
+};
 
 struct StudyWindowOptions {
     ParticipantWindow::Wish participant;
@@ -68,5 +92,14 @@ private:
     std::uint32_t shown_scene_ = 0;
     std::optional<Vector3> spot_m_; ///< that is touched
 };
+
+/// What the experimenter's view shows of the device and the hand.
+/// @param surface    that is touched
+/// @param hidden_at  while stimuli are hidden: where the tip is shown in contact, whichever way it
+///                   yields; no force is shown then, in contact or not
+[[nodiscard]] ViewState experimenter_view(const servo::ServoSample &now,
+                                          const device::DeviceDescription &device,
+                                          const contact::HapticSurface &surface,
+                                          const std::optional<Vector3> &hidden_at);
 
 } // namespace springdrive::app::study_screen

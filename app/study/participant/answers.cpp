@@ -10,6 +10,8 @@ namespace springdrive::app::study_screen {
 
 namespace {
 
+constexpr std::size_t kMaxKeys = 9; ///< of a question's choices: digits from 1
+
 const std::array<Gesture, 6> kGestures{{
     {"left", -Vector3::UnitX()},
     {"right", Vector3::UnitX()},
@@ -42,33 +44,22 @@ bool is_right_before_left(const study::ResponseWays &ways) {
 std::span<const Gesture> gestures() { return kGestures; }
 
 std::string validate_answers(const study::ResponseWays &ways) {
-    for (const std::string &key : ways.keys) {
-        const std::string name = input_name(key);
-        switch (ways.device) {
-        case study::ResponseDevice::keyboard:
-            if (!is_key_name(name)) {
-                return fmt::format("responses.keys has \"{}\"; a key is a letter, a digit or one "
-                                   "of left, right, up, down, enter, f1 and so on",
-                                   key);
-            }
-            break;
-        case study::ResponseDevice::mouse:
-            if (!is_mouse_button_name(name)) {
-                return fmt::format("responses.keys has \"{}\"; a mouse button is left, right, "
-                                   "middle, back or forward",
-                                   key);
-            }
-            break;
-        case study::ResponseDevice::gesture:
-            if (!is_gesture_name(name)) {
-                return fmt::format("responses.keys has \"{}\"; a gesture is left, right, up, "
-                                   "down, towards or away",
-                                   key);
-            }
-            break;
-        }
-    }
-    return {};
+    struct Names {
+        bool (*has)(std::string_view);
+        const char *what;
+    };
+    const Names names =
+        ways.device == study::ResponseDevice::keyboard
+            ? Names{is_key_name, "a key is a letter, a digit or one of left, right, up, down, "
+                                 "enter, f1 and so on"}
+        : ways.device == study::ResponseDevice::mouse
+            ? Names{is_mouse_button_name, "a mouse button is left, right, middle, back or forward"}
+            : Names{is_gesture_name, "a gesture is left, right, up, down, towards or away"};
+    const auto wrong = std::ranges::find_if(
+        ways.keys, [&](const std::string &key) { return !names.has(input_name(key)); });
+    return wrong == ways.keys.end()
+               ? std::string()
+               : fmt::format("responses.keys has \"{}\"; {}", *wrong, names.what);
 }
 
 std::optional<std::size_t> alternative_of(const study::ResponseWays &ways,
@@ -135,6 +126,68 @@ std::vector<AnswerChoice> choices_of(const study::Protocol &protocol) {
         std::swap(choices[0], choices[1]);
     }
     return choices;
+}
+
+ParticipantPicture instructions_of(const study::Protocol &protocol) {
+    const study::Texts &texts = protocol.texts;
+    ParticipantPicture picture;
+    picture.text = texts.instructions;
+    if (protocol.responses.device == study::ResponseDevice::gesture) {
+        picture.text += '\n' + texts.gesture_help;
+    }
+    picture.text += '\n' + texts.ready;
+    return picture;
+}
+
+std::vector<QuestionChoice> choices_of(const study::QuestionnaireItem &item,
+                                       const study::Texts &texts) {
+    std::vector<QuestionChoice> choices;
+    const std::vector<std::string> possible = study::possible_answers(item);
+    for (std::size_t i = 0; i < possible.size(); ++i) {
+        const bool is_scale = item.kind == study::QuestionnaireKind::scale;
+        const std::string number = is_scale ? possible[i] : fmt::format("{}", i + 1);
+        const std::string label = !is_scale                  ? possible[i]
+                                  : i == 0                   ? item.lowest_label
+                                  : i + 1 == possible.size() ? item.highest_label
+                                                             : std::string();
+        const bool has_key = is_scale ? is_key_name(number) : possible.size() <= kMaxKeys;
+        const bool shows_number = is_scale || has_key;
+        choices.push_back(
+            {{label, shows_number ? number : ""}, has_key ? number : "", possible[i]});
+    }
+    if (possible.empty()) {
+        choices.push_back({{texts.next_question, shown_key("enter", false)}, "enter", ""});
+    }
+    choices.push_back({{texts.no_answer, ""}, "", std::nullopt});
+    return choices;
+}
+
+const QuestionChoice *chosen_by(const std::vector<QuestionChoice> &choices,
+                                const ParticipantInput &input) {
+    if (!input.is_press) {
+        return nullptr;
+    }
+    if (input.source == InputSource::choice) {
+        return input.choice < choices.size() ? &choices[input.choice] : nullptr;
+    }
+    if (input.source != InputSource::key || input.name.empty()) {
+        return nullptr;
+    }
+    const auto found = std::ranges::find(choices, input.name, &QuestionChoice::key);
+    return found == choices.end() ? nullptr : &*found;
+}
+
+ParticipantPicture picture_of(const study::QuestionnaireItem &item, const study::Texts &texts) {
+    ParticipantPicture picture;
+    picture.heading = item.when == study::QuestionnaireTime::before ? texts.questionnaire_before
+                                                                    : texts.questionnaire_after;
+    picture.text = item.text;
+    for (const QuestionChoice &choice : choices_of(item, texts)) {
+        picture.choices.push_back(choice.card);
+    }
+    picture.choices_take_clicks = true;
+    picture.has_text_field = item.kind == study::QuestionnaireKind::text;
+    return picture;
 }
 
 } // namespace springdrive::app::study_screen

@@ -1,5 +1,7 @@
 #include "app/study/participant/participant_input.h"
 
+#include <GLFW/glfw3.h>
+
 #include <algorithm>
 #include <functional>
 #include <utility>
@@ -7,6 +9,56 @@
 namespace springdrive::app::study_screen {
 
 namespace {
+
+struct NamedKey {
+    int key;
+    std::string_view name;
+};
+
+/// By what is printed on them, whatever the keyboard's layout: also digits, which some layouts have
+/// only with the shift key. Both keys of a pair have one name, as have number pad and others.
+constexpr std::array kNamedKeys{
+    NamedKey{GLFW_KEY_LEFT, "left"},
+    NamedKey{GLFW_KEY_RIGHT, "right"},
+    NamedKey{GLFW_KEY_UP, "up"},
+    NamedKey{GLFW_KEY_DOWN, "down"},
+    NamedKey{GLFW_KEY_ENTER, "enter"},
+    NamedKey{GLFW_KEY_KP_ENTER, "enter"},
+    NamedKey{GLFW_KEY_BACKSPACE, "backspace"},
+    NamedKey{GLFW_KEY_TAB, "tab"},
+    NamedKey{GLFW_KEY_INSERT, "insert"},
+    NamedKey{GLFW_KEY_DELETE, "delete"},
+    NamedKey{GLFW_KEY_HOME, "home"},
+    NamedKey{GLFW_KEY_END, "end"},
+    NamedKey{GLFW_KEY_PAGE_UP, "page_up"},
+    NamedKey{GLFW_KEY_PAGE_DOWN, "page_down"},
+    NamedKey{GLFW_KEY_ESCAPE, "escape"},
+    NamedKey{GLFW_KEY_MENU, "menu"},
+    NamedKey{GLFW_KEY_PRINT_SCREEN, "print"},
+    NamedKey{GLFW_KEY_LEFT_SHIFT, "shift"},
+    NamedKey{GLFW_KEY_RIGHT_SHIFT, "shift"},
+    NamedKey{GLFW_KEY_LEFT_CONTROL, "ctrl"},
+    NamedKey{GLFW_KEY_RIGHT_CONTROL, "ctrl"},
+    NamedKey{GLFW_KEY_LEFT_ALT, "alt"},
+    NamedKey{GLFW_KEY_RIGHT_ALT, "alt"},
+    NamedKey{GLFW_KEY_LEFT_SUPER, "super"},
+    NamedKey{GLFW_KEY_RIGHT_SUPER, "super"},
+};
+
+constexpr int kFirstFunctionKey = 1;
+constexpr int kLastFunctionKey = 11; ///< F12 stops the device
+
+constexpr std::array kPadKeys{
+    NamedKey{GLFW_KEY_KP_DECIMAL, "."},  NamedKey{GLFW_KEY_KP_DIVIDE, "/"},
+    NamedKey{GLFW_KEY_KP_MULTIPLY, "*"}, NamedKey{GLFW_KEY_KP_SUBTRACT, "-"},
+    NamedKey{GLFW_KEY_KP_ADD, "+"},      NamedKey{GLFW_KEY_KP_EQUAL, "="},
+};
+
+/// Empty if it is none of them.
+template <typename Keys> std::string_view name_in(const Keys &keys, int key) {
+    const auto found = std::ranges::find(keys, key, &NamedKey::key);
+    return found == keys.end() ? std::string_view() : found->name;
+}
 
 /// Of keys with a sign that is known in every language.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kSigns{{
@@ -49,7 +101,13 @@ std::string input_name(std::string_view name) {
 }
 
 bool is_key_name(std::string_view name) {
-    if (std::ranges::find(kKeyNames, input_name(name)) != kKeyNames.end()) {
+    const std::string plain = input_name(name);
+    for (int number = kFirstFunctionKey; number <= kLastFunctionKey; ++number) {
+        if (plain == "f" + std::to_string(number)) {
+            return true;
+        }
+    }
+    if (std::ranges::find(kNamedKeys, plain, &NamedKey::name) != kNamedKeys.end()) {
         return true;
     }
     return !name.empty() && !continues(name.front()) &&
@@ -88,6 +146,28 @@ std::string typed_on(std::string text, std::span<const ParticipantInput> inputs,
         }
     }
     return text;
+}
+
+std::string name_of_silent_key(int key) {
+    const int number = key - GLFW_KEY_F1 + 1;
+    if (number >= kFirstFunctionKey && number <= kLastFunctionKey) {
+        return "f" + std::to_string(number);
+    }
+    return std::string(name_in(kNamedKeys, key));
+}
+
+std::string name_of_letter_key(int key, int scancode) {
+    for (const int zero : {GLFW_KEY_0, GLFW_KEY_KP_0}) {
+        if (key >= zero && key <= zero + 9) {
+            return std::to_string(key - zero);
+        }
+    }
+    if (const std::string_view pad = name_in(kPadKeys, key); !pad.empty()) {
+        return std::string(pad);
+    }
+    // By the keyboard's layout: GLFW's own codes are those of a US keyboard.
+    const char *const name = glfwGetKeyName(key, scancode);
+    return name != nullptr ? input_name(name) : std::string();
 }
 
 } // namespace springdrive::app::study_screen

@@ -12,8 +12,8 @@
 namespace springdrive::app::study_screen {
 
 enum class InputSource : std::uint8_t {
-    key,          ///< `name`: see kKeyNames, or the letter or digit that the keyboard's layout has
-                  ///< there, lower case; those of the number pad are not told apart
+    key, ///< `name`: see `is_key_name`, or the letter or digit that the keyboard's layout has
+         ///< there, lower case; those of the number pad are not told apart
     mouse_button, ///< `name`: one of kMouseButtonNames
     choice,       ///< a click on a plate: `name` is the choice's key, `choice` its index
     letter        ///< of a free text: `name` is one code point in UTF-8
@@ -29,19 +29,12 @@ struct ParticipantInput {
     friend bool operator==(const ParticipantInput &, const ParticipantInput &) = default;
 };
 
-/// Keys that are no letters. Names are lower case.
-inline constexpr std::array<std::string_view, 31> kKeyNames{
-    "left",   "right", "up",   "down",    "enter",     "backspace", "tab",   "insert",
-    "delete", "home",  "end",  "page_up", "page_down", "escape",    "shift", "ctrl",
-    "alt",    "super", "menu", "f1",      "f2",        "f3",        "f4",    "f5",
-    "f6",     "f7",    "f8",   "f9",      "f10",       "f11",       "print"};
-
 inline constexpr std::array<std::string_view, 5> kMouseButtonNames{"left", "right", "middle",
                                                                    "back", "forward"};
 
 /// Whether a key can be reported under this name, which is compared without regard to the case of
-/// ASCII letters: one of kKeyNames, or a single code point that is no space. Whether a keyboard has
-/// that letter is not known before it is pressed.
+/// ASCII letters: that of a key which types nothing ("left", "enter", "f5"), or a single code point
+/// that is no space. Whether a keyboard has that letter is not known before it is pressed.
 [[nodiscard]] bool is_key_name(std::string_view name);
 [[nodiscard]] bool is_mouse_button_name(std::string_view name);
 
@@ -56,5 +49,10 @@ inline constexpr std::array<std::string_view, 5> kMouseButtonNames{"left", "righ
 /// longer than `max_bytes` is left as it is.
 [[nodiscard]] std::string typed_on(std::string text, std::span<const ParticipantInput> inputs,
                                    std::size_t max_bytes = 4000);
+
+/// Names of keys by GLFW's codes: of one that types nothing, and of one that types a letter, by the
+/// keyboard's layout. Empty if it has none. @pre of the second: GLFW is initialised
+[[nodiscard]] std::string name_of_silent_key(int key);
+[[nodiscard]] std::string name_of_letter_key(int key, int scancode);
 
 } // namespace springdrive::app::study_screen

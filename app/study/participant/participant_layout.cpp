@@ -2,6 +2,8 @@
 
 #include "base/assertions.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,6 +30,11 @@ constexpr int kTextStep = Letters::kSizes - kReadableSteps;
 constexpr float kFurther = 0.94F; // a step below the least
 constexpr float kMin_px = 2.0F;
 constexpr float kHeadingPerText = 1.5F; // there
+
+constexpr float kMaxDot = 1.0F / 15.0F; ///< radius, of the plot's height
+constexpr double kAxisMargin = 1.12;    ///< of the axis beyond the levels, a factor
+
+std::string percent(double share) { return fmt::format("{:.0f} %", 100.0 * share); }
 
 /// Sizes of text, and what is given up for them.
 struct Attempt {
@@ -415,6 +422,58 @@ std::vector<std::string_view> texts_of(const ParticipantPicture &picture) {
 }
 
 } // namespace
+
+float CurveChart::x_px(const OwnCurve &curve, double level) const {
+    const double lowest = curve.lowest_level / kAxisMargin;
+    const double part =
+        std::log(level / lowest) / std::log(curve.highest_level * kAxisMargin / lowest);
+    return plot.corner.x + static_cast<float>(part) * plot.size.x;
+}
+
+float CurveChart::y_px(double right_share) const {
+    return plot.corner.y + static_cast<float>(1.0 - right_share) * plot.size.y;
+}
+
+float dot_radius_px(int trials, float height_px) {
+    const float share = std::min(1.0F, static_cast<float>(trials) / kFullTrials);
+    return kMaxDot * height_px * std::sqrt(share);
+}
+
+/// The shares' label is above them, flush left.
+CurveChart arranged(const OwnCurve &curve, const Rectangle &box, const ImFont &font,
+                    float text_px) {
+    SPRINGDRIVE_ASSERT(box.size.x > 0.0F && box.size.y > 0.0F && curve.lowest_level > 0.0 &&
+                       curve.lowest_level < curve.highest_level);
+    const auto text = [&](const std::string &words) {
+        return wrapped(words, font, text_px, 2.0F * box.size.x);
+    };
+    CurveChart chart;
+    const auto add = [&](TextLines label, float x, float y) {
+        label.box.corner = {std::floor(x), std::floor(y)};
+        chart.labels.push_back(std::move(label));
+    };
+    const float gap = std::floor(0.35F * text_px);
+    const float wide = text(percent(1.0)).box.size.x + gap;
+    chart.line_px = std::max(1.0F, std::round(box.size.y / 260.0F));
+    chart.plot = {{box.corner.x + wide, box.corner.y + text_px + 2.0F * gap},
+                  {box.size.x - wide - text_px, box.size.y - 3.0F * text_px - 4.0F * gap}};
+    const Rectangle &plot = chart.plot;
+    for (const double share : kNamedShares) {
+        TextLines label = text(percent(share));
+        const float left = plot.corner.x - gap - label.box.size.x;
+        add(std::move(label), left, chart.y_px(share) - 0.5F * text_px);
+    }
+    add(text(curve.share_label), box.corner.x, box.corner.y);
+    for (const double level : curve.ticks) {
+        TextLines label = text(fmt::format("{:g}", level));
+        const float left = chart.x_px(curve, level) - 0.5F * label.box.size.x;
+        add(std::move(label), left, plot.corner.y + plot.size.y + gap);
+    }
+    TextLines label = text(curve.level_label);
+    const float left = plot.corner.x + 0.5F * (plot.size.x - label.box.size.x);
+    add(std::move(label), left, box.corner.y + box.size.y - text_px);
+    return chart;
+}
 
 std::optional<std::size_t> ParticipantLayout::choice_at(double x, double y) const {
     const ImVec2 place{static_cast<float>(x), static_cast<float>(y)};

@@ -9,14 +9,37 @@
 // whatever is above and below it, so that nothing moves within a trial.
 #pragma once
 
-#include "app/study/participant/curve_chart.h"
 #include "app/study/participant/letters.h"
 #include "app/study/participant/participant_picture.h"
 
+#include <array>
 #include <optional>
 #include <vector>
 
 namespace springdrive::app::study_screen {
+
+/// An OwnCurve in a box of the screen.
+struct CurveChart {
+    Rectangle plot; ///< within the axes
+    std::vector<TextLines> labels;
+    float line_px = 1.0F; ///< thickness of lines
+
+    [[nodiscard]] float x_px(const OwnCurve &curve, double level) const;
+    [[nodiscard]] float y_px(double right_share) const;
+};
+
+/// Shares that are named at its axis.
+inline constexpr std::array<double, 5> kNamedShares{0.0, 0.25, 0.5, 0.75, 1.0};
+
+/// Radius of a dot: its area is proportional to the trials, and one of `kFullTrials` has the
+/// largest radius; more are not drawn larger. @param height_px  of the plot
+[[nodiscard]] float dot_radius_px(int trials, float height_px);
+inline constexpr int kFullTrials = 16;
+
+/// Everything is within the box. @param text_px  of all labels
+/// @pre the box is not empty, 0 < lowest_level < highest_level
+[[nodiscard]] CurveChart arranged(const OwnCurve &curve, const Rectangle &box, const ImFont &font,
+                                  float text_px);
 
 struct PlacedChoice {
     Rectangle card;
@@ -46,7 +69,7 @@ struct ParticipantLayout {
     [[nodiscard]] std::optional<std::size_t> choice_at(double x, double y) const;
 };
 
-/// Depends neither on how much is done or left, nor on the ball or what is chosen.
+/// Depends neither on how much is done or left, nor on the ball.
 /// @param letters  with which it is drawn; made ready for it. @pre width and height > 0
 [[nodiscard]] ParticipantLayout lay_out(const ParticipantPicture &picture, int width, int height,
                                         Letters &letters);

@@ -3,7 +3,6 @@
 // of the size in pixels alone.
 #pragma once
 
-#include "app/study/participant/own_curve.h"
 #include "base/vector.h"
 
 #include <cstddef>
@@ -22,6 +21,47 @@ struct AnswerChoice {
     friend bool operator==(const AnswerChoice &, const AnswerChoice &) = default;
 };
 
+/// A psychometric function, as it is shown to the one who gave the answers.
+struct OwnCurve {
+    /// All answers at one level.
+    struct Dot {
+        double level = 0.0;
+        double right_share = 0.0;
+        int trials = 0;
+
+        friend bool operator==(const Dot &, const Dot &) = default;
+    };
+    /// The fitted function at a level, with its 95 % band.
+    struct Point {
+        double level = 0.0;
+        double right_share = 0.0;
+        double low = 0.0;
+        double high = 0.0;
+
+        friend bool operator==(const Point &, const Point &) = default;
+    };
+    /// The level at the threshold, with its 95 % interval.
+    struct Threshold {
+        double level = 0.0;
+        double low = 0.0;
+        double high = 0.0;
+
+        friend bool operator==(const Threshold &, const Threshold &) = default;
+    };
+
+    double lowest_level = 1.0; ///< that can be presented; > 0, as the axis is logarithmic
+    double highest_level = 10.0;
+    double guess = 0.5;        ///< share of right answers by chance
+    std::vector<double> ticks; ///< levels that are named at the axis
+    std::string level_label;
+    std::string share_label;
+    std::vector<Dot> dots;
+    std::vector<Point> course; ///< by rising level; empty before there is a fit
+    std::optional<Threshold> threshold;
+
+    friend bool operator==(const OwnCurve &, const OwnCurve &) = default;
+};
+
 enum class SceneShown : std::uint8_t { nothing, scene };
 
 struct ParticipantPicture {
@@ -31,13 +71,12 @@ struct ParticipantPicture {
     /// Shows the mouse's cursor, and a click on a plate is an answer; otherwise the cursor is
     /// hidden, and clicks are those of mouse buttons, wherever they are.
     bool choices_take_clicks = false;
-    std::optional<std::size_t> chosen; ///< index of a plate that is marked as given
-    bool has_text_field = false;       ///< a free text is being typed
-    std::string typed;                 ///< in that field, with a cursor at its end
-    std::string footer;                ///< small, at the bottom: how to stop the device
-    std::optional<double> progress;    ///< 0 to 1: a thin bar at the very bottom, without numbers
-    std::optional<double> left_share;  ///< 0 to 1, of a break or a warm-up: a bar that empties
-    std::string left_text;             ///< below that bar
+    bool has_text_field = false;      ///< a free text is being typed
+    std::string typed;                ///< in that field, with a cursor at its end
+    std::string footer;               ///< small, at the bottom: how to stop the device
+    std::optional<double> progress;   ///< 0 to 1: a thin bar at the very bottom, without numbers
+    std::optional<double> left_share; ///< 0 to 1, of a break or a warm-up: a bar that empties
+    std::string left_text;            ///< below that bar
     SceneShown scene = SceneShown::nothing;
     /// Centre of the ball; where the sitting says, which in contact is not where the tip is.
     std::optional<Vector3> tip_m;

@@ -18,6 +18,7 @@ constexpr double kSteeper_px = 35.0; // of a mouse that would turn the camera so
 constexpr double kMinFacing = 0.15;  // cosine between the spot's normal and the line of sight
 
 constexpr Colour kRingColour{0.96F, 0.97F, 0.98F};
+constexpr double kRingRadius_m = 0.005;
 constexpr Colour kBallColour{0.98F, 0.62F, 0.16F};
 constexpr double kBallRadius_m = 2.2e-3;
 constexpr float kGlow = 0.6F; // both keep their colour on the unlit side
@@ -39,7 +40,7 @@ Camera looking_from(Viewpoint viewpoint) {
 }
 
 /// From the first of the directions from which the spot is seen, or from the best.
-Camera facing(const MarkedSpot &spot) {
+Camera facing(const scene::TouchSpot &spot) {
     Camera best = looking_from(Viewpoint::home);
     double most = -1.0;
     for (const Viewpoint viewpoint : {Viewpoint::home, Viewpoint::top, Viewpoint::front}) {
@@ -58,7 +59,7 @@ Camera facing(const MarkedSpot &spot) {
 
 } // namespace
 
-Camera camera_on(const MarkedSpot &spot, const scene::Scene &scene) {
+Camera camera_on(const scene::TouchSpot &spot, const scene::Scene &scene) {
     const double half_size_m = 0.5 * (scene.upper_m - scene.lower_m).norm();
     const double half_height_m = std::clamp(half_size_m, kMinHalfHeight_m, kMaxHalfHeight_m);
     const double distance_m = half_height_m / Camera::half_height_per_depth();
@@ -72,7 +73,7 @@ ParticipantScene::ParticipantScene(int samples)
       depth_masked_("depth, masked", shaders::depth_vert, shaders::depth_frag, kMasked),
       scene_shadow_(kSceneShadow_px), ball_shadow_(kBallShadow_px), target_(samples) {}
 
-void ParticipantScene::set(const scene::Scene &scene, const MarkedSpot &spot,
+void ParticipantScene::set(const scene::Scene &scene, const scene::TouchSpot &spot,
                            double floor_height_m) {
     SceneMeshes meshes(scene);
     meshes.upload(std::numeric_limits<double>::infinity());
@@ -134,7 +135,7 @@ void ParticipantScene::draw(GLuint framebuffer, const Rectangle &part, int heigh
     if (tip_m) {
         balls.push_back(ball(*tip_m, kBallRadius_m, kBallColour));
     }
-    const std::vector<Solid> rings{ring(spot_.point_m, spot_.normal, spot_.radius_m, kRingColour)};
+    const std::vector<Solid> rings{ring(spot_.point_m, spot_.normal, kRingRadius_m, kRingColour)};
     cast_shadows(balls);
 
     const int part_width = static_cast<int>(part.size.x);

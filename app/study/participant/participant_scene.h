@@ -8,6 +8,7 @@
 #include "app/view/scene_meshes.h"
 #include "app/view/shadows.h"
 #include "app/widgets/rectangle.h"
+#include "engine/scene/lesson.h"
 #include "engine/scene/scene.h"
 
 #include <glm/vec3.hpp>
@@ -16,19 +17,10 @@
 
 namespace springdrive::app::study_screen {
 
-/// Where a study's stimuli are felt.
-struct MarkedSpot {
-    Vector3 point_m{Vector3::Zero()};
-    Vector3 normal{Vector3::UnitY()}; ///< unit, out of the surface
-    double radius_m = 0.005;          ///< of the ring
-
-    friend bool operator==(const MarkedSpot &, const MarkedSpot &) = default;
-};
-
 /// Looks at the spot from the participant's side and from above, steeper than the experimenter's
 /// view; so near that the surroundings of a hand's movement are seen, or the whole of a smaller
 /// scene. Depends on scene and spot alone.
-[[nodiscard]] Camera camera_on(const MarkedSpot &spot, const scene::Scene &scene);
+[[nodiscard]] Camera camera_on(const scene::TouchSpot &spot, const scene::Scene &scene);
 
 class ParticipantScene {
 public:
@@ -37,7 +29,7 @@ public:
 
     /// Uploads the scene, however long that takes. @param floor_height_m  as in ViewState
     /// @throw std::runtime_error if OpenGL cannot hold it
-    void set(const scene::Scene &scene, const MarkedSpot &spot, double floor_height_m);
+    void set(const scene::Scene &scene, const scene::TouchSpot &spot, double floor_height_m);
 
     /// Draws into a part of a framebuffer, in its pixels from the top left, which is bound
     /// afterwards; over `background`, which is in sRGB. Leaves depth test, blending and culling
@@ -58,7 +50,7 @@ private:
     ShadowMap ball_shadow_;
     MultisampledTarget target_;
     Camera camera_;
-    MarkedSpot spot_;
+    scene::TouchSpot spot_;
     glm::mat4 light_{1.0F};
     float floor_height_m_ = 0.0F;
     glm::vec3 tip_m_{0.0F};

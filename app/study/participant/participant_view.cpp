@@ -1,6 +1,5 @@
 #include "app/study/participant/participant_view.h"
 
-#include "app/study/participant/participant_palette.h"
 #include "base/assertions.h"
 
 #include <backends/imgui_impl_opengl3.h>
@@ -13,6 +12,32 @@
 namespace springdrive::app::study_screen {
 
 namespace {
+
+/// Dark and neutral, with one accent. sRGB, straight alpha.
+namespace palette {
+// Contrasts by WCAG 2.1 on the ground: ink 14, dim ink 7.
+constexpr glm::vec3 kGround{0.105F, 0.115F, 0.130F};
+constexpr ImU32 kInk = IM_COL32(236, 238, 241, 255);
+constexpr ImU32 kDimInk = IM_COL32(167, 173, 181, 255);
+constexpr ImU32 kAccent = IM_COL32(135, 196, 241, 255);
+constexpr ImU32 kCard = IM_COL32(43, 48, 54, 255);
+constexpr ImU32 kPlateRim = IM_COL32(76, 83, 92, 255);
+constexpr ImU32 kTrough = IM_COL32(51, 56, 62, 255); // of bars
+constexpr ImU32 kBand = (kAccent & ~IM_COL32_A_MASK) | 41U << IM_COL32_A_SHIFT;
+constexpr ImU32 kDot = (kInk & ~IM_COL32_A_MASK) | 191U << IM_COL32_A_SHIFT;
+constexpr ImU32 kDotRim = IM_COL32(27, 29, 33, 255); // the ground
+} // namespace palette
+
+/// Of the course, which is not empty; between its points.
+double share_at(const std::vector<OwnCurve::Point> &course, double level) {
+    const auto above = std::ranges::lower_bound(course, level, {}, &OwnCurve::Point::level);
+    if (above == course.begin() || above == course.end()) {
+        return (above == course.begin() ? course.front() : course.back()).right_share;
+    }
+    const OwnCurve::Point &below = *(above - 1);
+    return std::lerp(below.right_share, above->right_share,
+                     (level - below.level) / (above->level - below.level));
+}
 
 /// Makes a context of ImGui current, and again the former one at the end.
 class CurrentGui {
@@ -93,6 +118,64 @@ private:
 
 } // namespace
 
+void draw_curve(const CurveChart &chart, const OwnCurve &curve, ImDrawList &list) {
+    const Rectangle &plot = chart.plot;
+    const float line = chart.line_px;
+    const float right = plot.corner.x + plot.size.x;
+    const float bottom = chart.y_px(0.0);
+    for (const double share : kNamedShares) {
+        const float y = chart.y_px(share);
+        list.AddLine({plot.corner.x, y}, {right, y},
+                     share == 0.0 ? palette::kDimInk : palette::kTrough, line);
+    }
+    const float chance_y = chart.y_px(curve.guess);
+    for (float x = plot.corner.x; x < right; x += 8.0F * line) { // dashes
+        list.AddLine({x, chance_y}, {std::min(x + 4.0F * line, right), chance_y},
+                     palette::kPlateRim, line);
+    }
+    for (const double level : curve.ticks) {
+        const float x = chart.x_px(curve, level);
+        list.AddLine({x, bottom}, {x, bottom + 4.0F * line}, palette::kDimInk, line);
+    }
+    list.PushClipRect(plot.corner, {right, bottom}, true); // the course may be longer
+    const ImDrawListFlags flags = list.Flags;
+    list.Flags &= ~ImDrawListFlags_AntiAliasedFill; // or seams would be seen in the band
+    std::vector<ImVec2> course;
+    for (std::size_t i = 0; i < curve.course.size(); ++i) {
+        const OwnCurve::Point &point = curve.course[i];
+        const float x = chart.x_px(curve, point.level);
+        course.emplace_back(x, chart.y_px(point.right_share));
+        if (i > 0) {
+            const OwnCurve::Point &before = curve.course[i - 1];
+            const float x_before = chart.x_px(curve, before.level);
+            list.AddQuadFilled({x_before, chart.y_px(before.low)}, {x, chart.y_px(point.low)},
+                               {x, chart.y_px(point.high)}, {x_before, chart.y_px(before.high)},
+                               palette::kBand);
+        }
+    }
+    list.Flags = flags;
+    list.AddPolyline(course.data(), static_cast<int>(course.size()), palette::kAccent, 0,
+                     2.0F * line);
+    list.PopClipRect();
+    if (curve.threshold && !course.empty()) { // down from the function to its interval
+        const auto x_of = [&](double level) {
+            return std::clamp(chart.x_px(curve, level), plot.corner.x, right);
+        };
+        const float x = x_of(curve.threshold->level);
+        list.AddLine({x, chart.y_px(share_at(curve.course, curve.threshold->level))}, {x, bottom},
+                     palette::kInk, line);
+        list.AddLine({x_of(curve.threshold->low), bottom}, {x_of(curve.threshold->high), bottom},
+                     palette::kInk, 4.0F * line);
+        list.AddCircleFilled({x, bottom}, 5.0F * line, palette::kInk);
+    }
+    for (const OwnCurve::Dot &dot : curve.dots) {
+        const ImVec2 place{chart.x_px(curve, dot.level), chart.y_px(dot.right_share)};
+        const float radius = dot_radius_px(dot.trials, plot.size.y);
+        list.AddCircleFilled(place, radius, palette::kDot);
+        list.AddCircle(place, radius, palette::kDotRim, 0, line);
+    }
+}
+
 ParticipantView::Target::Target(int wide, int high)
     : texture(wide, high, Texture2D::Format{}, {}), width(wide), height(high) {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
@@ -109,7 +192,7 @@ ParticipantView::ParticipantView(int samples)
     check_gl("setting up the participant's picture");
 }
 
-void ParticipantView::set_scene(const scene::Scene &scene, const MarkedSpot &spot,
+void ParticipantView::set_scene(const scene::Scene &scene, const scene::TouchSpot &spot,
                                 double floor_height_m) {
     scene_.set(scene, spot, floor_height_m);
     is_outdated_ = true;
@@ -171,11 +254,8 @@ void ParticipantView::draw_page() {
     page.add_card(layout_.field, palette::kCard, palette::kPlateRim);
     page.add_text(layout_.typed, palette::kInk);
     list.AddRectFilled(layout_.cursor.corner, end_of(layout_.cursor), palette::kAccent);
-    for (std::size_t i = 0; i < layout_.choices.size(); ++i) {
-        const PlacedChoice &choice = layout_.choices[i];
-        const bool is_chosen = picture_.chosen == i;
-        page.add_card(choice.card, is_chosen ? palette::kChosenCard : palette::kCard,
-                      is_chosen ? palette::kAccent : palette::kPlateRim);
+    for (const PlacedChoice &choice : layout_.choices) {
+        page.add_card(choice.card, palette::kCard, palette::kPlateRim);
         page.add_card(choice.key, 0, palette::kAccent);
         page.add_text(choice.text, palette::kInk);
         page.add_text(choice.key_text, palette::kAccent);

@@ -27,7 +27,7 @@ public:
     /// The scene for pictures that show it, uploaded at once; `scene` is not used afterwards.
     /// @param spot  marked by a ring; the camera looks on it. @param floor_height_m  as in
     /// ViewState
-    void set_scene(const scene::Scene &scene, const MarkedSpot &spot, double floor_height_m);
+    void set_scene(const scene::Scene &scene, const scene::TouchSpot &spot, double floor_height_m);
 
     /// Draws the picture anew unless it, the size and the scene are those of the last call. Leaves
     /// framebuffer 0 bound if it draws. @pre width and height > 0
@@ -65,5 +65,8 @@ private:
     std::size_t vertices_ = 0;
     bool is_outdated_ = true;
 };
+
+/// A curve without its labels.
+void draw_curve(const CurveChart &chart, const OwnCurve &curve, ImDrawList &list);
 
 } // namespace springdrive::app::study_screen

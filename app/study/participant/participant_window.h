@@ -13,16 +13,49 @@
 // swap: an event is late only by what keeps the thread busy when it arrives.
 #pragma once
 
-#include "app/study/participant/participant_events.h"
+#include "app/study/participant/participant_input.h"
 #include "app/study/participant/participant_view.h"
 #include "app/window/gl_window.h"
 #include "engine/session/servo_run.h"
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app::study_screen {
+
+/// A monitor of the computer.
+struct MonitorFacts {
+    std::string name; ///< of the connector, such as "HDMI-1"
+    int width = 0;    ///< in pixels, as it is set now
+    int height = 0;
+    int width_mm = 0; ///< as it says itself; 0: not known
+    int height_mm = 0;
+
+    friend bool operator==(const MonitorFacts &, const MonitorFacts &) = default;
+};
+
+/// Such as "2: HDMI-1 1920×1080".
+[[nodiscard]] std::string monitor_line(std::size_t index, const MonitorFacts &monitor);
+
+/// Index of the monitor that is meant by a number from 1, or a name, or a part of one without
+/// regard to the case of ASCII letters.
+/// @throw InputError if none is meant, or more than one, naming those there are
+[[nodiscard]] std::size_t monitor_meant(std::string_view wish,
+                                        std::span<const MonitorFacts> monitors);
+
+/// @pre GLFW is initialised
+[[nodiscard]] std::vector<MonitorFacts> monitors_there();
+
+/// Of std::chrono::steady_clock, since its epoch.
+[[nodiscard]] double steady_clock_s();
+
+/// Of the servo's clock, before the steady one.
+[[nodiscard]] double servo_ahead_s(const session::ServoRun &servo);
 
 /// Its context is current within its functions only; afterwards that of before is.
 class ParticipantWindow : public GlWindow {
@@ -55,12 +88,13 @@ public:
 
     /// Since the last call, in order. Letters only while the picture has a text field, and then no
     /// presses of keys that type one.
-    [[nodiscard]] std::vector<ParticipantInput> take_inputs() { return events_.take(); }
-    /// The same, with times by the servo's clock.
+    [[nodiscard]] std::vector<ParticipantInput> take_inputs() { return std::exchange(inputs_, {}); }
+    /// The same, with times by the servo's clock; in lockstep, which has frames only, with its time
+    /// now.
     [[nodiscard]] std::vector<ParticipantInput> take_inputs(const session::ServoRun &servo);
 
     /// True once for every press of F12, and of the space bar unless a free text is being typed.
-    [[nodiscard]] bool take_emergency_stop() { return events_.take_emergency_stop(); }
+    [[nodiscard]] bool take_emergency_stop() { return std::exchange(emergency_stop_, false); }
 
     void take_focus();
 
@@ -71,12 +105,20 @@ public:
     [[nodiscard]] double frame_s() const { return frame_s_; }
 
 private:
+    static void on_key(GLFWwindow *window, int key, int scancode, int action, int mods);
+    static void on_letter(GLFWwindow *window, unsigned code_point);
+    static void on_mouse_button(GLFWwindow *window, int button, int action, int mods);
+
+    void note(InputSource source, std::string name, bool is_press, std::size_t choice = 0);
+    [[nodiscard]] std::optional<std::size_t> choice_under_cursor() const;
     void follow_monitor();
     [[nodiscard]] Size size_to_draw(Size pixels);
 
     Size size_; ///< where it is not full screen
     std::string monitor_;
-    ParticipantEvents events_;
+    ParticipantPicture picture_; ///< that is seen, and what a click and a letter therefore mean
+    std::vector<ParticipantInput> inputs_; ///< since they were taken
+    bool emergency_stop_ = false;
     std::optional<ParticipantView> view_; ///< until the end
     double frame_s_ = 0.0;                ///< of the monitor
     Size pixels_;                         ///< in the last frame

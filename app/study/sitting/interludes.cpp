@@ -1,5 +1,4 @@
 // What a sitting shows between its trials: questions, the noise, breaks, the warm-up.
-#include "app/study/sitting/questions.h"
 #include "app/study/sitting/sitting.h"
 
 #include "app/study/participant/answers.h"
@@ -59,20 +58,17 @@ Resumable<> Sitting::rest(double seconds) {
 }
 
 /// Until the participant wants to go on, and not sooner than after so long.
-Resumable<> Sitting::take_break(double seconds) {
+Resumable<> Sitting::take_break(double seconds, SittingStep step) {
     co_await rest(seconds);
+    const study::Texts &texts = plan_.protocol.texts;
     ParticipantPicture picture;
-    picture.heading = plan_.protocol.texts.pause;
-    picture.text = plan_.protocol.texts.break_over;
-    co_await show_until_key(SittingStep::in_break, picture);
-}
-
-/// The same, before another block.
-Resumable<> Sitting::begin_block() {
-    co_await rest(plan_.protocol.breaks.between_blocks_s);
-    ParticipantPicture picture;
-    picture.text = plan_.protocol.texts.block_begins;
-    co_await show_until_key(SittingStep::block_begins, picture);
+    if (step == SittingStep::block_begins) {
+        picture.text = texts.block_begins;
+    } else {
+        picture.heading = texts.pause;
+        picture.text = texts.break_over;
+    }
+    co_await show_until_key(step, picture);
 }
 
 Resumable<> Sitting::wait_while_paused() {
@@ -90,11 +86,11 @@ Resumable<> Sitting::introduce(const study::PlannedTrial &planned) {
     const bool is_practice = planned.is_practice;
     ParticipantPicture picture;
     if (has_presented_ && planned.place.block != last_block_) {
-        co_await begin_block();
+        co_await take_break(plan_.protocol.breaks.between_blocks_s, SittingStep::block_begins);
     } else if (std::exchange(orders_.skips_to_break, false) ||
                (plan_.protocol.breaks.every_trials > 0 &&
                 since_break_ >= plan_.protocol.breaks.every_trials)) {
-        co_await take_break(plan_.protocol.breaks.break_s);
+        co_await take_break(plan_.protocol.breaks.break_s, SittingStep::in_break);
     }
     if (is_practice && (!was_practising_ || !has_presented_)) {
         if (!was_practising_) {

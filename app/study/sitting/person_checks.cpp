@@ -2,7 +2,6 @@
 
 #include "app/study/participant/answers.h"
 #include "app/study/participant/participant_layout.h"
-#include "app/study/sitting/questions.h"
 
 #include <fmt/core.h>
 
@@ -20,16 +19,11 @@ namespace {
 
 constexpr const char *kWhere = "with a person";
 
-/// Its name, if one of the answers is a gesture more along the normal than across it.
-std::string gesture_off(const study::Protocol &protocol, const Vector3 &normal) {
-    for (const std::string &key : protocol.responses.keys) {
-        const auto gesture = std::ranges::find(gestures(), input_name(key), &Gesture::name);
-        if (gesture != gestures().end() &&
-            std::abs(gesture->direction.dot(normal)) > std::numbers::sqrt2 / 2.0) {
-            return key;
-        }
-    }
-    return {};
+/// Whether it is more along the normal than across it.
+bool is_gesture_along(const std::string &key, const Vector3 &normal) {
+    const auto gesture = std::ranges::find(gestures(), input_name(key), &Gesture::name);
+    return gesture != gestures().end() &&
+           std::abs(gesture->direction.dot(normal)) > std::numbers::sqrt2 / 2.0;
 }
 
 /// Of the first condition whose spot is left along a gesture.
@@ -40,14 +34,16 @@ std::optional<study::ProtocolFinding> gesture_error(const study::Protocol &proto
         return std::nullopt;
     }
     for (std::size_t i = 0; i < setting.conditions.size(); ++i) {
-        const std::string key = gesture_off(protocol, setting.conditions[i].spot.normal);
-        if (study::is_used(protocol, i) && !key.empty()) {
-            return study::ProtocolFinding{
-                study::Severity::error, kWhere,
-                fmt::format("responses.keys has \"{}\", which is the way off the surface in "
-                            "condition \"{}\"",
-                            key, protocol.conditions[i].name),
-                "take gestures to its sides"};
+        for (const std::string &key : protocol.responses.keys) {
+            if (study::is_used(protocol, i) &&
+                is_gesture_along(key, setting.conditions[i].spot.normal)) {
+                return study::ProtocolFinding{
+                    study::Severity::error, kWhere,
+                    fmt::format("responses.keys has \"{}\", which is the way off the surface in "
+                                "condition \"{}\"",
+                                key, protocol.conditions[i].name),
+                    "take gestures to its sides"};
+            }
         }
     }
     return std::nullopt;

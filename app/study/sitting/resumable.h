@@ -11,7 +11,7 @@
 #pragma once
 
 #include "app/study/participant/participant_picture.h"
-#include "app/study/sitting/sitting_frame.h"
+#include "app/study/sitting/sitting_state.h"
 #include "base/assertions.h"
 
 #include <coroutine>

@@ -20,15 +20,9 @@ namespace {
 constexpr double kFeedback_s = 1.2;
 
 study::DeviceKind kind_of(factory::DeviceKind kind) {
-    switch (kind) {
-    case factory::DeviceKind::usb:
-        return study::DeviceKind::usb;
-    case factory::DeviceKind::emulated:
-        return study::DeviceKind::emulated;
-    case factory::DeviceKind::simulated:
-        break;
-    }
-    return study::DeviceKind::simulated;
+    return kind == factory::DeviceKind::usb        ? study::DeviceKind::usb
+           : kind == factory::DeviceKind::emulated ? study::DeviceKind::emulated
+                                                   : study::DeviceKind::simulated;
 }
 
 } // namespace

@@ -82,8 +82,7 @@ private:
     void keep_noise();
     void end_noise();
     [[nodiscard]] Resumable<> rest(double seconds);
-    [[nodiscard]] Resumable<> take_break(double seconds);
-    [[nodiscard]] Resumable<> begin_block();
+    [[nodiscard]] Resumable<> take_break(double seconds, SittingStep step);
     [[nodiscard]] Resumable<> wait_while_paused();
     [[nodiscard]] Resumable<bool> warm_up();
     [[nodiscard]] Resumable<> begin();

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/stage/frame_loop.h"
-#include "app/study/sitting/sitting_frame.h"
+#include "app/study/sitting/sitting_state.h"
 
 #include <utility>
 

@@ -1,4 +1,5 @@
-// A whole study of one participant without windows and without a device.
+// A whole study of one participant without windows and without a device, and whether another one
+// came to the same.
 #pragma once
 
 #include "engine/study/conduct/conduct.h"
@@ -30,6 +31,28 @@ conducted(const study::Protocol &protocol,
     how.ends = [] { return std::nullopt; };
     EXPECT_EQ(study::conduct(store, protocol, session, how), study::SessionEnding::completed);
     return store.contents();
+}
+
+/// All of a trial that follows from the protocol and from what was answered before and in it.
+inline void expect_same_decision(const study::Trial &seen, const study::Trial &wanted) {
+    SCOPED_TRACE(text_of(wanted.place));
+    EXPECT_EQ(seen.place, wanted.place);
+    EXPECT_EQ(seen.condition, wanted.condition);
+    EXPECT_EQ(seen.track, wanted.track);
+    EXPECT_EQ(seen.is_practice, wanted.is_practice);
+    EXPECT_EQ(seen.is_catch, wanted.is_catch);
+    EXPECT_EQ(seen.is_presented_again, wanted.is_presented_again);
+    EXPECT_EQ(seen.seed, wanted.seed);
+    EXPECT_EQ(seen.level_name, wanted.level_name);
+    EXPECT_EQ(seen.level, wanted.level);
+    EXPECT_EQ(seen.target, wanted.target);
+    EXPECT_EQ(seen.response, wanted.response);
+    EXPECT_EQ(seen.is_correct, wanted.is_correct);
+    EXPECT_EQ(seen.repetition_of, wanted.repetition_of);
+    EXPECT_EQ(seen.repeated_by, wanted.repeated_by);
+    if (wanted.safety_events.empty()) { // else what was delivered until a stop may be marked, too
+        EXPECT_EQ(seen.marks, wanted.marks);
+    }
 }
 
 } // namespace springdrive::testing

@@ -1,8 +1,7 @@
-// Covers app/study/experimenter/live_fit.cpp and live_charts.cpp: what the experimenter sees of the
+// Covers app/study/experimenter/live_charts.cpp: what the experimenter sees of the
 // answers so far.
 #include "app/study/experimenter/live_charts.h"
 
-#include "app/study/experimenter/live_fit.h"
 #include "app/widgets/widgets.h"
 #include "tests/app/study/headless_study.h"
 #include "tests/app/study/made_up_people.h"

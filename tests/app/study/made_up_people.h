@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <set>
@@ -25,6 +26,7 @@ inline study::Protocol short_protocol(const std::string &name) {
     study::Protocol protocol =
         study::read_protocol_file(testing::assets() / "protocols" / (name + ".toml"));
     protocol.timing.rest_s = 0.2;
+    protocol.timing.approach_s = std::min(protocol.timing.approach_s, 0.8);
     protocol.timing.presentation_s = 1.0; // until a force has the direction wanted
     protocol.timing.pause_s = 0.1;
     protocol.timing.between_trials_s = 0.1;
@@ -106,15 +108,11 @@ public:
         return frame;
     }
 
-    void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot) {
-        if (on_scene) {
-            on_scene(scene, spot);
-        }
-    }
-
     [[nodiscard]] ShowsScene scene_shower() {
         return [this](const scene::Scene &scene, const scene::TouchSpot &spot) {
-            show_scene(scene, spot);
+            if (on_scene) {
+                on_scene(scene, spot);
+            }
         };
     }
 
@@ -149,25 +147,18 @@ void show_to_end(Resumed &resumed, ItsWindow &window) {
     }
 }
 
-/// Shows what awaits the frames to its end.
-inline void show_frames(Frames &frames, Resumable<> whole, MadeUpPort &port,
-                        const SittingState &state) {
-    frames.start(std::move(whole));
-    while (!frames.is_over()) {
-        frames.resume(port.show(frames.picture(), state));
-    }
-}
-
 inline Resumable<> present_into(TrialPresenter &presenter, std::optional<study::Trial> &result) {
     result = co_await presenter.present();
 }
 
 /// Presents a trial by itself, on a device of its own, to a port that `prepare` has seen.
-/// @param before  just before it, when the motors run
+/// @param before     just before it, when the motors run
+/// @param is_enough  whether nothing after that frame is wanted
 inline void present_alone(const study::Protocol &protocol, const study::ProtocolFolders &folders,
                           const study::PlannedTrial &planned,
                           const std::function<void(MadeUpPort &)> &prepare,
-                          const std::function<void(session::Session &)> &before = {}) {
+                          const std::function<void(session::Session &)> &before = {},
+                          const std::function<bool(const SittingState &)> &is_enough = {}) {
     session::SessionOptions options;
     options.scene = testing::assets() / "scenes" / "plate.gltf";
     options.device.file = study::device_file_of(protocol, folders);
@@ -177,12 +168,19 @@ inline void present_alone(const study::Protocol &protocol, const study::Protocol
     prepare(port);
     SittingState state;
     const study::StudySetting setting = study::study_setting(protocol, folders);
-    Frames frames;
+    std::optional<Frames> frames(std::in_place); // ends before the presenter does
     TrialPresenter presenter(
         {protocol, setting, folders, session, state, port.scene_shower(),
-         [&](ParticipantPicture picture) { return frames.show(std::move(picture)); }});
+         [&](ParticipantPicture picture) { return frames->show(std::move(picture)); }});
+    const auto show_all = [&](Resumable<> whole) {
+        frames->start(std::move(whole));
+        while (!frames->is_over() && !(is_enough && is_enough(state))) {
+            frames->resume(port.show(frames->picture(), state));
+        }
+        return frames->is_over();
+    };
     session.start();
-    show_frames(frames, presenter.set_up(planned), port, state);
+    ASSERT_TRUE(show_all(presenter.set_up(planned)));
     presenter.lead_to_start();
     while (session.latest().safety.state != servo::SafetyState::running) {
         session.advance(kMadeUpFrame_s);
@@ -191,9 +189,11 @@ inline void present_alone(const study::Protocol &protocol, const study::Protocol
         before(session);
     }
     std::optional<study::Trial> result;
-    show_frames(frames, present_into(presenter, result), port, state);
-    EXPECT_TRUE(result && result->marks.empty() && result->safety_events.empty())
-        << (result && !result->marks.empty() ? result->marks.front() : "");
+    if (show_all(present_into(presenter, result))) {
+        EXPECT_TRUE(result && result->marks.empty() && result->safety_events.empty())
+            << (result && !result->marks.empty() ? result->marks.front() : "");
+    }
+    frames.reset();
 }
 
 /// A trial of each condition that is compared, at each of these levels and with these targets.

@@ -40,7 +40,7 @@ std::vector<Frame> frames_of(const study::Protocol &protocol, const study::Proto
     ParticipantPicture last;
     present_alone(protocol, folders, planned, [&](MadeUpPort &port) {
         port.on_scene = [&](const scene::Scene &scene, const scene::TouchSpot &spot) {
-            view.set_scene(scene, {spot.point_m, spot.normal}, floor_m);
+            view.set_scene(scene, spot, floor_m);
         };
         port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
             const bool is_way_back = state.phase == study::StimulusPhase::leaving;

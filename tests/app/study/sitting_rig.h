@@ -14,18 +14,34 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app::study_screen {
 
+/// A frame of a session, before anybody acts in it.
+struct Moment {
+    MadeUpPort &port;
+    session::Session &session;
+    const ParticipantPicture &picture;
+    const SittingState &state;
+    bool is_new_step; ///< not that of the frame before
+};
+using EachFrame = std::function<void(const Moment &)>;
+
+/// Of force directions, in one block.
 class StudySitting : public ::testing::Test {
 protected:
-    explicit StudySitting(const std::string &protocol = "direction")
-        : folder_(testing::fresh_folder("sitting")),
-          protocol_(short_protocol(protocol)), folders_{testing::assets() / "protocols",
-                                                        testing::assets()} {
+    StudySitting() {
+        protocol_.blocks.resize(1);
+        begin_study("sitting");
+    }
+
+    void begin_study(const std::string &name) {
+        folder_ = testing::fresh_folder(name);
         study::create_study(file(), {protocol_.title, "text", "0.1.0"}, study::utc_now());
         study::StudyStore(file()).add({"P01", 1, study::utc_now()});
     }
@@ -53,20 +69,25 @@ protected:
                 keeps_records_, plays_noise_};
     }
 
-    study::SessionEnding
-    run(const std::function<void(MadeUpPort &, session::Session &)> &prepare = {}) {
+    study::SessionEnding run(const EachFrame &each_frame = {}) {
         study::StudyStore store(file());
         session::Session session(options());
         MadeUpPort port(session, protocol_);
-        if (prepare) {
-            prepare(port, session);
-        }
+        std::optional<SittingStep> before;
+        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+            const bool is_new_step = std::exchange(before, state.step) != state.step;
+            if (each_frame) {
+                each_frame({port, session, picture, state, is_new_step});
+            }
+        };
         session.start();
         Sitting sitting(store, plan(), session, port.scene_shower());
         show_to_end(sitting, port);
         steps_ = port.steps;
         return sitting.ending();
     }
+
+    [[nodiscard]] study::StudyContents contents() const { return study::read_study(file()); }
 
     /// The same decisions without screens and without a device.
     [[nodiscard]] std::vector<study::Trial> headless() const {
@@ -87,25 +108,16 @@ protected:
     bool starts_at_zero_ = true;
     std::vector<std::string> faults_; ///< of an emulated board
     std::filesystem::path folder_;
-    study::Protocol protocol_;
-    study::ProtocolFolders folders_;
-    std::set<SittingStep> steps_;
+    study::Protocol protocol_ = short_protocol("direction");
+    study::ProtocolFolders folders_{testing::assets() / "protocols", testing::assets()};
+    std::set<SittingStep> steps_; ///< of the last session
 };
 
 inline void expect_same_decisions(const std::vector<study::Trial> &seen,
                                   const std::vector<study::Trial> &wanted) {
     ASSERT_EQ(seen.size(), wanted.size());
     for (std::size_t i = 0; i < seen.size(); ++i) {
-        SCOPED_TRACE(text_of(wanted[i].place));
-        EXPECT_EQ(seen[i].place, wanted[i].place);
-        EXPECT_EQ(seen[i].condition, wanted[i].condition);
-        EXPECT_EQ(seen[i].level, wanted[i].level);
-        EXPECT_EQ(seen[i].target, wanted[i].target);
-        EXPECT_EQ(seen[i].seed, wanted[i].seed);
-        EXPECT_EQ(seen[i].response, wanted[i].response);
-        EXPECT_EQ(seen[i].is_correct, wanted[i].is_correct);
-        EXPECT_EQ(seen[i].repetition_of, wanted[i].repetition_of);
-        EXPECT_EQ(seen[i].marks, wanted[i].marks);
+        testing::expect_same_decision(seen[i], wanted[i]);
     }
 }
 

@@ -1,5 +1,5 @@
-// Covers app/study/sitting/{sitting,trial_presenter}.cpp: a device that is stopped or lost in a
-// trial.
+// Covers app/study/sitting/{sitting,trial_presenter,device_stops}.cpp: a device that is stopped or
+// lost, and a disk that is full.
 #include "base/error_text.h"
 #include "tests/app/study/sitting_rig.h"
 #include "tests/support/child_process.h"
@@ -21,180 +21,158 @@ namespace {
 using study::SessionEnding;
 using study::Trial;
 
-TEST_F(StudySitting, ATripIsStoredAndItsTrialComesAgain) {
-    Once once(3);
-    std::string shown;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
-        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
-            if (once.is_now(state)) {
-                session.servo().emergency_stop();
-            }
-            if (state.step == SittingStep::device_stopped) {
-                shown = picture.text;
-                port.orders.resets_device = true;
-            }
-        };
-    });
-    EXPECT_EQ(ending, SessionEnding::completed);
-    EXPECT_EQ(shown, protocol_.texts.device_stopped);
-    const std::vector<Trial> trials = study::read_study(file()).trials;
-    const auto tripped = std::ranges::find_if(
-        trials, [](const Trial &trial) { return !trial.safety_events.empty(); });
-    ASSERT_NE(tripped, trials.end());
-    EXPECT_EQ(tripped->place.position, 3);
-    EXPECT_TRUE(std::holds_alternative<study::NoResponse>(tripped->response));
-    EXPECT_TRUE(tripped->is_presented_again);
-    EXPECT_EQ(
-        std::ranges::count_if(
-            trials, [&](const Trial &trial) { return trial.repetition_of == tripped->place; }),
-        1);
-}
-
-/// Ten seconds, three times what another stop takes to be reset.
-constexpr int kLongStop_frames = 600;
+/// Five seconds: another stop is reset after three.
+constexpr int kLongStop_frames = 300;
 
 /// The experimenter waits before letting the device go on. @return frames for which it was stopped
-int frames_stopped(MadeUpPort &port, const SittingState &state, int frames) {
-    if (state.step == SittingStep::device_stopped) {
+int frames_stopped(const Moment &now, int frames) {
+    if (now.state.step == SittingStep::device_stopped) {
         ++frames;
-        port.orders.resets_device = frames == kLongStop_frames;
+        now.port.orders.resets_device = frames == kLongStop_frames;
     }
     return frames;
 }
 
-TEST_F(StudySitting, AStopByHandWaitsForTheExperimenter) {
-    Once once(2);
-    int stopped = 0;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            port.presses_emergency_stop = once.is_now(state);
-            stopped = frames_stopped(port, state, stopped);
-        };
+/// One while the participant is asked, and one in a presentation, for which nobody lets the device
+/// go on for a while.
+TEST_F(StudySitting, StopsAreStoredAndTheirTrialsComeAgain) {
+    Once once(3);
+    bool has_asked = false;
+    int stopped = 0; // frames, in both
+    std::string shown;
+    const SessionEnding ending = run([&](const Moment &now) {
+        const study::TrialPlace place =
+            now.state.trial ? now.state.trial->place : study::TrialPlace{};
+        const bool is_asked = now.state.step == SittingStep::response && place.block == 1 &&
+                              place.position == 2 && !has_asked;
+        has_asked = has_asked || is_asked;
+        now.port.presses_emergency_stop = is_asked || once.is_now(now.state);
+        if (now.state.step == SittingStep::device_stopped) {
+            shown = now.picture.text;
+            now.port.orders.resets_device = ++stopped == 1 || stopped == 1 + kLongStop_frames;
+        }
     });
     EXPECT_EQ(ending, SessionEnding::completed);
-    EXPECT_GE(stopped, kLongStop_frames);
-    EXPECT_LE(stopped, kLongStop_frames + 2);
+    EXPECT_EQ(shown, protocol_.texts.device_stopped);
+    EXPECT_GE(stopped, 1 + kLongStop_frames);
+    EXPECT_LE(stopped, 5 + kLongStop_frames);
+    const std::vector<Trial> trials = contents().trials;
+    int positions_stopped = 0;
+    for (const Trial &trial : trials) {
+        if (trial.safety_events.empty()) {
+            continue;
+        }
+        positions_stopped = 10 * positions_stopped + trial.place.position;
+        EXPECT_TRUE(std::holds_alternative<study::NoResponse>(trial.response));
+        EXPECT_TRUE(trial.is_presented_again);
+        EXPECT_EQ(
+            std::ranges::count_if(
+                trials, [&](const Trial &other) { return other.repetition_of == trial.place; }),
+            1);
+        if (trial.place.position == 2) {
+            EXPECT_GT(trial.safety_events.front().time_s, *trial.presentations.back().end_s);
+        }
+    }
+    EXPECT_EQ(positions_stopped, 23);
+    EXPECT_TRUE(contents().notes.empty());
 }
 
-/// Of two stops the monitor knows the first. The second one is what somebody wants.
-TEST_F(StudySitting, AStopByHandHoldsWhateverStoppedTheDeviceBefore) {
-    kind_ = factory::DeviceKind::emulated;
-    faults_ = {"brown-out:9@4-4.1"};
-    int stopped = 0;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            stopped = frames_stopped(port, state, stopped);
-            if (stopped == 30) {
-                EXPECT_EQ(session.latest().safety.cause, servo::TripCause::board_fault);
-                port.presses_emergency_stop = true;
-            }
-        };
-    });
-    EXPECT_EQ(ending, SessionEnding::completed);
-    EXPECT_GE(stopped, kLongStop_frames);
-    const std::vector<study::Note> notes = study::read_study(file()).notes;
-    EXPECT_EQ(std::ranges::count(notes,
-                                 "the emergency stop was pressed while the device was stopped",
-                                 &study::Note::text),
-              1);
-}
-
-/// A board's faults, and whether somebody wants the device stopped by them.
-struct BoardStop {
-    std::vector<std::string> faults;
-    bool is_by_hand = false;
-};
-
-TEST_F(StudySitting, AStopByTheMonitorGoesOnByItselfAndOneByTheBoardsSwitchDoesNot) {
-    kind_ = factory::DeviceKind::emulated;
-    for (const BoardStop &one :
-         {BoardStop{{"brown-out:9@4-4.1"}, false}, BoardStop{{"stop@4-6"}, true},
-          BoardStop{{"brown-out:9@4-4.1", "stop@5-5.5"}, true}}) {
-        SCOPED_TRACE(one.faults.back());
-        faults_ = one.faults;
+/// "Let the device go on" is of the stop that was there: of none in the frame of a later one, nor
+/// before it.
+TEST_F(StudySitting, AnOrderToGoOnIsNotOfAStopThatIsNewOrLater) {
+    for (const SittingStep ordered_in : {SittingStep::interval, SittingStep::after_response}) {
+        SCOPED_TRACE(description(ordered_in));
+        begin_study("sitting");
+        Once once(2);
         int stopped = 0;
-        static_cast<void>(run([&](MadeUpPort &port, session::Session &) {
-            port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-                const int before = stopped;
-                stopped = frames_stopped(port, state, stopped);
-                port.orders.stops = before > 0 && before == stopped; // it goes on
-            };
+        bool is_pressed = false;
+        run([&](const Moment &now) {
+            const int before = stopped;
+            now.port.orders.resets_device = now.state.step == ordered_in &&
+                                            ordered_in == SittingStep::after_response &&
+                                            !is_pressed;
+            stopped = frames_stopped(now, stopped);
+            if (once.is_now(now.state)) {
+                now.port.presses_emergency_stop = is_pressed = true;
+                now.port.orders.resets_device = ordered_in == SittingStep::interval;
+            }
+            now.port.orders.stops = before > 0 && before == stopped; // it goes on
+        });
+        EXPECT_GE(stopped, kLongStop_frames);
+    }
+}
+
+/// Of two stops the monitor knows the first; what holds is whether any was wanted by somebody, and
+/// an order to go on is of those before it.
+TEST_F(StudySitting, AStopThatSomebodyWantedHoldsAndOneByTheMonitorGoesOnByItself) {
+    kind_ = factory::DeviceKind::emulated;
+    struct Case {
+        const char *name;
+        std::vector<std::string> faults;
+        int pressed_at; ///< frame of the stop in which somebody presses the emergency stop; 0: none
+        int ordered_at; ///< in which the experimenter lets it go on, besides the end
+        bool is_by_hand;
+    };
+    for (const Case &one :
+         {Case{"monitor", {"brown-out:9@4-4.1"}, 0, 0, false},
+          Case{"board's switch", {"stop@4-6"}, 0, 0, true},
+          Case{"switch after the monitor", {"brown-out:9@4-4.1", "stop@5-5.5"}, 0, 0, true},
+          Case{"pressed after the monitor", {"brown-out:9@4-4.1"}, 30, 0, true},
+          Case{"ordered before the switch", {"brown-out:9@4-4.1", "stop@5-5.5"}, 0, 20, true}}) {
+        SCOPED_TRACE(one.name);
+        faults_ = one.faults;
+        const std::size_t notes_before = contents().notes.size();
+        int tripped = 0;
+        int stopped = 0;
+        static_cast<void>(run([&](const Moment &now) {
+            const int before = stopped;
+            tripped += now.session.latest().safety.state == servo::SafetyState::tripped ? 1 : 0;
+            stopped = frames_stopped(now, stopped);
+            if (one.ordered_at > 0 && tripped == one.ordered_at) {
+                now.port.orders.resets_device = true;
+            }
+            if (one.pressed_at > 0 && stopped == one.pressed_at && before < stopped) {
+                EXPECT_EQ(now.session.latest().safety.cause, servo::TripCause::board_fault);
+                now.port.presses_emergency_stop = true;
+            }
+            now.port.orders.stops = before > 40 && before == stopped; // it goes on
         }));
         if (one.is_by_hand) {
             EXPECT_GE(stopped, kLongStop_frames);
         } else {
             EXPECT_NEAR(stopped, 180, 5) << "three seconds";
         }
+        if (one.pressed_at > 0) {
+            const std::vector<study::Note> notes = contents().notes;
+            EXPECT_EQ(std::count_if(notes.begin() + static_cast<std::ptrdiff_t>(notes_before),
+                                    notes.end(),
+                                    [](const study::Note &note) {
+                                        return note.text == "the emergency stop was pressed while "
+                                                            "the device was stopped";
+                                    }),
+                      1);
+        }
     }
-}
-
-/// The order was of the trip: a switch that is pressed after it holds.
-TEST_F(StudySitting, AnOrderToGoOnIsNotOfASwitchThatIsPressedLater) {
-    kind_ = factory::DeviceKind::emulated;
-    faults_ = {"brown-out:9@4-4.1", "stop@5-5.5"};
-    int tripped = 0;
-    int stopped = 0;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            tripped += session.latest().safety.state == servo::SafetyState::tripped ? 1 : 0;
-            port.orders.resets_device = tripped == 20;
-            stopped = frames_stopped(port, state, stopped);
-        };
-    });
-    EXPECT_EQ(ending, SessionEnding::completed);
-    EXPECT_GE(stopped, kLongStop_frames);
-}
-
-/// Nor of one that is pressed in the same frame.
-TEST_F(StudySitting, AStopHoldsAgainstAnOrderOfItsOwnFrame) {
-    Once once(2);
-    int stopped = 0;
-    run([&](MadeUpPort &port, session::Session &) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            stopped = frames_stopped(port, state, stopped);
-            if (once.is_now(state)) {
-                port.presses_emergency_stop = true;
-                port.orders.resets_device = true;
-            }
-        };
-    });
-    EXPECT_GE(stopped, kLongStop_frames);
-}
-
-/// "Let the device go on" is of the stop that was there.
-TEST_F(StudySitting, AnOrderToGoOnIsNotOfALaterStop) {
-    Once once(2);
-    int stopped = 0;
-    bool is_pressed = false;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            port.orders.resets_device = state.step == SittingStep::after_response && !is_pressed;
-            port.presses_emergency_stop = once.is_now(state);
-            is_pressed = is_pressed || port.presses_emergency_stop;
-            stopped = frames_stopped(port, state, stopped);
-        };
-    });
-    EXPECT_EQ(ending, SessionEnding::completed);
-    EXPECT_GE(stopped, kLongStop_frames);
 }
 
 /// Whoever presses it there and then goes: no trial tells of it.
 TEST_F(StudySitting, AStopOutsideOfTrialsIsNotedAtOnce) {
+    protocol_.practice = {};
+    protocol_.breaks.every_trials = 1;
+    std::get<study::ConstantStimuli>(protocol_.method).levels = {60.0};
     protocol_.questionnaire = {{"more", study::QuestionnaireTime::after, "Anything else?"}};
     for (const SittingStep step :
          {SittingStep::instructions, SittingStep::in_break, SittingStep::questionnaire}) {
         SCOPED_TRACE(description(step));
-        const std::size_t before = study::read_study(file()).notes.size();
+        const std::size_t before = contents().notes.size();
         int frames = 0; // since it was pressed
-        const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
-            port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-                port.presses_emergency_stop = state.step == step && frames == 0;
-                frames += state.step == step || frames > 0 ? 1 : 0;
-                port.orders.stops = frames == 3;
-            };
+        const SessionEnding ending = run([&](const Moment &now) {
+            now.port.presses_emergency_stop = now.state.step == step && frames == 0;
+            frames += now.state.step == step || frames > 0 ? 1 : 0;
+            now.port.orders.stops = frames == 3;
         });
         EXPECT_EQ(ending, SessionEnding::stopped);
-        const std::vector<study::Note> notes = study::read_study(file()).notes;
+        const std::vector<study::Note> notes = contents().notes;
         ASSERT_EQ(notes.size(), before + 1);
         EXPECT_EQ(notes.back().kind, "safety");
         EXPECT_EQ(notes.back().participant, "P01");
@@ -279,179 +257,103 @@ TEST_F(StudySitting, StopsInTrialsAndBetweenThemAreOneSum) {
     protocol_.stopping.max_trips = 2;
     Once in_trial(1);
     int between = 0;
-    SittingStep before = SittingStep::over;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            if (state.step == SittingStep::setting_up && before != state.step &&
-                !state.trials.empty() && between < 2) {
-                port.presses_emergency_stop = true;
-                ++between;
-            }
-            port.presses_emergency_stop = port.presses_emergency_stop || in_trial.is_now(state);
-            port.orders.resets_device = state.step == SittingStep::device_stopped;
-            before = state.step;
-        };
+    const SessionEnding ending = run([&](const Moment &now) {
+        const bool is_between = now.state.step == SittingStep::setting_up && now.is_new_step &&
+                                !now.state.trials.empty() && between < 2;
+        between += is_between ? 1 : 0;
+        now.port.presses_emergency_stop = is_between || in_trial.is_now(now.state);
+        now.port.orders.resets_device = now.state.step == SittingStep::device_stopped;
     });
     EXPECT_EQ(ending, SessionEnding::safety_trip);
     EXPECT_TRUE(steps_.contains(SittingStep::over)) << "thanked";
-    const study::StudyContents contents = study::read_study(file());
+    const study::StudyContents stored = contents();
     EXPECT_EQ(std::ranges::count_if(
-                  contents.trials, [](const Trial &trial) { return !trial.safety_events.empty(); }),
+                  stored.trials, [](const Trial &trial) { return !trial.safety_events.empty(); }),
               1);
-    EXPECT_EQ(std::ranges::count(contents.notes, "safety", &study::Note::kind), 2);
-}
-
-void set_plugged(session::Session &session, bool is_plugged) {
-    session.servo().paused([&] { session.device().emulated()->set_plugged(is_plugged); });
+    EXPECT_EQ(std::ranges::count(stored.notes, "safety", &study::Note::kind), 2);
 }
 
 TEST_F(StudySitting, ATrialInWhichTheCableIsPulledBeginsAnew) {
     kind_ = factory::DeviceKind::emulated;
     Once once(3);
     int lost = 0;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            if (once.is_now(state)) {
-                set_plugged(session, false);
-            }
-            if (state.step == SittingStep::device_lost && ++lost == 60) {
-                set_plugged(session, true);
-            }
-        };
+    const auto set_plugged = [](session::Session &session, bool is_plugged) {
+        session.servo().paused([&] { session.device().emulated()->set_plugged(is_plugged); });
+    };
+    const SessionEnding ending = run([&](const Moment &now) {
+        if (once.is_now(now.state)) {
+            set_plugged(now.session, false);
+        }
+        if (now.state.step == SittingStep::device_lost && ++lost == 60) {
+            set_plugged(now.session, true);
+        }
     });
     EXPECT_GE(lost, 60);
     EXPECT_EQ(ending, SessionEnding::completed);
-    expect_same_decisions(study::read_study(file()).trials, headless());
+    expect_same_decisions(contents().trials, headless());
 }
 
 TEST_F(StudySitting, ADeviceThatIsNotZeroedIsNotDriven) {
     kind_ = factory::DeviceKind::emulated;
     starts_at_zero_ = false;
     int lost = 0;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            if (state.step != SittingStep::device_lost) {
-                return;
-            }
-            EXPECT_FALSE(servo::lets_pass(session.latest().safety.state));
+    const SessionEnding ending = run([&](const Moment &now) {
+        if (now.state.step == SittingStep::device_lost) {
+            EXPECT_FALSE(servo::lets_pass(now.session.latest().safety.state));
             // Four seconds, eight times what a tip must rest for the motors to start.
             if (++lost == 240) {
-                session.follow_path(simulated::HandPath({{0.0, Vector3::Zero()}}));
+                now.session.follow_path(simulated::HandPath({{0.0, Vector3::Zero()}}));
             } else if (lost == 300) {
-                session.zero_device(Vector3::Zero());
+                now.session.zero_device(Vector3::Zero());
             }
-            port.orders.stops = lost > 3000;
-        };
+        }
+        now.port.orders.stops = lost > 3000 || now.state.trials.size() == 1;
     });
     EXPECT_GE(lost, 300);
-    EXPECT_EQ(ending, SessionEnding::completed);
-    expect_same_decisions(study::read_study(file()).trials, headless());
-}
-
-TEST_F(StudySitting, AStopWhileTheParticipantIsAskedComesAgain) {
-    bool is_done = false;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            if (state.step == SittingStep::response && state.trial->place.block == 1 &&
-                state.trial->place.position == 2 && !is_done) {
-                session.servo().emergency_stop();
-                is_done = true;
-            }
-            port.orders.resets_device = state.step == SittingStep::device_stopped;
-        };
-    });
-    EXPECT_EQ(ending, SessionEnding::completed);
-    const std::vector<Trial> trials = study::read_study(file()).trials;
-    const auto stopped = std::ranges::find_if(
-        trials, [](const Trial &trial) { return !trial.safety_events.empty(); });
-    ASSERT_NE(stopped, trials.end());
-    EXPECT_EQ(stopped->place.position, 2);
-    EXPECT_TRUE(std::holds_alternative<study::NoResponse>(stopped->response));
-    EXPECT_TRUE(stopped->is_presented_again);
-    EXPECT_GT(stopped->safety_events.front().time_s, *stopped->presentations.back().end_s);
-    EXPECT_TRUE(study::read_study(file()).notes.empty());
-}
-
-TEST_F(StudySitting, StopsBetweenTrialsAreNotedAndEndItWhenTheyAreTooMany) {
-    protocol_.stopping.max_trips = 2;
-    int reset = 0;
-    const SessionEnding ending = run([&](MadeUpPort &port, session::Session &session) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            if (state.step == SittingStep::setting_up) {
-                session.servo().emergency_stop();
-            }
-            if (state.step == SittingStep::device_stopped) {
-                port.orders.resets_device = true;
-                ++reset;
-            }
-            port.orders.stops = reset > 600;
-        };
-    });
-    EXPECT_EQ(ending, SessionEnding::safety_trip);
-    const study::StudyContents contents = study::read_study(file());
-    // It is pressed once more before the step that says so, which is a note of its own.
-    EXPECT_EQ(std::ranges::count_if(contents.notes,
-                                    [](const study::Note &note) {
-                                        return note.kind == "safety" &&
-                                               !note.text.ends_with("while the device was stopped");
-                                    }),
-              3);
-    EXPECT_TRUE(contents.trials.empty());
-    EXPECT_TRUE(steps_.contains(SittingStep::over)) << "thanked";
+    EXPECT_LE(lost, 3000);
+    EXPECT_EQ(ending, SessionEnding::stopped);
+    ASSERT_EQ(contents().trials.size(), 1U);
+    EXPECT_EQ(contents().trials[0].response, headless().at(0).response);
 }
 
 TEST_F(StudySitting, ARehearsalIsNotGoneOnWithOnAnotherDevice) {
-    Once once(1);
-    run([&](MadeUpPort &port, session::Session &) {
-        port.on_frame = [&](const ParticipantPicture &, const SittingState &state) {
-            port.orders.stops = once.is_now(state);
-        };
-    });
+    run([](const Moment &now) { now.port.orders.stops = true; });
     kind_ = factory::DeviceKind::emulated;
     const std::string error = error_text_of([this] { run(); });
     EXPECT_NE(error.find("P01 has sessions on another kind of device (simulated)"),
               std::string::npos)
         << error;
-    EXPECT_EQ(study::read_study(file()).sessions.size(), 1U);
+    EXPECT_EQ(contents().sessions.size(), 1U);
 }
 
-/// The disk takes a part of a record: the trial is stored with that part, and a note says so.
+/// The disk takes a part of a record: the trial is stored with that part, and a note says so. Of a
+/// whole record there is none.
 TEST_F(StudySitting, NotesWhatARecordMisses) {
     keeps_records_ = true;
-    const std::string said = testing::said_in_child(
-        [] {},
-        [&] {
-            const testing::FullDisk disk(300'000);
-            const SessionEnding ending = run([](MadeUpPort &port, session::Session &) {
-                port.on_frame = [&port](const ParticipantPicture &, const SittingState &state) {
-                    port.orders.stops = state.trials.size() == 1;
-                };
-            });
-            return std::string(name_of(ending));
-        });
+    const EachFrame one_trial_more = [](const Moment &now) {
+        now.port.orders.stops = now.is_new_step && now.state.step == SittingStep::after_response;
+    };
+    run(one_trial_more);
+    ASSERT_EQ(contents().trials.size(), 1U);
+    EXPECT_TRUE(contents().trials.front().record);
+    EXPECT_TRUE(contents().notes.empty());
+    const std::string said =
+        testing::said_in_child([] {},
+                               [&] {
+                                   const testing::FullDisk disk(300'000);
+                                   return std::string(name_of(run(one_trial_more)));
+                               });
     EXPECT_EQ(said, "stopped");
-    const study::StudyContents contents = study::read_study(file());
-    ASSERT_EQ(contents.trials.size(), 1U);
-    ASSERT_TRUE(contents.trials.front().record);
-    const auto noted = std::ranges::find(contents.notes, "record", &study::Note::kind);
-    ASSERT_NE(noted, contents.notes.end());
-    const std::filesystem::path record = folder_ / contents.trials.front().record->path;
+    const study::StudyContents stored = contents();
+    ASSERT_EQ(stored.trials.size(), 2U);
+    ASSERT_TRUE(stored.trials.back().record);
+    ASSERT_EQ(stored.notes.size(), 1U);
+    EXPECT_EQ(stored.notes.front().kind, "record");
+    const std::filesystem::path record = folder_ / stored.trials.back().record->path;
     EXPECT_LE(std::filesystem::file_size(record), 300'000U);
     EXPECT_EQ(testing::mode_of(record), 0600U);
-    EXPECT_TRUE(noted->text.starts_with(record.filename().string() + ": ")) << noted->text;
-}
-
-TEST_F(StudySitting, NotesNothingOfAWholeRecord) {
-    keeps_records_ = true;
-    run([](MadeUpPort &port, session::Session &) {
-        port.on_frame = [&port](const ParticipantPicture &, const SittingState &state) {
-            port.orders.stops = state.trials.size() == 1;
-        };
-    });
-    const study::StudyContents contents = study::read_study(file());
-    ASSERT_EQ(contents.trials.size(), 1U);
-    EXPECT_TRUE(contents.trials.front().record);
-    EXPECT_TRUE(contents.notes.empty());
+    EXPECT_TRUE(stored.notes.front().text.starts_with(record.filename().string() + ": "))
+        << stored.notes.front().text;
 }
 
 } // namespace

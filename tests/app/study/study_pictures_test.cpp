@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -19,7 +21,7 @@ std::vector<ParticipantPicture> pictures_of_first_interval(const study::Protocol
                                                            const study::ProtocolFolders &folders,
                                                            const PlannedTrial &planned) {
     std::vector<ParticipantPicture> pictures;
-    present_alone(protocol, folders, planned, [&](MadeUpPort &port) {
+    const auto note = [&](MadeUpPort &port) {
         port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
             if (state.step != SittingStep::interval || state.interval != 0) {
                 return;
@@ -34,6 +36,9 @@ std::vector<ParticipantPicture> pictures_of_first_interval(const study::Protocol
                 pictures.push_back(picture);
             }
         };
+    };
+    present_alone(protocol, folders, planned, note, {}, [](const SittingState &state) {
+        return state.step == SittingStep::between_intervals || state.step == SittingStep::response;
     });
     return pictures;
 }
@@ -47,8 +52,12 @@ TEST(StudyPictures, AreTheSameOfEachConditionAndLevelUntilTheHandLeaves) {
         protocol.timing.response_s = 1.0;
         const std::vector<double> levels = study::presentable_levels(protocol);
         std::vector<ParticipantPicture> first;
-        for (const PlannedTrial &planned :
-             trials_of_conditions(protocol, {levels.front(), levels.back()}, {0, 1})) {
+        std::vector<PlannedTrial> all =
+            trials_of_conditions(protocol, {levels.front(), levels.back()}, {0});
+        // The other is the standard, of which no level is presented.
+        std::ranges::move(trials_of_conditions(protocol, {levels.back()}, {1}),
+                          std::back_inserter(all));
+        for (const PlannedTrial &planned : all) {
             SCOPED_TRACE(::testing::Message() << planned.condition << " at " << *planned.level);
             const std::vector<ParticipantPicture> pictures =
                 pictures_of_first_interval(protocol, folders, planned);
