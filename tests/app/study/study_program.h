@@ -22,27 +22,30 @@ inline Ending study(std::vector<std::string> options, int signal = 0,
     return run_program(options, signal, started);
 }
 
-/// A shipped protocol with the fewest trials that its method can be told to take.
-inline std::string shortened(const std::string &name) {
-    std::string text = contents_of(assets() / "protocols" / (name + ".toml"));
-    const std::vector<std::pair<const char *, const char *>> shorter{
-        {"\nfewest_trials = \\d+", "\nfewest_trials = 2"},
-        {"\nmost_trials = \\d+", "\nmost_trials = 3"},
-        {"\ncorrect_in_a_row = \\d+", "\ncorrect_in_a_row = 1"},
-        {"\nblocks = \\d+", "\nblocks = 1"},
-    };
-    for (const auto &[long_key, short_key] : shorter) {
-        text = std::regex_replace(text, std::regex(long_key), short_key);
+/// Patterns, and what each place of them becomes.
+using Replacements = std::vector<std::pair<std::string, std::string>>;
+
+inline std::string with(std::string text, const Replacements &replacements) {
+    for (const auto &[pattern, replacement] : replacements) {
+        text = std::regex_replace(text, std::regex(pattern), replacement);
     }
     return text;
+}
+
+/// A shipped protocol with the fewest trials that its method can be told to take.
+inline std::string shortened(const std::string &name) {
+    return with(contents_of(assets() / "protocols" / (name + ".toml")),
+                {{"\nfewest_trials = \\d+", "\nfewest_trials = 2"},
+                 {"\nmost_trials = \\d+", "\nmost_trials = 3"},
+                 {"\ncorrect_in_a_row = \\d+", "\ncorrect_in_a_row = 1"},
+                 {"\nblocks = \\d+", "\nblocks = 1"}});
 }
 
 /// A shipped protocol in `folder` that does not say what is expected.
 inline std::filesystem::path without_expected(const std::string &name,
                                               const std::filesystem::path &folder) {
     const std::filesystem::path file = folder / (name + "_without_expected.toml");
-    std::ofstream(file) << std::regex_replace(shortened(name),
-                                              std::regex(R"(\n\[expected\][^\[]*)"), "\n");
+    std::ofstream(file) << with(shortened(name), {{R"(\n\[expected\][^\[]*)", "\n"}});
     return file;
 }
 

@@ -42,6 +42,24 @@ protected:
         return study(options, signal, started);
     }
 
+    /// A copy of a study of three observers who are through, in place of what `run` would begin.
+    [[nodiscard]] fs::path study_of_three() {
+        static const fs::path original = [] {
+            const fs::path folder = testing::fresh_folder("study_of_three");
+            std::ofstream(folder / "stiffness.toml") << testing::shortened("stiffness");
+            EXPECT_EQ(
+                study({"run", folder / "stiffness.toml", "--observer", "simulated", "--felt",
+                       "once", "--participants", "3", "--threshold", "0.05", "--spread", "0.3"})
+                    .exit_status,
+                0);
+            return folder;
+        }();
+        for (const char *name : {"stiffness.toml", "stiffness.study"}) {
+            fs::copy_file(original / name, file(name));
+        }
+        return file("stiffness.study");
+    }
+
     /// All of each trial that is no time of day, what was delivered included: what a resumed study
     /// must repeat. Windings are warmed anew in each session.
     static std::string course_of(const fs::path &file) {
@@ -104,25 +122,22 @@ TEST_F(StudyRun, BeginsAStudyAndGoesOnInIt) {
 }
 
 TEST_F(StudyRun, TellsWhereItStands) {
-    ASSERT_EQ(run({"--participants", "2"}).exit_status, 0);
-    const std::size_t trials = study::read_study(file("stiffness.study")).trials.size();
-    ASSERT_EQ(study({"note", file("stiffness.study"), "too warm here", "--participant", "P02"})
-                  .exit_status,
-              0);
-    const testing::Ending told = study({"status", file("stiffness.study")});
+    const fs::path study_file = study_of_three();
+    const std::size_t trials = study::read_study(study_file).trials.size();
+    ASSERT_EQ(study({"note", study_file, "too warm here", "--participant", "P02"}).exit_status, 0);
+    const testing::Ending told = study({"status", study_file});
     ASSERT_EQ(told.exit_status, 0) << told.error;
     for (const std::string &part :
-         {std::string("P01"), std::string("P02"), std::string("through: 2 of 12"),
+         {std::string("P01"), std::string("P02"), std::string("through: 3 of 12"),
           "trials: " + std::to_string(trials), std::string("servo records: none"),
-          std::string("questions: 0 answers: hand 0, sure 0, tiring 0, remarks 0; 2 sessions"),
+          std::string("questions: 0 answers: hand 0, sure 0, tiring 0, remarks 0; 3 sessions"),
           std::string("P02: too warm here")}) {
         EXPECT_NE(told.out.find(part), std::string::npos) << part << " in\n" << told.out;
     }
 }
 
 TEST_F(StudyRun, ExportsNobodysDataOnlyIfAskedTo) {
-    ASSERT_EQ(run({"--participant", "P01"}).exit_status, 0);
-    const fs::path study_file = file("stiffness.study");
+    const fs::path study_file = study_of_three();
     const std::size_t trials = study::read_study(study_file).trials.size();
     testing::expect_refused(study({"export", study_file, "--csv", file("t.csv")}),
                             "trials on simulated devices (--device simulated)");
@@ -150,9 +165,10 @@ TEST_F(StudyRun, ExportsNobodysDataOnlyIfAskedTo) {
 }
 
 TEST_F(StudyRun, ResumedAfterStopAndKillGivesTheUndisturbedTrials) {
-    // Of usual length, so that it is still running when the signal comes.
+    // Long enough that it is still running when the signal comes.
     std::ofstream(file("stiffness.toml"))
-        << testing::contents_of(testing::assets() / "protocols/stiffness.toml");
+        << testing::with(testing::contents_of(testing::assets() / "protocols/stiffness.toml"),
+                         {{"_trials = 110", "_trials = 50"}});
     const fs::path whole = file("whole.study");
     ASSERT_EQ(run({"--participant", "P01", "--study", whole}).exit_status, 0);
     for (const int signal : {SIGTERM, SIGKILL}) {
@@ -180,37 +196,36 @@ TEST_F(StudyRun, ResumedAfterStopAndKillGivesTheUndisturbedTrials) {
 }
 
 TEST_F(StudyRun, RefusesInOneLineAndLosesNothing) {
-    const std::string study_file = file("stiffness.study");
+    const fs::path study_file = file("stiffness.study");
     testing::expect_refused(study({"run", protocol(), "--participants", "3"}),
                             "persons come one at a time");
     testing::expect_refused(run({}), "--participant P01");
     testing::expect_refused(run({"--participant", "Anna"}), "is no participant's code");
     EXPECT_FALSE(fs::exists(study_file)) << "nothing is created before that";
-    ASSERT_EQ(run({"--participant", "P01"}).exit_status, 0);
+    fs::remove(protocol());
+    static_cast<void>(study_of_three());
     const std::string before = testing::contents_of(study_file);
 
-    testing::expect_refused(study({"resume", study_file, "--participant", "P02"}),
-                            "no participant P02");
-    testing::expect_refused(study({"note", study_file, "x", "--participant", "P02"}),
-                            "stiffness.study: has no participant 'P02'; springdrive study status");
+    testing::expect_refused(study({"resume", study_file, "--participant", "P09"}),
+                            "no participant P09");
+    testing::expect_refused(study({"note", study_file, "x", "--participant", "P09"}),
+                            "stiffness.study: has no participant 'P09'; springdrive study status");
     testing::expect_refused(study({"note", study_file, " "}), "no text");
-    testing::expect_refused(run({"--participant", "P02", "--seed", "-1"}), "--seed");
-    testing::expect_refused(study({"remove", study_file, "P02"}),
-                            "stiffness.study: has no participant 'P02'; springdrive study status");
+    testing::expect_refused(run({"--participant", "P09", "--seed", "-1"}), "--seed");
+    testing::expect_refused(study({"remove", study_file, "P09"}),
+                            "stiffness.study: has no participant 'P09'; springdrive study status");
     testing::expect_refused(study({"remove", study_file, "P01"}), "add --yes");
     testing::expect_refused(study({"status", protocol()}), "stiffness.toml");
     testing::expect_refused(study({"status", file("none.study")}), "none.study");
+    {
+        const study::StudyStore open(study_file); // nobody is waited for
+        testing::expect_refused(run({"--participant", "P09"}), "stiffness.study");
+        EXPECT_EQ(study({"status", study_file}).exit_status, 0) << "readers never wait";
+    }
 
     std::ofstream(protocol(), std::ios::app) << "# a comment\n";
-    testing::expect_refused(run({"--participant", "P02"}), "begun with another protocol");
+    testing::expect_refused(run({"--participant", "P09"}), "begun with another protocol");
     EXPECT_EQ(testing::contents_of(study_file), before);
-}
-
-TEST_F(StudyRun, WaitsForNobodyWhoHasTheStudyOpen) {
-    ASSERT_EQ(run({"--participant", "P01"}).exit_status, 0);
-    const study::StudyStore open(file("stiffness.study"));
-    testing::expect_refused(run({"--participant", "P02"}), "stiffness.study");
-    EXPECT_EQ(study({"status", file("stiffness.study")}).exit_status, 0) << "readers never wait";
 }
 
 /// Whoever sits down must not go on with another one's session.
@@ -235,24 +250,25 @@ TEST_F(StudyRun, ResumesNobodyWhereTwoPersonsAreInTheMidstOfIt) {
 }
 
 TEST_F(StudyRun, LeavesAStudyOfANewerVersionAsItIs) {
-    ASSERT_EQ(run({"--participant", "P01"}).exit_status, 0);
+    const fs::path study_file = study_of_three();
     constexpr std::streamoff kUserVersion = 60; // of SQLite's header, big-endian
-    std::fstream bytes(file("stiffness.study"), std::ios::in | std::ios::out | std::ios::binary);
+    std::fstream bytes(study_file, std::ios::in | std::ios::out | std::ios::binary);
     bytes.seekp(kUserVersion + 3);
     bytes.put(99);
     bytes.close();
-    const std::string newer = testing::contents_of(file("stiffness.study"));
+    const std::string newer = testing::contents_of(study_file);
     for (const char *command : {"status", "resume", "analyse"}) {
-        testing::expect_refused(study({command, file("stiffness.study")}), "version");
+        testing::expect_refused(study({command, study_file}), "version");
     }
-    EXPECT_EQ(testing::contents_of(file("stiffness.study")), newer);
+    EXPECT_EQ(testing::contents_of(study_file), newer);
 }
 
 TEST_F(StudyRun, GoesOnWhenAFullDiskHasSpaceAgain) {
     const fs::path whole = file("whole.study");
-    ASSERT_EQ(run({"--participants", "2", "--study", whole}).exit_status, 0);
     const fs::path study_file = file("full.study");
     ASSERT_EQ(run({"--participant", "P01", "--study", study_file}).exit_status, 0);
+    fs::copy_file(study_file, whole);
+    ASSERT_EQ(run({"--participant", "P02", "--study", whole}).exit_status, 0);
     const std::size_t before = study::read_study(study_file).trials.size();
     {
         const testing::FullDisk disk(fs::file_size(study_file) + 4096); // a few trials more
@@ -267,31 +283,26 @@ TEST_F(StudyRun, GoesOnWhenAFullDiskHasSpaceAgain) {
     EXPECT_EQ(course_of(study_file), course_of(whole));
 }
 
+/// The code is not given again: lists on paper and older exports still have it.
 TEST_F(StudyRun, RemovesAParticipantOnRequest) {
-    ASSERT_EQ(run({"--participants", "2"}).exit_status, 0);
-    ASSERT_EQ(study({"note", file("stiffness.study"), "P01 and P02 met"}).exit_status, 0);
-    const testing::Ending removed = study({"remove", file("stiffness.study"), "P01", "--yes"});
+    const fs::path study_file = study_of_three();
+    const auto next_code = [&] { return StudyTurns(study_file, {}).next_code(); };
+    EXPECT_EQ(next_code(), "P04");
+    ASSERT_EQ(study({"note", study_file, "P01 and P02 met"}).exit_status, 0);
+    const testing::Ending removed = study({"remove", study_file, "P01", "--yes"});
     ASSERT_EQ(removed.exit_status, 0);
     EXPECT_NE(removed.error.find("the code was replaced in 1 text of others or of the study"),
               std::string::npos)
         << removed.error;
-    EXPECT_EQ(testing::contents_of(file("stiffness.study")).find("P01"), std::string::npos);
-    const study::StudyContents contents = study::read_study(file("stiffness.study"));
-    ASSERT_EQ(contents.participants.size(), 1U);
+    EXPECT_EQ(testing::contents_of(study_file).find("P01"), std::string::npos);
+    const study::StudyContents contents = study::read_study(study_file);
+    ASSERT_EQ(contents.participants.size(), 2U);
     EXPECT_EQ(contents.participants.front().code, "P02");
     EXPECT_EQ(contents.facts.removed_participants, 1);
-    EXPECT_NE(study({"status", file("stiffness.study")}).out.find("1 removed on request"),
-              std::string::npos);
-}
-
-/// Lists on paper and older exports still have it.
-TEST_F(StudyRun, GivesNoCodeOfARemovedParticipantAgain) {
-    ASSERT_EQ(run({"--participants", "3"}).exit_status, 0);
-    const auto next = [this] { return StudyTurns(file("stiffness.study"), {}).next_code(); };
-    EXPECT_EQ(next(), "P04");
-    for (const char *code : {"P03", "P01", "P02"}) {
-        ASSERT_EQ(study({"remove", file("stiffness.study"), code, "--yes"}).exit_status, 0);
-        EXPECT_EQ(next(), "P04") << code;
+    EXPECT_NE(study({"status", study_file}).out.find("1 removed on request"), std::string::npos);
+    for (const char *code : {"P03", "P02"}) {
+        ASSERT_EQ(study({"remove", study_file, code, "--yes"}).exit_status, 0);
+        EXPECT_EQ(next_code(), "P04") << code;
     }
 }
 
@@ -317,9 +328,7 @@ TEST_F(StudyRun, CreatesNoStudyThatWouldNotFindItsDevice) {
 }
 
 TEST_F(StudyRun, DrawsObserversAsTypedAndRemembersThem) {
-    ASSERT_EQ(run({"--participants", "3", "--threshold", "0.05", "--spread", "0.3"}).exit_status,
-              0);
-    const study::StudyContents contents = study::read_study(file("stiffness.study"));
+    const study::StudyContents contents = study::read_study(study_of_three());
     std::vector<double> thresholds;
     for (const study::Session &session : contents.sessions) {
         for (const study::Setting &fact : session.facts) {

@@ -281,31 +281,14 @@ std::vector<Trial> without_windows(const fs::path &protocol_file, const Events &
 /// Of what is delivered where something is intended, the largest difference from the same on a
 /// device without a board, as a share of it.
 double expect_same(const Trial &seen, const Trial &wanted) {
-    EXPECT_EQ(seen.place, wanted.place);
-    EXPECT_EQ(seen.condition, wanted.condition);
-    EXPECT_EQ(seen.track, wanted.track);
-    EXPECT_EQ(seen.is_practice, wanted.is_practice);
-    EXPECT_EQ(seen.is_catch, wanted.is_catch);
-    EXPECT_EQ(seen.is_presented_again, wanted.is_presented_again);
-    EXPECT_EQ(seen.seed, wanted.seed);
-    EXPECT_EQ(seen.level_name, wanted.level_name);
-    EXPECT_EQ(seen.level, wanted.level);
-    EXPECT_EQ(seen.target, wanted.target);
-    EXPECT_EQ(seen.response, wanted.response);
-    EXPECT_EQ(seen.is_correct, wanted.is_correct);
-    EXPECT_EQ(seen.repetition_of, wanted.repetition_of);
-    EXPECT_EQ(seen.repeated_by, wanted.repeated_by);
-    if (wanted.safety_events.empty()) {
-        EXPECT_EQ(seen.marks, wanted.marks);
-    } // what is delivered until somebody presses a key may be marked, too
+    testing::expect_same_decision(seen, wanted);
     EXPECT_EQ(seen.safety_events.size(), wanted.safety_events.size());
     EXPECT_EQ(seen.presentations.size(), wanted.presentations.size());
-    if (!wanted.safety_events.empty()) {
+    if (!wanted.safety_events.empty() || seen.presentations.size() != wanted.presentations.size()) {
         return 0.0; // broken off when somebody pressed a key
     }
     double worst = 0.0;
-    for (std::size_t i = 0; i < std::min(seen.presentations.size(), wanted.presentations.size());
-         ++i) {
+    for (std::size_t i = 0; i < seen.presentations.size(); ++i) {
         const std::vector<study::StimulusValue> &a = seen.presentations[i].values;
         const std::vector<study::StimulusValue> &b = wanted.presentations[i].values;
         EXPECT_EQ(a.size(), b.size());
@@ -379,7 +362,7 @@ void run_through(const std::string &name, const std::string &text, const Events 
 
 /// Short of all that only takes time.
 std::string hurried(std::string text) {
-    const std::vector<std::pair<const char *, const char *>> shorter{
+    const testing::Replacements shorter{
         {"\nbreak_s = [\\d.]+", "\nbreak_s = 1"},
         {"\nbetween_blocks_s = [\\d.]+", "\nbetween_blocks_s = 1"},
         {"\nfrom_C = [\\d.]+", "\nfrom_C = 24"},
@@ -390,26 +373,21 @@ std::string hurried(std::string text) {
         {"\nrest_s = [\\d.]+", ""},
         {"\n\\[timing\\]", "\n[timing]\nrest_s = 0.2\nbetween_trials_s = 0.1\nresponse_s = 1.5"},
     };
-    for (const auto &[long_key, short_key] : shorter) {
-        text = std::regex_replace(text, std::regex(long_key), short_key);
-    }
-    return text;
+    return testing::with(std::move(text), shorter);
 }
 
 /// That of stiffness with its light press only, and short ones.
 std::string shortest_study() {
     std::string text = hurried(testing::shortened("stiffness"));
-    const std::vector<std::pair<const char *, const char *>> shorter{
+    const testing::Replacements shorter{
         {"\npresentation_s = [\\d.]+", "\npresentation_s = 0.4"},
         {"\npause_s = [\\d.]+", "\npause_s = 0.1"},
+        {"\napproach_s = [\\d.]+", "\napproach_s = 0.8"},
         {"\nmost_trials = \\d+", "\nmost_trials = 2"},
         {"\n\\[\\[block\\]\\]\nname = \"firm\"\nconditions = \\[\"firm press\"\\]", ""},
         {"\n\\[\\[condition\\]\\]\nname = \"firm press\"\npress_N = 1.5", ""},
     };
-    for (const auto &[long_key, short_key] : shorter) {
-        text = std::regex_replace(text, std::regex(long_key), short_key);
-    }
-    return text;
+    return testing::with(std::move(text), shorter);
 }
 
 TEST(StudyWindows, GoOnAfterAKillAsTheSameDecisionsDoWithoutThem) {
