@@ -5,8 +5,8 @@
 #include "base/input_error.h"
 #include "base/vector.h"
 #include "engine/study/conduct/conduct.h"
-#include "engine/study/observers/simulated_answer.h"
-#include "engine/study/protocol/analysis_plan.h"
+#include "engine/study/observers/simulated_sitting.h"
+#include "engine/study/protocol/session_plan.h"
 
 #include <fmt/core.h>
 

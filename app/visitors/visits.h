@@ -21,7 +21,7 @@
 #include "engine/study/observers/simulated_sitting.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/study_setting.h"
-#include "engine/study/results/series_result.h"
+#include "engine/study/results/study_results.h"
 #include "engine/study/store/study_contents.h"
 #include "engine/study/store/study_store.h"
 

@@ -2,7 +2,7 @@
 // levels by trial, and the fitted function.
 #pragma once
 
-#include "engine/study/results/series_result.h"
+#include "engine/study/results/study_results.h"
 #include "engine/study/store/study_contents.h"
 
 #include <cstddef>

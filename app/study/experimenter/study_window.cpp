@@ -6,7 +6,7 @@
 #include "base/error_text.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/servo/safety_status.h"
-#include "engine/study/conduct/presentation.h"
+#include "engine/study/conduct/conduct.h"
 
 #include <algorithm>
 #include <cmath>

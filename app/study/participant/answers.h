@@ -5,7 +5,6 @@
 #include "app/study/participant/participant_input.h"
 #include "app/study/participant/participant_picture.h"
 #include "engine/study/protocol/protocol.h"
-#include "engine/study/protocol/questionnaire.h"
 #include "engine/study/protocol/texts.h"
 #include "engine/study/store/study_contents.h"
 

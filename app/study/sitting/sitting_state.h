@@ -3,7 +3,7 @@
 #pragma once
 
 #include "app/study/participant/participant_input.h"
-#include "engine/study/conduct/sequence.h"
+#include "engine/study/conduct/conduct.h"
 #include "engine/study/stimuli/stimulus_run.h"
 #include "engine/study/store/study_contents.h"
 

@@ -2,7 +2,7 @@
 // experimenter may do in them, and that they go on; and what a blind experimenter sees of them, by
 // app/study/experimenter/study_window.cpp. See study_window_test.cpp for the real windows.
 #include "app/study/experimenter/study_window.h"
-#include "engine/study/conduct/presentation.h"
+#include "engine/study/conduct/conduct.h"
 #include "tests/app/study/sitting_rig.h"
 
 #include <gtest/gtest.h>

@@ -4,9 +4,9 @@
 #include "app/visitors/visits.h"
 
 #include "device/core/faults.h"
-#include "engine/study/observers/simulated_answer.h"
-#include "engine/study/protocol/analysis_plan.h"
+#include "engine/study/observers/simulated_sitting.h"
 #include "engine/study/protocol/protocol_file.h"
+#include "engine/study/protocol/session_plan.h"
 #include "tests/app/study/headless_study.h"
 #include "tests/app/study/made_up_people.h"
 #include "tests/support/cases.h"
