@@ -4,9 +4,10 @@
 # but only by targets that link `control`.
 #
 #   room(NAME [PLACES place...] [USES room...] [PUBLIC_LIBRARIES library...] [LIBRARIES library...]
-#        [OPENS closed...] [SOURCES file...])
+#        [OPENS closed...] [EXCEPT pattern...])
 #
 # A place is a folder or a header, by its path from the top folder; default: the current folder.
+# A room's sources are all .cpp files below its folders but those that match an EXCEPT pattern.
 # Headers of PUBLIC_LIBRARIES are also visible to users of the room. OPENS names the libraries of
 # the list below that the room itself may include. What each room is, uses and opens is written to
 # rooms.txt in the build tree: NAME | place... | room... | closed...
@@ -37,7 +38,7 @@ set(closed_zlib zlib.h)
 
 function(room name)
     cmake_parse_arguments(ROOM "" ""
-        "PLACES;USES;PUBLIC_LIBRARIES;LIBRARIES;OPENS;SOURCES" ${ARGN})
+        "PLACES;USES;PUBLIC_LIBRARIES;LIBRARIES;OPENS;EXCEPT" ${ARGN})
     if(NOT ROOM_PLACES)
         cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR}
             OUTPUT_VARIABLE ROOM_PLACES)
@@ -54,13 +55,20 @@ function(room name)
         file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${place} ${headers}/${place} SYMBOLIC)
     endforeach()
 
-    if(NOT ROOM_SOURCES)
+    list(TRANSFORM ROOM_PLACES PREPEND ${PROJECT_SOURCE_DIR}/ OUTPUT_VARIABLE folders)
+    list(TRANSFORM folders APPEND /*.cpp)
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${folders})
+    foreach(pattern IN LISTS ROOM_EXCEPT)
+        list(FILTER sources EXCLUDE REGEX ${pattern})
+    endforeach()
+
+    if(NOT sources)
         add_library(${name} INTERFACE)
         target_include_directories(${name} INTERFACE ${headers})
         target_link_libraries(${name} INTERFACE ${ROOM_PUBLIC_LIBRARIES} ${ROOM_USES})
         return()
     endif()
-    add_library(${name} STATIC ${ROOM_SOURCES})
+    add_library(${name} STATIC ${sources})
     target_include_directories(${name} PUBLIC ${headers})
     target_link_libraries(${name} PUBLIC ${ROOM_PUBLIC_LIBRARIES} ${ROOM_USES}
                                   PRIVATE ${ROOM_LIBRARIES})
