@@ -1,8 +1,16 @@
 #include "app/assistant/assistant.h"
 
 #include "app/assistant/findings.h"
+#include "app/host/user_folder.h"
 #include "base/error_text.h"
+#include "base/new_file.h"
+#include "base/quoting.h"
+#include "base/strict_toml.h"
 
+#include <algorithm>
+#include <ostream>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace springdrive::app::assistant {
@@ -18,14 +26,82 @@ bool is_lost(const session::Session &session) {
            session.latest().health == device::DeviceHealth::lost;
 }
 
+struct StepList {
+    const char *key = "";
+    StepSet Progress::*steps = nullptr;
+};
+constexpr std::array<StepList, 2> kStepLists{
+    {{"done", &Progress::done}, {"failed", &Progress::failed}}};
+
+constexpr auto kStepNames = [] {
+    std::array<std::string_view, kSteps> names;
+    std::ranges::transform(kStepTitles, names.begin(), &StepTitle::name);
+    return names;
+}();
+
 StepName step_at(std::size_t index) { return static_cast<StepName>(index); }
 
 } // namespace
 
+std::filesystem::path progress_folder() {
+    const std::filesystem::path state = user_folder("XDG_STATE_HOME", ".local/state");
+    return state.empty() ? state : state / "assistant";
+}
+
+std::string progress_name(const std::string &kind, const std::string &serial) {
+    constexpr std::string_view kPlain =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
+    std::string name;
+    for (const char letter : kind + "-" + serial) {
+        name += kPlain.find(letter) != std::string_view::npos
+                    ? std::string(1, letter)
+                    : fmt::format("%{:02x}", static_cast<unsigned char>(letter));
+    }
+    return name + ".toml";
+}
+
+Progress read_progress(const std::filesystem::path &file) {
+    Progress progress;
+    std::error_code ignored;
+    if (file.empty() || !std::filesystem::exists(file, ignored)) {
+        return progress;
+    }
+    try {
+        StrictTomlTable table = StrictTomlTable::read(file);
+        for (const StepList &list : kStepLists) {
+            for (const std::size_t step : table.choices(list.key, kStepNames)) {
+                (progress.*list.steps).set(step);
+            }
+        }
+        table.refuse_unknown_keys();
+        return progress;
+    } catch (const InputError &error) {
+        throw InputError(std::string(error.what()) + "; remove the file to begin anew");
+    }
+}
+
+void write_progress(const std::filesystem::path &file, const Progress &progress) {
+    std::error_code ignored; // without the folder, the file cannot be created, which is said
+    std::filesystem::create_directories(file.parent_path(), ignored);
+    write_file(
+        file,
+        [&](std::ostream &out) {
+            for (const StepList &list : kStepLists) {
+                std::vector<std::string_view> names;
+                for (std::size_t i = 0; i < kSteps; ++i) {
+                    if ((progress.*list.steps).test(i)) {
+                        names.push_back(kStepNames[i]);
+                    }
+                }
+                out << list.key << " = " << toml_list(names) << '\n';
+            }
+        },
+        Existing::replace);
+}
+
 Assistant::Assistant(std::filesystem::path folder)
-    : Assistant(std::move(folder),
-                {make_link_step, make_identity_step, make_motion_step, make_zero_step,
-                 make_self_test_step, calibration_steps(), make_touch_step}) {}
+    : Assistant(std::move(folder), {link_step(), identity_step(), motion_step(), zero_step(),
+                                    self_test_step(), calibration_step(), touch_step()}) {}
 
 Assistant::Assistant(std::filesystem::path folder, Steps steps)
     : folder_(std::move(folder)), steps_(std::move(steps)) {}
@@ -250,6 +326,7 @@ StepReport Assistant::report(const session::Session &session) const {
     }
     if (is_lost(session) || is_stopped(session)) {
         report.to_do = "Do what is named below.";
+        report.offers.clear();
         if (report.verdict == Verdict::good) {
             report.verdict = Verdict::open;
         }
@@ -261,12 +338,8 @@ StepReport Assistant::report(const session::Session &session) const {
     return report;
 }
 
-std::vector<Offer> Assistant::offers(session::Session &session) {
-    return is_lost(session) || is_stopped(session) ? std::vector<Offer>() : step_->offers();
-}
-
 std::optional<Vector3> Assistant::theta_rad() const {
-    return is_open() ? step_->theta_rad() : std::nullopt;
+    return is_open() ? step_->report().theta_rad : std::nullopt;
 }
 
 } // namespace springdrive::app::assistant

@@ -6,13 +6,17 @@
 //      └────leave──────┘
 //
 // While it is open, the device is released and only brakes, but for the first touch. It stays so
-// after it was left at a finding with which the device must not be driven.
+// after it was left at a finding with which the device must not be driven. How far each device has
+// come is kept in a TOML file for each:
+//
+//   done = ["link"]
+//   failed = ["identity"]
 #pragma once
 
-#include "app/assistant/progress_file.h"
 #include "app/assistant/step.h"
 
 #include <array>
+#include <bitset>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -20,6 +24,28 @@
 #include <vector>
 
 namespace springdrive::app::assistant {
+
+using StepSet = std::bitset<kSteps>;
+
+struct Progress {
+    StepSet done;
+    StepSet failed; ///< at which the device must not be driven
+    bool operator==(const Progress &other) const = default;
+};
+
+/// $XDG_STATE_HOME/springdrive/assistant, or ~/.local/state/springdrive/assistant; empty where
+/// neither is known.
+[[nodiscard]] std::filesystem::path progress_folder();
+
+/// A file name for a device of this kind and serial number, whatever letters that has.
+[[nodiscard]] std::string progress_name(const std::string &kind, const std::string &serial);
+
+/// Nothing is done if there is no such file.
+/// @throw InputError with file, line and what is wrong with it
+[[nodiscard]] Progress read_progress(const std::filesystem::path &file);
+
+/// Makes the folder, too. @throw InputError if it cannot be written
+void write_progress(const std::filesystem::path &file, const Progress &progress);
 
 enum class StepState : std::uint8_t { open, present, done, failed };
 
@@ -68,9 +94,8 @@ public:
     [[nodiscard]] bool can_go_on(const session::Session &session) const;
     /// With what stops the device.
     [[nodiscard]] StepReport report(const session::Session &session) const;
-    [[nodiscard]] std::vector<Offer> offers(session::Session &session);
 
-    /// See Step; none while it is closed.
+    /// See StepReport; none while it is closed.
     [[nodiscard]] std::optional<Vector3> theta_rad() const;
 
     /// Why the progress could not be read or kept; else empty.
@@ -102,3 +127,17 @@ private:
 };
 
 } // namespace springdrive::app::assistant
+
+namespace springdrive::app {
+
+class DoctorPopup;
+struct Rectangle;
+
+/// The assistant in the window: its steps on the left, the present one on the right.
+void draw_assistant_panel(session::Session &session, assistant::Assistant &assistant,
+                          DoctorPopup &doctor, const Rectangle &place);
+
+/// A button that opens it, and why it holds the device.
+void offer_assistant(session::Session &session, assistant::Assistant &assistant);
+
+} // namespace springdrive::app

@@ -1,5 +1,7 @@
-#include "app/assistant/assistant_panel.h"
+#include "app/assistant/assistant.h"
 
+#include "app/panels/doctor_popup.h"
+#include "app/widgets/rectangle.h"
 #include "app/widgets/widgets.h"
 
 #include <algorithm>
@@ -184,7 +186,7 @@ void draw_step(session::Session &session, Assistant &assistant, DoctorPopup &doc
     if (!report.bars.empty()) {
         draw_gap();
     }
-    if (draw_offers(assistant.offers(session))) {
+    if (draw_offers(report.offers)) {
         draw_gap();
     }
     for (std::size_t i = 0; i < report.seen.size(); ++i) {

@@ -4,7 +4,7 @@
 
 #include "app/assistant/step.h"
 #include "engine/commissioning/calibration_run.h"
-#include "engine/commissioning/finding.h"
+#include "engine/commissioning/device_checks.h"
 #include "engine/servo/safety_status.h"
 
 #include <string>

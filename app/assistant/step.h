@@ -6,6 +6,7 @@
 //     └─ again ──┘
 #pragma once
 
+#include "base/error_text.h"
 #include "base/vector.h"
 #include "engine/session/session.h"
 
@@ -76,16 +77,27 @@ struct Bar {
     std::string text;
 };
 
+/// Something that a person can choose, as a button.
+struct Offer {
+    std::string label;
+    std::string explanation;
+    std::function<void()> choose; ///< as long as the step lives
+    bool is_enabled = true;
+};
+
 struct StepReport {
     Verdict verdict = Verdict::open;
     std::string to_do;
     std::vector<Bar> bars;
     std::vector<std::string> seen;
     std::vector<Trouble> troubles;
+    std::vector<Offer> offers;
     std::string unchecked;    ///< of a doubtful one: what is then not known
     std::string asks_doctor;  ///< a device as --device names it, of which the doctor knows more
     bool voids_later = false; ///< what later steps found out holds no more
     bool shows_pose = false;  ///< the zero pose
+    /// The rotors' angles for the picture, where the servo does not measure them.
+    std::optional<Vector3> theta_rad;
 
     /// Adds a line to `seen`.
     template <typename... Values> void see(fmt::format_string<Values...> text, Values &&...values) {
@@ -93,18 +105,10 @@ struct StepReport {
     }
 };
 
-/// Something that a person can choose, as a button.
-struct Offer {
-    std::string label;
-    std::string explanation;
-    std::function<void()> choose;
-    bool is_enabled = true;
-};
-
 /// Made when it is entered, and anew when it is done again; the device is then released.
 class Step {
 public:
-    /// @param session  outlives the step and its offers
+    /// @param session  outlives the step
     explicit Step(session::Session &session) : session_(&session) {}
     Step(const Step &) = delete;
     Step &operator=(const Step &) = delete;
@@ -114,36 +118,48 @@ public:
     virtual void update() {}
     /// It is left: what it has changed for itself is as before.
     virtual void end() {}
-
-    [[nodiscard]] virtual StepReport report() const = 0;
-    /// The step must outlive what is returned.
-    [[nodiscard]] virtual std::vector<Offer> offers() { return {}; }
-
-    /// The rotors' angles for the picture, where the servo does not measure them.
-    [[nodiscard]] virtual std::optional<Vector3> theta_rad() const { return std::nullopt; }
+    [[nodiscard]] virtual StepReport report() = 0;
 
 protected:
     [[nodiscard]] session::Session &session() const { return *session_; }
+    [[nodiscard]] bool is_emulated() const { return session_->device().emulated() != nullptr; }
+
+    /// Why the last attempt failed; else empty.
+    [[nodiscard]] const std::string &error() const { return error_; }
+    /// @param act  may throw InputError
+    template <typename Act> void attempt(Act &&act) { error_ = error_text_of(act); }
+    void set_error(std::string error) { error_ = std::move(error); }
 
 private:
     session::Session *session_;
+    std::string error_;
 };
 
 using MakeStep = std::function<std::unique_ptr<Step>(session::Session &)>;
 
+/// Of type `Made`.
+template <typename Made> std::unique_ptr<Step> make_step(session::Session &session) {
+    return std::make_unique<Made>(session);
+}
+
+/// Holds an emulated device in its zero pose. @throw InputError as Session::follow_path does
+inline void hold_zero_pose(session::Session &session) {
+    session.follow_path(simulated::HandPath({{0.0, Vector3::Zero()}}));
+}
+
 /// Which device, its connection, and what it loses.
-[[nodiscard]] std::unique_ptr<Step> make_link_step(session::Session &session);
+[[nodiscard]] MakeStep link_step();
 /// What the board says of itself, and whether the device file fits.
-[[nodiscard]] std::unique_ptr<Step> make_identity_step(session::Session &session);
+[[nodiscard]] MakeStep identity_step();
 /// Each joint by hand, with the picture following.
-[[nodiscard]] std::unique_ptr<Step> make_motion_step(session::Session &session);
+[[nodiscard]] MakeStep motion_step();
 /// Zeroing in the zero pose.
-[[nodiscard]] std::unique_ptr<Step> make_zero_step(session::Session &session);
+[[nodiscard]] MakeStep zero_step();
 /// commissioning::SelfTest.
-[[nodiscard]] std::unique_ptr<Step> make_self_test_step(session::Session &session);
+[[nodiscard]] MakeStep self_test_step();
 /// commissioning::CalibrationRun; each step that is made knows what the last one found out.
-[[nodiscard]] MakeStep calibration_steps();
+[[nodiscard]] MakeStep calibration_step();
 /// A soft touch within lowered limits.
-[[nodiscard]] std::unique_ptr<Step> make_touch_step(session::Session &session);
+[[nodiscard]] MakeStep touch_step();
 
 } // namespace springdrive::app::assistant

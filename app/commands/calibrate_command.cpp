@@ -1,9 +1,7 @@
 #include "app/commands/commissioning_commands.h"
 
-#include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
-#include "app/commands/typed_board.h"
 #include "app/host/ending_signal.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
@@ -39,7 +37,6 @@ constexpr int kNotCalibrated = 1;
 
 struct TypedCalibration {
     TypedBoard board;
-    bool is_at_zero = false;
     bool is_to_board = false;
     std::filesystem::path out;
     Existing existing = Existing::keep;
@@ -146,10 +143,8 @@ void calibrate(const TypedCalibration &typed) {
     factory::BoardRequest request = typed.board.request();
     request.ignores_calibration = true;
     request.watchdog_periods = 20.0; // this thread has no priority
-    factory::OpenBoard board = open_to_drive(request);
-    if (board.emulated || typed.is_at_zero) { // the simulated hand holds it there
-        board.device->zero(Vector3::Zero());
-    } else {
+    const factory::OpenBoard board = open_to_drive(request, typed.board);
+    if (!board.emulated && !typed.board.is_at_zero) {
         throw InputError("hold the device in its zero pose, upper arm level, forearm hanging, tip "
                          "at the origin, and add --at-zero: its motors must know where it is");
     }
@@ -197,9 +192,7 @@ void add_calibrate(Command &device) {
     const auto typed = std::make_shared<TypedCalibration>();
     typed->options.lets_go_on = true;
     typed->board.add_to(command);
-    command.add_flag("--at-zero", typed->is_at_zero,
-                     "the device is held in its zero pose at the start: upper arm level, forearm "
-                     "hanging, tip at the origin; needed on USB");
+    typed->board.add_at_zero_to(command, "needed on USB");
     command
         .add_option("--out", typed->out,
                     "a device file to write: the one that --device-file names, with the "

@@ -4,6 +4,12 @@
 
 #include "app/commands/command.h"
 
+#include <iosfwd>
+
+namespace springdrive::limits {
+struct AutoTuned;
+}
+
 namespace springdrive::app {
 
 /// `demo`: the window.
@@ -28,6 +34,8 @@ void add_stiffness_command(Command &app);
 void add_stability_command(Command &app);
 /// `tune`: the stiffest tuning that is stable with every hand, as a file.
 void add_tune_command(Command &app);
+/// Its result, with margins and warnings on them, one line each.
+void write_tuned(std::ostream &out, const limits::AutoTuned &found);
 /// `baseline`: the spring drive against a current drive, each at its stable best.
 void add_baseline_command(Command &app);
 /// `touch`: the proxy over a scene along a path, without window or device.

@@ -1,15 +1,15 @@
 #include "app/commands/commissioning_commands.h"
 
-#include "app/commands/common_options.h"
-#include "app/commands/typed_board.h"
 #include "app/host/ending_signal.h"
+#include "app/host/user_folder.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
 #include "base/print.h"
-#include "device/factory/board_factory.h"
+#include "device/core/device_file.h"
 #include "device/simulated/stop_tour.h"
 #include "engine/commissioning/self_test.h"
+#include "engine/session/windings_file.h"
 
 #include <fmt/format.h>
 
@@ -45,7 +45,6 @@ void show_info(const TypedBoard &typed) {
 
 struct TypedSelfTest {
     TypedBoard board;
-    bool is_at_zero = false;
     commissioning::SelfTestOptions options;
 };
 
@@ -130,10 +129,7 @@ int show(const SelfTestReport &report, bool is_zeroed) {
 }
 
 void self_test(const TypedSelfTest &typed) {
-    factory::OpenBoard board = open_to_drive(typed.board.request());
-    if (board.emulated || typed.is_at_zero) { // the simulated hand holds it there
-        board.device->zero(Vector3::Zero());
-    }
+    const factory::OpenBoard board = open_to_drive(typed.board.request(), typed.board);
     note_ending_signals();
     SelfTest test(*board.device, typed.options,
                   simulated::stop_tour_of(board.emulated ? &board.emulated->phantom() : nullptr,
@@ -153,6 +149,58 @@ void self_test(const TypedSelfTest &typed) {
 }
 
 } // namespace
+
+void TypedBoard::add_to(Command &command) {
+    add_device_option(command, device);
+    add_device_file_option(command, device_file);
+    emulation.add_to(command, "simulated device");
+    command.add_option("--device-seed", device_seed,
+                       "the simulated device's motors and sensors deviate at random [0: none]");
+}
+
+factory::BoardRequest TypedBoard::request() const {
+    const NamedDevice named = device_named(device);
+    factory::BoardRequest request;
+    request.kind = named.kind;
+    request.serial = named.serial;
+    request.description = device::read_device_file(device_file);
+    if (named.kind == factory::DeviceKind::usb) {
+        if (!(emulation.is_empty() && device_seed == 0)) {
+            throw InputError("--true-device-file, --device-seed and --fault: are for the "
+                             "simulated device; remove them, or --device usb");
+        }
+        return request;
+    }
+    request.truth = emulation.truth().value_or(request.description);
+    request.emulation.simulation.device_seed = device_seed;
+    request.emulation.identity =
+        emulator::emulated_identity(named.kind == factory::DeviceKind::emulated
+                                        ? factory::emulated_serial(device_seed)
+                                        : simulated::simulated_identity(device_seed).serial);
+    request.emulation.start_tip_m = Vector3::Zero();
+    request.emulation.faults = emulation.parsed_faults();
+    return request;
+}
+
+void TypedBoard::add_at_zero_to(Command &command, const std::string &needed) {
+    command.add_flag("--at-zero", is_at_zero,
+                     "the device is held in its zero pose at the start: upper arm level, forearm "
+                     "hanging, tip at the origin; " +
+                         needed);
+}
+
+factory::OpenBoard open_to_drive(const factory::BoardRequest &request, const TypedBoard &typed) {
+    factory::OpenBoard board = factory::open_board(request);
+    if (!board.emulated) {
+        static_cast<void>(session::take_windings(windings_folder(), board.device->identity().serial,
+                                                 board.device->description().motor,
+                                                 session::storing_time()));
+    }
+    if (board.emulated || typed.is_at_zero) {
+        board.device->zero(Vector3::Zero());
+    }
+    return board;
+}
 
 bool has_typed_line() {
     bool has_end = false;
@@ -195,9 +243,7 @@ void add_self_test(Command &device) {
     const auto typed = std::make_shared<TypedSelfTest>();
     typed->options.lets_go_on = true;
     typed->board.add_to(command);
-    command.add_flag("--at-zero", typed->is_at_zero,
-                     "the device is held in its zero pose at the start: upper arm level, forearm "
-                     "hanging, tip at the origin; without it, the zero is not checked");
+    typed->board.add_at_zero_to(command, "without it, the zero is not checked");
     command.add_option("--volts", typed->options.pulse.voltage_V, "of the pulses, 0.3 to 1 [0.8]")
         .type_name("V");
     command.add_flag_callback(

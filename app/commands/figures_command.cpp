@@ -63,13 +63,13 @@ void make_figures(const TypedFigures &typed) {
     const FigureSetting setting = setting_of(typed);
     make_output_folder(typed.out);
     RunFiles files{{typed.device_file, typed.tuning_file}, {}, {}};
-    for (const FigureMaker &maker : kFigures) {
+    for (const FigureMaker &maker : figure_makers()) {
         add_chart_files(files, typed.out, maker.name);
     }
     check_outputs(files, typed.existing);
     ProgressLine line;
     std::vector<Chart> charts;
-    for (const FigureMaker &maker : kFigures) {
+    for (const FigureMaker &maker : figure_makers()) {
         const std::string name(maker.name);
         const Figure figure = maker.make(setting, [&](double share) { line.show(name, share); });
         write_output((typed.out / (name + ".csv")).string(),

@@ -1,9 +1,7 @@
 #include "app/commands/commissioning_commands.h"
 
-#include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
 #include "app/commands/progress_line.h"
-#include "app/commands/typed_board.h"
 #include "app/figures/gnuplot.h"
 #include "app/host/ending_signal.h"
 #include "base/degrees.h"
@@ -26,6 +24,7 @@
 #include <optional>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app {
@@ -123,11 +122,9 @@ void draw_sweep(const std::filesystem::path &svg, const std::string &device_text
 
 struct TypedSweep {
     TypedBoard board;
-    bool is_at_zero = false;
     TuningOptions tuning;
     std::vector<int> motors{1, 2, 3};
     SweepOptions options;
-    std::optional<double> max_hz;
     std::optional<double> tolerance; ///< in % and degrees
     std::string csv;                 ///< empty: not requested
     std::filesystem::path svg;       ///< the same
@@ -138,18 +135,6 @@ SweepOptions checked_options(const TypedSweep &typed, const device::DeviceDescri
     SweepOptions options = typed.options;
     options.tuning = typed.tuning.tuning();
     check_dR(device, options.tuning);
-    const double highest_hz = commissioning::kHighestSweep * options.servo_hz;
-    options.max_hz = typed.max_hz.value_or(0.1 * options.servo_hz);
-    check_range("--freq-from", options.min_hz, commissioning::kLowestSweep_hz, highest_hz);
-    check_range("--freq-to", options.max_hz, commissioning::kLowestSweep_hz, highest_hz);
-    if (!(options.min_hz < options.max_hz)) {
-        throw InputError("--freq-from must be below --freq-to");
-    }
-    check_range("--points", options.points, 2, commissioning::kMaxSweepPoints);
-    check_range("--tip-force", options.tip_force_N, commissioning::kMinSweepForce_N,
-                device.limits.tip_force_N);
-    check_range("--motion", options.motion_m, commissioning::kMinSweepMotion_m,
-                commissioning::kMaxSweepMotion_m);
     if (typed.tolerance) {
         check_range("--tolerance", *typed.tolerance, 0.01, 100.0);
     }
@@ -158,7 +143,7 @@ SweepOptions checked_options(const TypedSweep &typed, const device::DeviceDescri
         check_range("--motors", motor, 1, 3);
         options.motors.push_back(static_cast<std::size_t>(motor - 1));
     }
-    return options;
+    return commissioning::checked_sweep_options(device, std::move(options));
 }
 
 void check_files(const TypedSweep &typed) {
@@ -220,11 +205,8 @@ void sweep_device(const TypedSweep &typed) {
     factory::BoardRequest request = typed.board.request();
     request.period_s = period_s;
     request.watchdog_periods = 5.0; // as for a servo
-    factory::OpenBoard board = open_to_drive(request);
+    const factory::OpenBoard board = open_to_drive(request, typed.board);
     const SweepOptions options = checked_options(typed, board.device->description());
-    if (board.emulated || typed.is_at_zero) { // the simulated hand holds it there
-        board.device->zero(Vector3::Zero());
-    }
     if (!board.device->is_zeroed()) {
         throw InputError("the device is not zeroed, so its angles are not known; hold it in its "
                          "zero pose, and add --at-zero");
@@ -265,7 +247,7 @@ void add_frequency_options(Command &command, TypedSweep &typed) {
     add_servo_hz_option(command, typed.options.servo_hz);
     command.add_option("--freq-from", typed.options.min_hz, "lowest frequency [1]").type_name("HZ");
     command
-        .add_option("--freq-to", typed.max_hz,
+        .add_option("--freq-to", typed.options.max_hz,
                     "highest frequency, up to a quarter of the servo rate [a tenth]")
         .type_name("HZ");
     command
@@ -305,9 +287,7 @@ void add_sweep(Command &device) {
         "and the sampled form with the measured d");
     const auto typed = std::make_shared<TypedSweep>();
     typed->board.add_to(command);
-    command.add_flag("--at-zero", typed->is_at_zero,
-                     "the device is held in its zero pose at the start: upper arm level, forearm "
-                     "hanging, tip at the origin; a board on USB must be zeroed");
+    typed->board.add_at_zero_to(command, "a board on USB must be zeroed");
     typed->tuning.add_to(command, TuningScope::coupling);
     add_frequency_options(command, *typed);
     add_limit_options(command, *typed);

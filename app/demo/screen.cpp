@@ -1,6 +1,5 @@
 #include "app/demo/screen.h"
 
-#include "app/assistant/assistant_panel.h"
 #include "app/host/asset_folder.h"
 #include "app/host/ending_signal.h"
 #include "app/host/output.h"

@@ -18,7 +18,7 @@
 #include "device/core/board_reset.h"
 #include "device/core/calibration.h"
 #include "device/core/haptic_device.h"
-#include "engine/commissioning/mover.h"
+#include "engine/commissioning/self_test.h"
 #include "engine/servo/servo.h"
 
 #include <array>

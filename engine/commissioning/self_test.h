@@ -8,16 +8,21 @@
 
 #include "device/core/board_reset.h"
 #include "device/core/haptic_device.h"
-#include "engine/commissioning/motion_check.h"
-#include "engine/commissioning/mover.h"
-#include "engine/commissioning/winding_check.h"
+#include "engine/commissioning/device_checks.h"
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 namespace springdrive::commissioning {
+
+/// What moves a device where a person is asked to, such as a simulated hand: called once, when the
+/// motion begins. Empty: a person moves it.
+/// @param longest_s  that the motion may last
+/// @return how long it lasts [s]
+using Mover = std::function<double(double longest_s)>;
 
 struct SelfTestOptions {
     /// At an R of 2.18 Ω, 0.37 A or 0.8 N at the tip of a PHANTOM 1.0.

@@ -116,39 +116,33 @@ void StiffnessSweep::Extent::take(const ServoSample &sample, Eigen::Index motor)
     force_N = std::max(force_N, sample.tip_force_N.norm());
 }
 
-SweepOptions StiffnessSweep::checked(const device::HapticDevice &device, SweepOptions options) {
+SweepOptions checked_sweep_options(const device::DeviceDescription &device, SweepOptions options) {
     const auto check = [](const char *what, double value, double least, double most) {
         if (!(value >= least && value <= most)) { // a NaN too
-            throw InputError(fmt::format("sweep: {} is {:g}; it must be from {:g} to {:g}", what,
-                                         value, least, most));
+            throw InputError(
+                fmt::format("{} is {:g}; it must be from {:g} to {:g}", what, value, least, most));
         }
     };
     static_cast<void>(servo::servo_period_s(options.servo_hz));
-    if (options.max_hz == 0.0) {
-        options.max_hz = 0.1 * options.servo_hz;
+    const double max_hz = options.max_hz.value_or(0.1 * options.servo_hz);
+    options.max_hz = max_hz;
+    constexpr double kLowest_hz = 0.1;
+    const double highest_hz = 0.25 * options.servo_hz;
+    check("--freq-from", options.min_hz, kLowest_hz, highest_hz);
+    check("--freq-to", max_hz, kLowest_hz, highest_hz);
+    if (!(options.min_hz < max_hz)) {
+        throw InputError("--freq-from must be below --freq-to");
     }
-    const double highest_hz = kHighestSweep * options.servo_hz;
-    check("the lowest frequency [Hz]", options.min_hz, kLowestSweep_hz, highest_hz);
-    check("the highest frequency [Hz]", options.max_hz, kLowestSweep_hz, highest_hz);
-    if (!(options.min_hz < options.max_hz)) {
-        throw InputError(fmt::format("sweep: from {:g} to {:g} Hz; it must rise", options.min_hz,
-                                     options.max_hz));
-    }
-    check("the number of points", options.points, 2, kMaxSweepPoints);
-    const servo::SafetyLimits limits = servo::limits_of(device.description());
-    check("the largest tip force [N]", options.tip_force_N, kMinSweepForce_N, limits.tip_force_N);
-    check("the tip's motion [m]", options.motion_m, kMinSweepMotion_m, kMaxSweepMotion_m);
+    check("--points", options.points, 2, 200);
+    check("--tip-force", options.tip_force_N, 0.5, servo::limits_of(device).tip_force_N);
+    check("--motion", options.motion_m, 1e-4, 5e-3);
     std::ranges::sort(options.motors);
     if (options.motors.empty() || options.motors.back() > 2 ||
         std::ranges::adjacent_find(options.motors) != options.motors.end()) {
-        throw InputError("sweep: the motors must be some of 1, 2 and 3, each once");
+        throw InputError("--motors must be some of 1, 2 and 3, each once");
     }
     if (const std::string wrong = control::validate(options.tuning); !wrong.empty()) {
         throw InputError("sweep: " + wrong);
-    }
-    if (!device.is_zeroed()) {
-        throw InputError("the device is not zeroed, so its angles are not known; hold it in its "
-                         "zero pose, and declare that");
     }
     options.tuning.map = control::MotionMap::inverse;
     options.tuning.eta = 0.0;
@@ -156,8 +150,12 @@ SweepOptions StiffnessSweep::checked(const device::HapticDevice &device, SweepOp
 }
 
 StiffnessSweep::StiffnessSweep(device::HapticDevice &device, const SweepOptions &options)
-    : device_(device), options_(checked(device, options)),
+    : device_(device), options_(checked_sweep_options(device.description(), options)),
       limits_(servo::limits_of(device.description())), servo_(device, options_.servo_hz) {
+    if (!device.is_zeroed()) {
+        throw InputError("the device is not zeroed, so its angles are not known; hold it in its "
+                         "zero pose, and declare that");
+    }
     servo_.set_rate(options_.servo_hz); // the device's, too
     inputs_.tuning = options_.tuning;
     inputs_.limits.tip_force_N = options_.tip_force_N;
@@ -175,7 +173,7 @@ StiffnessSweep::StiffnessSweep(device::HapticDevice &device, const SweepOptions 
 /// they found.
 void StiffnessSweep::plan() {
     const double T = servo_.period_s();
-    const double ratio = std::log(options_.max_hz / options_.min_hz) / (options_.points - 1);
+    const double ratio = std::log(*options_.max_hz / options_.min_hz) / (options_.points - 1);
     for (const std::size_t motor : options_.motors) {
         for (int i = options_.points - 1; i >= 0; --i) {
             const double cycles = options_.min_hz * std::exp(ratio * i) * T; // a tick

@@ -28,8 +28,8 @@ namespace springdrive::commissioning {
 struct SweepOptions {
     std::vector<std::size_t> motors{0, 1, 2};
     double min_hz = 1.0;
-    double max_hz = 0.0; ///< 0: a tenth of the servo rate
-    int points = 12;     ///< for each motor, at least two, evenly spaced on a logarithmic scale
+    std::optional<double> max_hz; ///< a tenth of the servo rate
+    int points = 12; ///< for each motor, at least two, evenly spaced on a logarithmic scale
     control::Tuning tuning;
     double servo_hz = 1000.0;
     /// Otherwise R̂ is that of the file, and what is measured shows how far R is from it.
@@ -39,13 +39,10 @@ struct SweepOptions {
     double motion_m = 1e-3; ///< amplitude of the tip
 };
 
-/// The ranges of these options.
-inline constexpr double kLowestSweep_hz = 0.1;
-inline constexpr double kHighestSweep = 0.25; ///< of the servo rate
-inline constexpr int kMaxSweepPoints = 200;
-inline constexpr double kMinSweepForce_N = 0.5;
-inline constexpr double kMinSweepMotion_m = 1e-4;
-inline constexpr double kMaxSweepMotion_m = 5e-3;
+/// The same with their defaults, and with motors in order.
+/// @throw InputError for options out of range, named as `device sweep` does
+[[nodiscard]] SweepOptions checked_sweep_options(const device::DeviceDescription &device,
+                                                 SweepOptions options);
 
 enum class SweepStage : std::uint8_t { resting, holding, observing, measuring, releasing, done };
 
@@ -117,8 +114,6 @@ private:
         long ticks = 0;
     };
 
-    [[nodiscard]] static SweepOptions checked(const device::HapticDevice &device,
-                                              SweepOptions options);
     void plan();
     void publish();
     [[nodiscard]] double excitation_V() noexcept;

@@ -1,25 +1,269 @@
-// The calibration, by a person who moves the tip by hand.
+// Steps whose work is done on the thread of a loan, once a person starts it: self-test and
+// calibration. Window and loan do not wait for each other:
+//
+//   window ── frames, wants_end ──► LoanTalk ──► loan: self-test, calibration
+//   window ◄── view, outcome    ◄── LoanTalk ◄──┘
+#include "app/assistant/step.h"
+
 #include "app/assistant/findings.h"
-#include "app/assistant/loan_step.h"
-#include "app/assistant/rehearsal.h"
 #include "app/host/output_dir.h"
 #include "base/degrees.h"
+#include "base/error_text.h"
 #include "base/file_names.h"
+#include "base/latest_value.h"
 #include "base/new_file.h"
 #include "device/core/board_reset.h"
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
 #include "device/core/forwarding_device.h"
 #include "device/simulated/calibration_tour.h"
+#include "device/simulated/stop_tour.h"
+#include "engine/commissioning/self_test.h"
 
 #include <array>
+#include <atomic>
+#include <cctype>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <memory>
+#include <optional>
 #include <ostream>
+#include <string>
+#include <utility>
 
 namespace springdrive::app::assistant {
 
 namespace {
+
+/// @tparam View     what is seen of it meanwhile, with the rotors' angles once they are measured
+/// @tparam Outcome  what came of it
+template <typename View, typename Outcome> struct LoanTalk {
+    // The window's:
+    std::atomic<std::uint32_t> frames{1};
+    std::atomic<bool> wants_end{false}; ///< of the motion, with what is known by then
+    // The loan's:
+    LatestValue<View> view;
+    std::optional<Outcome> outcome; ///< written last; none if it was ended before its end
+};
+
+template <typename View, typename Outcome> class LoanStep : public Step {
+public:
+    using Step::Step;
+    using Talk = LoanTalk<View, Outcome>;
+
+    void update() override {
+        if (!talk_) {
+            return;
+        }
+        talk_->frames.fetch_add(1, std::memory_order_relaxed);
+        view_ = talk_->view.latest();
+        if (session().is_lent()) {
+            return;
+        }
+        set_error(session().loan_error());
+        outcome_ = std::move(talk_->outcome);
+        was_stopped_ = error().empty() && !outcome_;
+        talk_.reset();
+        conclude();
+    }
+
+    void end() override { stop(); }
+
+protected:
+    [[nodiscard]] bool is_running() const { return talk_ != nullptr; }
+    [[nodiscard]] const View &view() const { return view_; }
+    [[nodiscard]] const std::optional<Outcome> &outcome() const { return outcome_; }
+    [[nodiscard]] bool was_stopped() const { return was_stopped_; } ///< by a person
+
+    /// The loan is over, whatever came of it.
+    virtual void conclude() = 0;
+
+    /// @param make_tick  of the talk: makes what `Session::lend_device` takes; may throw InputError
+    template <typename MakeTick> void start(const MakeTick &make_tick) {
+        auto talk = std::make_shared<Talk>();
+        outcome_.reset();
+        was_stopped_ = false;
+        view_ = {};
+        attempt([&] {
+            if (session().device().device().bench() == nullptr) {
+                throw InputError("this device has no board");
+            }
+            session().lend_device(make_tick(talk));
+        });
+        if (error().empty()) {
+            talk_ = std::move(talk);
+        }
+    }
+
+    void stop() {
+        if (talk_) {
+            session().take_device_back();
+            update();
+        }
+    }
+
+    /// What there is to do while it runs, how to end it, and the rotors' angles.
+    /// @param instruction  in lower case; empty: none
+    void report_running(StepReport &report, std::string instruction, const char *otherwise,
+                        const char *stop_means, bool has_theta) {
+        report.to_do = otherwise;
+        if (!instruction.empty()) {
+            instruction[0] = static_cast<char>(std::toupper(instruction[0]));
+            report.to_do = instruction + ".";
+        }
+        report.offers = {{"stop", stop_means, [this] { stop(); }}};
+        if (has_theta) {
+            report.theta_rad = view_.theta_rad;
+        }
+    }
+    void offer_to_finish(StepReport &report, const char *label, const char *means) {
+        report.offers.push_back({label, means, [this] { talk_->wants_end = true; }});
+    }
+
+private:
+    std::shared_ptr<Talk> talk_; ///< while it runs
+    View view_;
+    std::optional<Outcome> outcome_;
+    bool was_stopped_ = false;
+};
+
+using commissioning::SelfTest;
+using commissioning::SelfTestReport;
+using commissioning::SelfTestStage;
+
+struct TestView {
+    SelfTestStage stage = SelfTestStage::rest;
+    std::string instruction;
+    double share = 0.0;
+    Vector3 theta_rad{Vector3::Zero()};
+};
+
+const char *stage_name(SelfTestStage stage) {
+    switch (stage) {
+    case SelfTestStage::rest:
+        return "at rest";
+    case SelfTestStage::pulses:
+        return "pulses";
+    case SelfTestStage::motion:
+        return "motion by hand";
+    case SelfTestStage::done:
+        break;
+    }
+    return "done";
+}
+
+class SelfTestStep final : public LoanStep<TestView, SelfTestReport> {
+public:
+    using LoanStep::LoanStep;
+
+    [[nodiscard]] StepReport report() override {
+        StepReport report;
+        if (is_running()) {
+            report_progress(report);
+            return report;
+        }
+        report.to_do =
+            "Short pulses on each winding, then you move the device from stop to stop: "
+            "hold the stylus loosely in the zero pose, and press \"start\". F12 ends it at "
+            "any time.";
+        if (!error().empty()) {
+            report.troubles.push_back({error(), "press Again"});
+            return report;
+        }
+        if (outcome()) {
+            report_result(*outcome(), report);
+            return report;
+        }
+        if (was_stopped()) {
+            report.troubles.push_back({"the self-test was stopped before its end", "press Again"});
+        }
+        report.offers = {{"start", "no motor is driven but for pulses of some milliseconds",
+                          [this] { start([this](const auto &talk) { return tick_of(talk); }); },
+                          !session().hand().follows_path()}};
+        return report;
+    }
+
+private:
+    void conclude() override {
+        if (is_emulated()) {
+            session().hand().move_to(Vector3::Zero()); // where its path has ended
+        }
+    }
+
+    /// It is no servo's: texts may be made on the way.
+    [[nodiscard]] std::function<bool()> tick_of(const std::shared_ptr<Talk> &talk) const {
+        factory::OpenDevice &device = session().device();
+        const bool is_by_person = device.emulated() == nullptr;
+        const auto test = std::make_shared<SelfTest>(
+            device.device(), commissioning::SelfTestOptions{},
+            simulated::stop_tour_of(is_by_person ? nullptr : device.hand(),
+                                    device.device().description()));
+        return [talk, test, is_by_person] {
+            if (talk->wants_end || (is_by_person && test->has_reached_all())) {
+                test->finish_motion();
+            }
+            const bool goes_on = test->step();
+            talk->view.publish(
+                {test->stage(), test->instruction(), test->share(), test->theta_rad()});
+            if (!goes_on) {
+                talk->outcome = test->report();
+            }
+            return goes_on;
+        };
+    }
+
+    void report_progress(StepReport &report) {
+        report_running(report, view().instruction, "Wait.",
+                       "ends the self-test now; the device brakes",
+                       view().stage != SelfTestStage::rest);
+        if (view().stage == SelfTestStage::motion && !is_emulated()) {
+            offer_to_finish(report, "it was everywhere",
+                            "ends the motion; stops that were not reached are named");
+        }
+        report.bars.push_back(
+            {"progress", view().share, 0.0, 1.0,
+             fmt::format("{}, {:.0f} %", stage_name(view().stage), 100.0 * view().share)});
+        report.see("{}", view().stage == SelfTestStage::motion
+                             ? "the device brakes: it resists like a damper"
+                             : "pulses of 0.8 V for 8 ms on one winding after the other");
+    }
+
+    void report_result(const SelfTestReport &result, StepReport &report) const {
+        for (std::size_t i = 0; !result.pulses.empty() && i < 3; ++i) {
+            const commissioning::WindingFigures &motor = result.windings.motor[i];
+            if (!motor.is_measured()) {
+                report.see("motor {}: R and L were not measured", i + 1);
+                continue;
+            }
+            report.see("motor {}: R {:.3f} Ω, L {:.3f} mH{}", i + 1, motor.resistance_Ohm,
+                       1e3 * motor.inductance_H,
+                       result.has_motion
+                           ? fmt::format(", counts {:.1f} %",
+                                         100.0 * result.motion.motor[i].counts_per_turned)
+                           : "");
+        }
+        bool is_safe = result.is_complete && session().is_zeroed();
+        for (const commissioning::Finding &finding : result.findings) {
+            const std::string unchecked = unchecked_by(finding.problem);
+            is_safe = is_safe && !unchecked.empty();
+            report.troubles.push_back({finding.what, finding.remedy});
+            report.unchecked += (report.unchecked.empty() ? "" : "; ") + unchecked;
+        }
+        if (!is_safe) {
+            report.verdict = Verdict::bad;
+            report.to_do =
+                "The device must not be driven like this. Mend what is named below, then "
+                "press Again.";
+        } else if (!result.findings.empty()) {
+            report.verdict = Verdict::doubtful;
+            report.to_do = "Look at what is named below. A soft touch is possible all the same.";
+        } else {
+            report.verdict = Verdict::good;
+            report.to_do = "Nothing was found. Press Next.";
+        }
+    }
+};
 
 using commissioning::CalibrationRun;
 using commissioning::CalibrationStage;
@@ -52,7 +296,6 @@ struct CalibrationView {
     std::size_t min_known = 0;
     double motion_left_s = 0.0;
     std::array<commissioning::MotorProgress, 3> motor;
-    bool has_theta = false;
     Vector3 theta_rad{Vector3::Zero()};
 };
 
@@ -108,7 +351,6 @@ public:
         if (!goes_on || ticks_++ % kTicksBetweenViews == 0) {
             talk_->view.publish({run_->stage(), run_->share(), run_->min_known(),
                                  run_->motion_left_s(), run_->progress(),
-                                 run_->stage() != CalibrationStage::rest,
                                  run_->sample().theta_rad});
         }
         if (!goes_on) {
@@ -179,24 +421,30 @@ public:
           file_comes_first_(has_own_calibration(session.device_choice().file)) {}
 
     void update() override {
-        const bool was_running = is_running();
         LoanStep::update();
-        const bool is_over = was_running && !is_running();
-        if (is_over) {
-            conclude();
-        }
         use_if_possible();
-        if (is_over && session().device().emulated() != nullptr) {
-            static_cast<void>(
-                error_text_of([&] { hold_zero_pose(session()); })); // else its tour ends by itself
-        }
     }
 
-    [[nodiscard]] StepReport report() const override {
+    [[nodiscard]] StepReport report() override {
         StepReport report;
         if (is_running()) {
             report_progress(report);
-        } else if (const std::string problem = error() + later_error_; !problem.empty()) {
+            return report;
+        }
+        const bool is_calibrated = session().description().calibration.has_value();
+        report.offers = {{is_calibrated || outcome() || was_stopped() ? "calibrate again" : "start",
+                          "the motors start once the tip is held still, and resist gently",
+                          [this] { begin(); },
+                          session().is_zeroed() && !session().hand().follows_path()}};
+        if (outcome() && outcome()->report.is_complete) {
+            report.offers.push_back({"save as a file",
+                                     "a device file with the calibration, for --device-file",
+                                     [this] { save(); }, saved_.empty()});
+        } else if (!is_calibrated && !is_skipped_) {
+            report.offers.push_back(
+                {"skip", "the device file's values are used", [this] { is_skipped_ = true; }});
+        }
+        if (const std::string problem = error() + later_error_; !problem.empty()) {
             report.to_do = "The device is not calibrated. It can be touched all the same.";
             report.verdict = Verdict::doubtful;
             report.unchecked = kUnchecked;
@@ -207,29 +455,6 @@ public:
             report_before(report);
         }
         return report;
-    }
-
-    [[nodiscard]] std::vector<Offer> offers() override {
-        if (is_running()) {
-            return offers_to_end("ends it now; the device brakes, nothing is kept",
-                                 view().stage == CalibrationStage::motion, "that is enough",
-                                 "ends the motion with what was found out by then");
-        }
-        const bool is_calibrated = session().description().calibration.has_value();
-        std::vector<Offer> offers;
-        offers.push_back({is_calibrated || outcome() || was_stopped() ? "calibrate again" : "start",
-                          "the motors start once the tip is held still, and resist gently",
-                          [this] { begin(); },
-                          session().is_zeroed() && !session().hand().follows_path()});
-        if (outcome() && outcome()->report.is_complete) {
-            offers.push_back({"save as a file",
-                              "a device file with the calibration, for --device-file",
-                              [this] { save(); }, saved_.empty()});
-        } else if (!is_calibrated && !is_skipped_) {
-            offers.push_back(
-                {"skip", "the device file's values are used", [this] { is_skipped_ = true; }});
-        }
-        return offers;
     }
 
 private:
@@ -257,13 +482,18 @@ private:
         }
     }
 
-    void conclude() {
+    void conclude() override {
         return_to_rate();
         if (outcome() && outcome()->report.is_complete) {
             const device::Calibration &used =
                 outcome()->kept ? *outcome()->kept : outcome()->report.calibration;
             memory_->to_use = used;
             memory_->unkept_made_at_s = outcome()->kept && !file_comes_first_ ? -1 : used.made_at_s;
+        }
+        use_if_possible();
+        if (is_emulated()) {
+            static_cast<void>(
+                error_text_of([&] { hold_zero_pose(session()); })); // else its tour ends by itself
         }
     }
 
@@ -301,9 +531,11 @@ private:
         }
     }
 
-    void report_progress(StepReport &report) const {
-        report.to_do = as_to_do(CalibrationRun::instruction(view().stage, view().min_known),
-                                "Wait: the board keeps it.");
+    void report_progress(StepReport &report) {
+        report_running(report, CalibrationRun::instruction(view().stage, view().min_known),
+                       "Wait: the board keeps it.",
+                       "ends it now; the device brakes, nothing is kept",
+                       view().stage != CalibrationStage::rest);
         if (view().stage != CalibrationStage::motion) {
             report.bars.push_back(
                 {view().stage == CalibrationStage::release ? "motors released" : "motors started",
@@ -312,6 +544,8 @@ private:
                        "push");
             return;
         }
+        offer_to_finish(report, "that is enough",
+                        "ends the motion with what was found out by then");
         for (std::size_t j = 0; j < 3; ++j) {
             const commissioning::MotorProgress &motor = view().motor[j];
             report.bars.push_back(
@@ -424,7 +658,9 @@ private:
 
 } // namespace
 
-MakeStep calibration_steps() {
+MakeStep self_test_step() { return make_step<SelfTestStep>; }
+
+MakeStep calibration_step() {
     return [memory = std::make_shared<Memory>()](session::Session &session) {
         return std::make_unique<CalibrationStep>(session, memory);
     };

@@ -1,3 +1,12 @@
+// What is wrong with a device, by what its sensors say of test pulses and of motion by hand.
+//
+// Windings and current sensors, by test pulses on one winding after the other.
+//
+// A sensor's gain g shows R/g and L/g, and leaves L/R as it is. So one channel whose L differs from
+// that of the two others has a sensor with another gain, or a motor with another L: data sheets
+// give no tolerance for that, and motors of a kind are assumed to differ by less than
+// kGainTolerance. Among two against one, the file's L decides which are named.
+//
 // Encoders, joints and the zero, while somebody turns each joint from stop to stop and all motors
 // brake.
 //
@@ -12,15 +21,75 @@
 // the base joint, both of the angle between the links, q₃ − q₂, and the lower one of q₃.
 #pragma once
 
+#include "device/core/bench.h"
+#include "device/core/device_description.h"
 #include "device/core/haptic_device.h"
-#include "engine/commissioning/finding.h"
-#include "engine/commissioning/winding_check.h"
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace springdrive::commissioning {
+
+enum class Problem : std::uint8_t {
+    board_fault,
+    wrong_voltage, ///< of all channels
+    open_winding,
+    reversed_sensor,
+    crossed_sensors,
+    wrong_sensor_gain,
+    wrong_resistance,
+    wrong_inductance,
+    seized_joint,
+    dead_encoder,
+    reversed_encoder,
+    crossed_encoders,
+    wrong_counts, ///< more or fewer than the rotor turns
+    wrong_zero,
+    stops_not_reached, ///< so that zero and counts could not be checked by them
+    test_aborted,      ///< by a limit of the board's
+};
+
+struct Finding {
+    Problem problem = Problem::board_fault;
+    std::optional<std::size_t> channel; ///< of motor, winding, sensor and encoder, from 0
+    std::string what;                   ///< with the figures that show it
+    std::string remedy;                 ///< what to look at, or to do
+};
+
+/// By which L of one channel may differ from that of the two others, as a share of it; and by as
+/// many deviations of what was measured.
+inline constexpr double kGainTolerance = 0.05;
+inline constexpr double kGainDeviations = 6.0;
+
+/// By which L may differ from the file's, as a share of it: data sheets give no tolerance.
+inline constexpr double kInductanceTolerance = 0.25;
+
+/// Means over the pulses that were completed, as the current sensors see them, and deviations of
+/// the means.
+struct WindingFigures {
+    double resistance_Ohm = 0.0;
+    double resistance_deviation_Ohm = 0.0;
+    double inductance_H = 0.0;
+    double inductance_deviation_H = 0.0;
+    bool has_reversed_sensor = false;
+
+    [[nodiscard]] bool is_measured() const { return resistance_Ohm > 0.0; } // not for NaN
+};
+
+struct WindingReport {
+    std::array<WindingFigures, 3> motor;
+    std::vector<Finding> findings;
+};
+
+/// Motors are taken to be as warm as the air.
+/// @param results  of the same order, at least one
+[[nodiscard]] WindingReport check_windings(const device::DeviceDescription &device,
+                                           std::span<const device::PulseResult> results);
 
 /// By which counts may differ from what the windings say, as a share: 3 % of k_T's tolerance, 2 %
 /// by which the commutator's ripple may make R of the pulses differ from its mean, 1 % of back-EMF
