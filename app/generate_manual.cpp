@@ -1,7 +1,5 @@
 // Writes the manual page and the completion for bash, of which the build makes files to install.
 #include "app/commands/command_line.h"
-#include "app/commands/manual.h"
-
 #include <CLI/CLI.hpp>
 
 #include <fstream>

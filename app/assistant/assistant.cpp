@@ -1,6 +1,5 @@
 #include "app/assistant/assistant.h"
 
-#include "app/assistant/findings.h"
 #include "app/host/user_folder.h"
 #include "base/error_text.h"
 #include "base/new_file.h"

@@ -5,7 +5,6 @@
 //   window ◄── view, outcome    ◄── LoanTalk ◄──┘
 #include "app/assistant/step.h"
 
-#include "app/assistant/findings.h"
 #include "app/host/output_dir.h"
 #include "base/degrees.h"
 #include "base/error_text.h"

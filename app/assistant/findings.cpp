@@ -1,4 +1,4 @@
-#include "app/assistant/findings.h"
+#include "app/assistant/step.h"
 
 #include "device/core/board_faults.h"
 

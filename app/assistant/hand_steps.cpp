@@ -2,7 +2,6 @@
 // touch.
 #include "app/assistant/step.h"
 
-#include "app/assistant/findings.h"
 #include "app/host/asset_folder.h"
 #include "app/panels/doctor_popup.h"
 #include "base/degrees.h"

@@ -1,6 +1,9 @@
-// Parses the command line and runs a subcommand.
+// Parses the command line and runs a subcommand; and the manual page and the completion for bash,
+// which are written from its tree when the program is built: they name what it accepts, and nothing
+// else.
 #pragma once
 
+#include <iosfwd>
 #include <memory>
 
 namespace CLI {
@@ -17,5 +20,11 @@ namespace springdrive::app {
 ///         command that gives a verdict
 /// @throw InputError for a file or value that parses but cannot be used.
 [[nodiscard]] int run_command_line(int argc, char **argv);
+
+/// springdrive(1), in the format of man(7).
+void write_manual(std::ostream &out, const CLI::App &program);
+
+/// A script for bash, which needs no other.
+void write_bash_completion(std::ostream &out, const CLI::App &program);
 
 } // namespace springdrive::app

@@ -1,4 +1,4 @@
-#include "app/commands/manual.h"
+#include "app/commands/command_line.h"
 
 #include "app/host/asset_folder.h"
 #include "base/print.h"

@@ -1,17 +1,27 @@
+// What a tuning renders, the best one, and the same of a current drive.
 #include "app/commands/commands.h"
 
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
+#include "app/commands/progress_line.h"
 #include "base/input_error.h"
 #include "base/print.h"
 #include "device/core/device_description.h"
 #include "device/core/device_file.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
+#include "engine/lab/limits/auto_tune.h"
+#include "engine/lab/limits/drive_comparison.h"
 #include "engine/lab/limits/thermal_hold.h"
 #include "engine/lab/loops/stability_case.h"
 #include "engine/lab/loops/stiffness_sweep.h"
 #include "engine/servo/servo.h"
 
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <numbers>
@@ -218,6 +228,191 @@ void add_stiffness_command(Command &app) {
     add_force_option(stiffness, typed->existing);
     stiffness.footer("Phases are those of -τ/θ: a spring has 0°, a damper +90°.");
     stiffness.callback([typed] { run(*typed); });
+}
+
+void write_tuned(std::ostream &out, const limits::AutoTuned &found) {
+    const control::TuningMargins &margins = found.margins;
+    print(out, "K_P {:.4g} V/rad, K_D {:.4g} V·s/rad, λ {:.4g} rad/s: K_DC {:.4g} N·m/rad\n",
+          found.tuning.K_P_V_per_rad, found.tuning.K_D_Vs_per_rad, found.tuning.lambda_rad_per_s,
+          margins.K_DC_Nm_per_rad);
+    print(out, "stable in {} loops: every hand, configuration and η\n", found.loops);
+    print(out, "margins: K_P and K_D × {:.3g} (then unstable with {} at η {:.2g})", margins.gain,
+          loops::hand_text(margins.worst_hand), margins.worst_eta);
+    print(out, ", {} more whole periods of delay, dR down to {:.3g} Ω\n",
+          margins.more_delay_periods, margins.min_dR_Ohm);
+    if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.max_K_P_V_per_rad) {
+        out << "K_P is at the end of its range: larger values would be stable\n";
+    }
+    if (found.taken_back > 0.0) {
+        print(out,
+              "K_P is {:.0f} % below the predicted limit: encoder counts sustained a "
+              "vibration\n",
+              100.0 * found.taken_back);
+    }
+}
+
+namespace {
+
+struct TypedTune {
+    std::filesystem::path device_file;
+    double dR_Ohm = control::Tuning{}.dR_Ohm;
+    double servo_hz = 1000.0;
+    double delay_periods = 0.0;
+    double margin = limits::AutoTuneRequest{}.margin;
+    std::string kinematics{control::name_of(control::MotionMap::transpose)};
+    std::string out; ///< empty: standard output, after the report
+    Existing existing = Existing::keep;
+};
+
+limits::AutoTuneRequest request_of(const TypedTune &typed) {
+    limits::AutoTuneRequest request;
+    loops::StabilityCase &which = request.which;
+    which.device = device::read_device_file(typed.device_file);
+    which.tuning.dR_Ohm = typed.dR_Ohm;
+    which.tuning.map = *control::motion_map_named(typed.kinematics);
+    if (const std::string wrong = control::validate(which.tuning); !wrong.empty()) {
+        throw InputError("--dR: " + wrong);
+    }
+    check_dR(which.device, which.tuning);
+    which.period_s = servo::servo_period_s(typed.servo_hz);
+    check_delay(typed.delay_periods);
+    which.delay_periods = typed.delay_periods;
+    check_range("--margin", typed.margin, 1.0, 10.0);
+    request.margin = typed.margin;
+    return request;
+}
+
+std::string description_of(const TypedTune &typed, const limits::AutoTuned &found) {
+    return fmt::format("the stiffest for {:.4g} Hz and a delay of {:.4g} with dR {:.4g} Ω and a "
+                       "margin of {:.4g}: K_DC {:.4g} N·m/rad at the motor",
+                       typed.servo_hz, typed.delay_periods, typed.dR_Ohm, typed.margin,
+                       found.margins.K_DC_Nm_per_rad);
+}
+
+void run(const TypedTune &typed) {
+    const limits::AutoTuneRequest request = request_of(typed);
+    check_outputs({{typed.device_file}, {}, {typed.out}}, typed.existing);
+    limits::AutoTuned found;
+    {
+        ProgressLine line;
+        found = limits::auto_tune(request, [&line](double share) {
+            line.show("tuning", share);
+            return true;
+        });
+    }
+    write_tuned(typed.out.empty() ? std::cerr : std::cout, found);
+    write_output(
+        typed.out.empty() ? "-" : typed.out,
+        [&](std::ostream &out) {
+            control::write_tuning_file(out,
+                                       {found.tuning, description_of(typed, found), found.margins});
+        },
+        typed.existing);
+}
+
+} // namespace
+
+void add_tune_command(Command &app) {
+    Command tune = app.add_subcommand(
+        "tune", "the stiffest tuning that is stable with every hand, as a tuning file");
+    const auto typed = std::make_shared<TypedTune>();
+    add_device_file_option(tune, typed->device_file);
+    tune.add_option("--dR", typed->dR_Ohm, "residual resistance (7), fixed in the search [0.5]")
+        .type_name("Ω");
+    add_servo_hz_option(tune, typed->servo_hz);
+    add_delay_option(tune, typed->delay_periods);
+    tune.add_option("--margin", typed->margin,
+                    "factor by which K_P and K_D may still grow, 1 to 10 [1.3]")
+        .type_name("FACTOR");
+    add_motion_map_option(tune, "--kinematics", typed->kinematics);
+    tune.add_option("--out", typed->out, "the file to write [standard output]")
+        .type_name("FILE.toml");
+    add_force_option(tune, typed->existing);
+    tune.footer("Try it:  springdrive tune --out mine.toml, then springdrive demo --tuning-file "
+                "mine.toml");
+    tune.callback([typed] { run(*typed); });
+}
+
+namespace {
+
+struct TypedBaseline {
+    std::filesystem::path device_file;
+    std::optional<double> servo_hz;
+    std::optional<double> delay_periods;
+    std::optional<double> dR_Ohm;
+    double margin = limits::AutoTuneRequest{}.margin;
+    std::string csv; ///< empty: a table for people
+    Existing existing = Existing::keep;
+};
+
+/// The default settings, or those of them with the given values; with all three given, that one.
+std::vector<limits::ServoSetting> settings_of(const TypedBaseline &typed,
+                                              const device::DeviceDescription &device) {
+    std::vector<limits::ServoSetting> settings = limits::usual_settings();
+    for (limits::ServoSetting &setting : settings) {
+        setting.servo_hz = typed.servo_hz.value_or(setting.servo_hz);
+        setting.delay_periods = typed.delay_periods.value_or(setting.delay_periods);
+        setting.dR_Ohm = typed.dR_Ohm.value_or(setting.dR_Ohm);
+        static_cast<void>(servo::servo_period_s(setting.servo_hz)); // rejects values out of range
+        check_delay(setting.delay_periods);
+        control::Tuning tuning;
+        tuning.dR_Ohm = setting.dR_Ohm;
+        check_dR(device, tuning);
+    }
+    std::vector<limits::ServoSetting> once;
+    for (const limits::ServoSetting &setting : settings) {
+        if (std::find(once.begin(), once.end(), setting) == once.end()) {
+            once.push_back(setting);
+        }
+    }
+    return once;
+}
+
+void run(const TypedBaseline &typed) {
+    loops::StabilityCase which;
+    which.device = device::read_device_file(typed.device_file);
+    check_range("--margin", typed.margin, 1.0, 10.0);
+    check_outputs({{typed.device_file}, {}, {typed.csv}}, typed.existing);
+    const std::vector<limits::ServoSetting> settings = settings_of(typed, which.device);
+    std::vector<limits::DriveComparison> all;
+    {
+        ProgressLine line;
+        all = limits::compare_drives(which, typed.margin, settings, [&line](double share) {
+            line.show("tuning both drives", share);
+        });
+    }
+    write_report(
+        [&](std::ostream &out) { limits::write_comparison_table(out, all); },
+        {{typed.csv, [&](std::ostream &out) { write_csv(out, limits::comparison_table(all)); }}},
+        typed.existing);
+}
+
+} // namespace
+
+void add_baseline_command(Command &app) {
+    Command baseline = app.add_subcommand(
+        "baseline", "spring drive against current drive, each at its stable optimum");
+    const auto typed = std::make_shared<TypedBaseline>();
+    add_device_file_option(baseline, typed->device_file);
+    baseline.add_option("--servo-hz", typed->servo_hz, "one rate [250, 1000, 4000 and 10000]")
+        .type_name("HZ");
+    baseline
+        .add_option("--delay", typed->delay_periods,
+                    "one delay in periods, a real number 0 to 8 [0 and 1]")
+        .type_name("D");
+    baseline.add_option("--dR", typed->dR_Ohm, "one dR of the spring drive [0.2 and 0.5]")
+        .type_name("Ω");
+    baseline
+        .add_option("--margin", typed->margin,
+                    "factor by which all gains may still grow, 1 to 10 [1.3]")
+        .type_name("FACTOR");
+    add_output_option(baseline, "--csv", typed->csv, "CSV");
+    add_force_option(baseline, typed->existing);
+    baseline.footer(
+        fmt::format("Stiffness, rate-hardness (Lawrence et al. 2000) and mass are those "
+                    "along the vertical at ({:g}°).",
+                    fmt::join(device::kDefaultPose_deg, "°, ")));
+    baseline.callback([typed] { run(*typed); });
 }
 
 } // namespace springdrive::app
