@@ -3,17 +3,15 @@
 #include "engine/commissioning/calibration_run.h"
 
 #include "base/input_error.h"
-#include "device/core/calibration_file.h"
-#include "device/core/device_file.h"
 #include "device/factory/board_factory.h"
 #include "device/factory/in_process_port.h"
 #include "device/simulated/calibration_tour.h"
 #include "device/simulated/sampled_device.h"
 #include "device/usb/driver/usb_device.h"
+#include "tests/support/calibrations.h"
 #include "tests/support/cases.h"
 #include "tests/support/devices.h"
 #include "tests/support/error_text.h"
-#include "tests/support/files.h"
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
@@ -396,27 +394,6 @@ TEST(CalibrationRun, TheAirsTemperatureIsAThermometersOrUnknown) {
     }
 }
 
-TEST(CalibrationRun, IsStoredAndReadAgain) {
-    TriedCalibration tried;
-    const CalibrationReport report = tried.run();
-    ASSERT_TRUE(report.is_complete) << report.problem;
-    const std::string text = device::with_calibration(
-        testing::contents_of(testing::assets() / "devices/phantom_1_0.toml"), report.calibration);
-    const device::DeviceDescription read = device::read_device_text(text, "mine.toml");
-    tried.board.device->bench()->store(report.calibration); // it brakes by now
-    const auto stored = tried.board.device->bench()->stored_calibration();
-    ASSERT_TRUE(stored && read.calibration);
-    for (std::size_t j = 0; j < 3; ++j) {
-        for (const device::CalibrationField &field : device::calibration_fields({}, j, 0.0)) {
-            const double value = report.calibration.motor[j].*field.value;
-            EXPECT_NEAR(read.calibration->motor[j].*field.value, value, 1e-8 * std::abs(value));
-            EXPECT_NEAR(stored->motor[j].*field.value, value, 1e-7 * std::abs(value));
-        }
-    }
-    EXPECT_EQ(read.calibration->serial, "sim-1-1");
-    EXPECT_EQ(stored->serial, "sim-1-1");
-}
-
 TEST(CalibrationRun, SaysWhatIsMissing) {
     TriedCalibration still;
     still.is_on_board = false;
@@ -526,26 +503,12 @@ TEST(CalibrationRun, RefusesWhereNothingCanBeLearned) {
     }
 }
 
-/// A calibration of this serial number, with possible numbers.
-device::Calibration calibration_of(const std::string &serial) {
-    const device::DeviceDescription file = testing::phantom_1_0();
-    device::Calibration calibration;
-    calibration.serial = serial;
-    calibration.kind = "USB";
-    calibration.made_at_s = 1'764'000'000;
-    for (std::size_t j = 0; j < 3; ++j) {
-        for (const device::CalibrationField &field : device::calibration_fields(file, j, 10.0)) {
-            calibration.motor[j].*field.value =
-                0.4 * field.range.minimum + 0.6 * field.range.maximum;
-        }
-    }
-    return calibration;
-}
+using testing::possible_calibration;
 
 TEST(Calibration, IsRefusedOnAnotherDevice) {
     factory::DeviceRequest simulated;
     simulated.description = testing::phantom_1_0();
-    simulated.description.calibration = calibration_of("sim-1-7");
+    simulated.description.calibration = possible_calibration("sim-1-7");
     simulated.simulation.device_seed = 7;
     EXPECT_NO_THROW(static_cast<void>(factory::open_device(simulated)));
     factory::BoardRequest board;
@@ -602,7 +565,7 @@ TEST(Calibration, ABoardKeepsItWithoutPower) {
         EXPECT_FALSE(device->bench()->stored_calibration());
         factory::use_calibration(*device);
         EXPECT_FALSE(device->description().calibration);
-        device->bench()->store(calibration_of("board-7"));
+        device->bench()->store(possible_calibration("board-7"));
     }
     rig.board.set_fault(device::parse_fault("restart"));
     rig.board.pass(0.2);
@@ -612,32 +575,20 @@ TEST(Calibration, ABoardKeepsItWithoutPower) {
     factory::use_calibration(*device);
     ASSERT_TRUE(device->description().calibration);
     const device::Calibration &kept = *device->description().calibration;
-    const device::Calibration stored = calibration_of("board-7");
-    EXPECT_EQ(kept.serial, "board-7");
-    EXPECT_EQ(kept.made_at_s, stored.made_at_s);
+    const device::Calibration stored = possible_calibration("board-7");
     EXPECT_DOUBLE_EQ(kept.air_C, stored.air_C);
     EXPECT_DOUBLE_EQ(kept.air_error_K, stored.air_error_K);
-    for (std::size_t j = 0; j < 3; ++j) {
-        for (const device::CalibrationField &field : device::calibration_fields({}, j, 0.0)) {
-            EXPECT_EQ(kept.motor[j].*field.value,
-                      static_cast<double>(static_cast<float>(stored.motor[j].*field.value)))
-                << field.key;
-        }
-    }
+    testing::expect_equal(kept, stored, 1e-7); // kept in single precision
     EXPECT_EQ(device->read().health, device::DeviceHealth::ok);
     device->reconnect();
     EXPECT_TRUE(device->description().calibration);
-}
 
-TEST(Calibration, TheFilesOneComesFirst) {
-    StoringBoard rig;
-    rig.connect()->bench()->store(calibration_of("board-7"));
     device::DeviceDescription file = testing::phantom_1_0();
-    file.calibration = calibration_of("board-7");
+    file.calibration = stored;
     file.calibration->made_at_s = 1;
-    const auto device = rig.connect(file);
-    factory::use_calibration(*device);
-    EXPECT_EQ(device->description().calibration->made_at_s, 1);
+    const auto with_its_own = rig.connect(file); // which comes first
+    factory::use_calibration(*with_its_own);
+    EXPECT_EQ(with_its_own->description().calibration->made_at_s, 1);
 }
 
 TEST(Calibration, ADamagedOneOnTheBoardIsRefused) {
@@ -650,7 +601,7 @@ TEST(Calibration, ADamagedOneOnTheBoardIsRefused) {
           std::tuple(exponent_of_R, std::uint8_t{0x7f}, "not finite"),
           std::tuple(exponent_of_R, std::uint8_t{0x41}, "motor 2: resistance_Ohm")}) {
         StoringBoard rig;
-        device::Calibration calibration = calibration_of("board-7");
+        device::Calibration calibration = possible_calibration("board-7");
         if (value == 0x7f) { // an infinity has no fraction
             calibration.motor[1].resistance_Ohm = 2.0;
         }
@@ -667,7 +618,7 @@ TEST(Calibration, ADamagedOneOnTheBoardIsRefused) {
         }
         EXPECT_EQ(message.find('\n'), std::string::npos);
         EXPECT_FALSE(device->bench()->facts().empty()); // all the same
-        device->bench()->store(calibration_of("board-7"));
+        device->bench()->store(possible_calibration("board-7"));
         EXPECT_NO_THROW(factory::use_calibration(*device));
     }
 }

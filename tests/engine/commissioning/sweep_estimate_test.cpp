@@ -11,6 +11,7 @@
 #include <complex>
 #include <numbers>
 #include <random>
+#include <tuple>
 #include <vector>
 
 namespace springdrive::commissioning {
@@ -20,34 +21,23 @@ using Complex = std::complex<double>;
 using std::numbers::pi;
 
 TEST(SweepBlock, FindsASineBesideDriftAndDither) {
-    constexpr double kOmega = 2.0 * pi * 40.0;
-    constexpr double kDither = 2.0 * pi * 6.3;
     const Complex amplitude = std::polar(0.37, 0.9);
-    SweepBlock block(kOmega, kDither, 0.25);
-    for (int k = 0; k < 250; ++k) {
-        const double t = 1e-3 * k + 2e-5 * (k % 3); // not even evenly
-        const double y = (amplitude * std::polar(1.0, kOmega * t)).real();
-        block.take({t, y, 5.0 - 3.0 * t + y, y + 2.0 * std::cos(kDither * t + 0.3), 7.0});
+    for (const auto &[omega, dither, ticks] :
+         {std::tuple(2.0 * pi * 40.0, 2.0 * pi * 6.3, 250), {2.0 * pi * 3.0, 0.0, 333}}) {
+        SweepBlock block(omega, dither, 1e-3 * ticks);
+        for (int k = 0; k < ticks; ++k) {
+            const double t = 1e-3 * k + 2e-5 * (k % 3); // not even evenly
+            const double y = (amplitude * std::polar(1.0, omega * t)).real();
+            const double slow = dither > 0.0 ? 2.0 * std::cos(dither * t + 0.3) : 0.0;
+            block.take({t, y, 5.0 - 3.0 * t + y, y + slow, 7.0});
+        }
+        const BlockAmplitudes found = block.amplitudes();
+        constexpr double kRoundOff = 1e-10;
+        EXPECT_NEAR(std::abs(found.excitation_V - amplitude), 0.0, kRoundOff);
+        EXPECT_NEAR(std::abs(found.e_W_V - amplitude), 0.0, kRoundOff);
+        EXPECT_NEAR(std::abs(found.current_A - amplitude), 0.0, kRoundOff);
+        EXPECT_NEAR(std::abs(found.theta_rad), 0.0, kRoundOff);
     }
-    const BlockAmplitudes found = block.amplitudes();
-    constexpr double kRoundOff = 1e-10;
-    EXPECT_NEAR(std::abs(found.excitation_V - amplitude), 0.0, kRoundOff);
-    EXPECT_NEAR(std::abs(found.e_W_V - amplitude), 0.0, kRoundOff);
-    EXPECT_NEAR(std::abs(found.current_A - amplitude), 0.0, kRoundOff);
-    EXPECT_NEAR(std::abs(found.theta_rad), 0.0, kRoundOff);
-}
-
-TEST(SweepBlock, NeedsNoDither) {
-    constexpr double kOmega = 2.0 * pi * 3.0;
-    const Complex amplitude = std::polar(2.0, -2.0);
-    SweepBlock block(kOmega, 0.0, 1.0 / 3.0);
-    for (int k = 0; k < 333; ++k) {
-        const double t = 1e-3 * k;
-        const double y = (amplitude * std::polar(1.0, kOmega * t)).real();
-        block.take({t, y, y, y, y + t});
-    }
-    EXPECT_NEAR(std::abs(block.amplitudes().excitation_V - amplitude), 0.0, 1e-10);
-    EXPECT_NEAR(std::abs(block.amplitudes().theta_rad - amplitude), 0.0, 1e-10);
 }
 
 /// One motor whose rotor is an inertia on a spring and a damper, under a sampled and held e_W, in
