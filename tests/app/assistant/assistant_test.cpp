@@ -1,4 +1,4 @@
-// Covers app/assistant/{assistant,progress_file}.cpp: the sequence of steps, whatever they are, and
+// Covers app/assistant/assistant.cpp: the sequence of steps, whatever they are, and
 // the file by which it is resumed.
 #include "app/assistant/assistant.h"
 
@@ -24,7 +24,7 @@ class ToldStep final : public Step {
 public:
     ToldStep(session::Session &session, Told &told) : Step(session), told_(told) { ++told.begun; }
     void end() override { ++told_.ended; }
-    [[nodiscard]] StepReport report() const override {
+    [[nodiscard]] StepReport report() override {
         StepReport report;
         report.verdict = told_.verdict;
         return report;
@@ -84,12 +84,14 @@ TEST(Assistant, OpensForADeviceThatItHasNotSeenYet) {
     EXPECT_FALSE(assistant.can_go_on(session));
 }
 
-TEST(Assistant, GoesOnOnlyAfterAGoodOrSkippedStep) {
+TEST(Assistant, GoesOnOnlyAfterAGoodOrSkippedStepOrIfAskedAfterADoubtfulOne) {
     Sequence sequence;
     for (const Verdict verdict : {Verdict::open, Verdict::doubtful, Verdict::bad}) {
         sequence.pass(0, verdict);
         EXPECT_EQ(sequence.assistant.present(), StepName::link);
     }
+    sequence.assistant.continue_all_the_same(sequence.session); // of a bad one
+    EXPECT_EQ(sequence.assistant.present(), StepName::link);
     sequence.pass(0, Verdict::skipped);
     EXPECT_EQ(sequence.assistant.present(), StepName::identity);
     EXPECT_EQ(sequence.assistant.state(StepName::link), StepState::done);
@@ -97,18 +99,10 @@ TEST(Assistant, GoesOnOnlyAfterAGoodOrSkippedStep) {
     EXPECT_EQ(sequence.assistant.state(StepName::motion), StepState::open);
     EXPECT_EQ(sequence.steps[0].ended, 1);
     EXPECT_EQ(sequence.steps[1].begun, 1);
-}
-
-TEST(Assistant, ContinuesADoubtfulStepOnlyWhenAskedAndABadOneNever) {
-    Sequence sequence;
-    sequence.steps[0].verdict = Verdict::bad;
+    sequence.steps[1].verdict = Verdict::doubtful;
     sequence.update();
     sequence.assistant.continue_all_the_same(sequence.session);
-    EXPECT_EQ(sequence.assistant.present(), StepName::link);
-    sequence.steps[0].verdict = Verdict::doubtful;
-    sequence.update();
-    sequence.assistant.continue_all_the_same(sequence.session);
-    EXPECT_EQ(sequence.assistant.present(), StepName::identity);
+    EXPECT_EQ(sequence.assistant.present(), StepName::motion);
 }
 
 TEST(Assistant, GoesBackAndAgainAndForthOverWhatIsDone) {
@@ -158,7 +152,6 @@ TEST(Assistant, AStepThatFailsVoidsWhatCameAfterAndHoldsTheDevice) {
     later.pass(1);
     later.assistant.leave(later.session);
     EXPECT_FALSE(later.session.is_kept_released());
-    std::filesystem::remove_all(folder);
 }
 
 TEST(Assistant, IsResumedAtTheFirstStepThatIsNotDone) {
@@ -188,7 +181,6 @@ TEST(Assistant, IsResumedAtTheFirstStepThatIsNotDone) {
     EXPECT_FALSE(last.assistant.is_open()); // once is enough
     last.assistant.open(last.session);
     EXPECT_TRUE(last.assistant.is_complete());
-    std::filesystem::remove_all(folder);
 }
 
 TEST(Assistant, WithoutItsZeroADeviceIsZeroedAgain) {
@@ -200,36 +192,27 @@ TEST(Assistant, WithoutItsZeroADeviceIsZeroedAgain) {
     EXPECT_FALSE(sequence.assistant.is_open());
     sequence.assistant.open(sequence.session);
     EXPECT_EQ(sequence.assistant.present(), StepName::zeroing);
-    std::filesystem::remove_all(folder);
 }
 
-TEST(Assistant, BeginsAnewWithADamagedFileAndSaysSo) {
+TEST(Assistant, SaysThatAFileIsDamagedOrCannotBeKeptAndGoesOn) {
     const std::filesystem::path folder = testing::fresh_folder("assistant_damaged");
-    std::filesystem::create_directories(folder);
     std::ofstream(file_in(folder)) << "done = [\"link\",\n  \"nonsense\"]\nfailed = []\n";
-    Sequence sequence(folder);
-    EXPECT_EQ(sequence.assistant.present(), StepName::link);
-    EXPECT_NE(sequence.assistant.error().find(":1: done has 'nonsense'"), std::string::npos)
-        << sequence.assistant.error();
-    sequence.pass(0);
-    EXPECT_EQ(sequence.assistant.error(), "");
+    Sequence damaged(folder);
+    EXPECT_EQ(damaged.assistant.present(), StepName::link);
+    EXPECT_NE(damaged.assistant.error().find(":1: done has 'nonsense'"), std::string::npos)
+        << damaged.assistant.error();
+    damaged.pass(0);
+    EXPECT_EQ(damaged.assistant.error(), "");
     EXPECT_TRUE(read_progress(file_in(folder)).done.test(0));
-    std::filesystem::remove_all(folder);
-}
 
-TEST(Assistant, GoesOnWhereItsProgressCannotBeKept) {
-    const std::filesystem::path folder = testing::fresh_folder("assistant_unwritable");
-    std::ofstream(folder / "file") << "no folder";
-    Sequence sequence(folder / "file");
-    sequence.pass(0);
-    EXPECT_EQ(sequence.assistant.present(), StepName::identity);
-    EXPECT_NE(sequence.assistant.error(), "");
-    std::filesystem::remove_all(folder);
+    Sequence unwritable(file_in(folder)); // which is no folder
+    unwritable.pass(0);
+    EXPECT_EQ(unwritable.assistant.present(), StepName::identity);
+    EXPECT_NE(unwritable.assistant.error(), "");
 }
 
 TEST(ProgressFile, HasEveryStepAndRefusesWhatIsNone) {
-    const std::filesystem::path folder = testing::fresh_folder("progress_file");
-    const std::filesystem::path file = folder / "below" / "device";
+    const std::filesystem::path file = testing::fresh_folder("progress_file") / "below" / "device";
     EXPECT_EQ(read_progress(file), Progress());
     for (std::size_t i = 0; i < kSteps; ++i) {
         Progress progress;
@@ -238,18 +221,13 @@ TEST(ProgressFile, HasEveryStepAndRefusesWhatIsNone) {
         write_progress(file, progress);
         EXPECT_EQ(read_progress(file), progress);
     }
-    for (const char *text :
-         {"", "springdrive\n", "done = [\"link\"]\n", "done = []\nfailed = [1]\n",
-          "done = []\nfailed = []\nskipped = []\n", "\xff\xfe"}) {
+    for (const char *text : {"", "done = [\"link\"]\n", "done = []\nfailed = [1]\n",
+                             "done = []\nfailed = []\nskipped = []\n", "\xff\xfe"}) {
         std::ofstream(file) << text;
         EXPECT_NE(error_text_of([&] { static_cast<void>(read_progress(file)); }), "") << text;
     }
-    std::filesystem::remove_all(folder);
-}
-
-TEST(ProgressFile, NameIsAFileNameWhateverTheSerialNumberIs) {
     EXPECT_EQ(progress_name("USB", "A-12_b"), "USB-A-12_b.toml");
-    EXPECT_EQ(progress_name("USB", "../x"), "USB-%2e%2e%2fx.toml");
+    EXPECT_EQ(progress_name("USB", "../x"), "USB-%2e%2e%2fx.toml"); // a file name all the same
     EXPECT_NE(progress_name("USB", "1"), progress_name("emulated", "1"));
 }
 

@@ -1,12 +1,11 @@
-// Covers app/assistant/{calibration_step,findings}.cpp: on emulated devices whose motors and
+// Covers the calibration of app/assistant/board_steps.cpp: on emulated devices whose motors and
 // sensors are drawn at random, against their truth; and what can come between.
-#include "app/assistant/findings.h"
-#include "base/error_text.h"
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
 #include "device/simulated/sampled_device.h"
 #include "engine/control/winding_observer.h"
 #include "tests/app/assistant/walker.h"
+#include "tests/support/calibrations.h"
 
 #include <gtest/gtest.h>
 
@@ -14,11 +13,11 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <tuple>
 
 namespace springdrive::app::assistant {
 namespace {
 
-using commissioning::CalibrationProblem;
 using session::SessionOptions;
 using testing::Walker;
 
@@ -71,17 +70,6 @@ struct AtCalibration {
     }
 };
 
-/// As in a text of a file.
-void expect_equal(const device::Calibration &a, const device::Calibration &b) {
-    EXPECT_EQ(a.serial, b.serial);
-    EXPECT_EQ(a.made_at_s, b.made_at_s);
-    for (std::size_t j = 0; j < 3; ++j) {
-        for (const device::CalibrationField &field : device::calibration_fields({}, j, 0.0)) {
-            EXPECT_EQ(a.motor[j].*field.value, b.motor[j].*field.value) << field.key;
-        }
-    }
-}
-
 TEST(CalibrationStep, MeasuresTheMotorsWhichAreInUseAtOnceAndAfterwards) {
     AtCalibration at;
     Walker &walker = at.walker;
@@ -124,7 +112,7 @@ TEST(CalibrationStep, MeasuresTheMotorsWhichAreInUseAtOnceAndAfterwards) {
     const device::DeviceDescription recorded =
         device::read_device_text(now.header.device_toml, "of the record");
     ASSERT_TRUE(recorded.calibration);
-    expect_equal(*recorded.calibration, known);
+    testing::expect_equal(*recorded.calibration, known);
 
     // And it is there when the step is entered again, also after a new zero.
     walker.assistant.again(walker.session);
@@ -143,38 +131,32 @@ TEST(CalibrationStep, MeasuresTheMotorsWhichAreInUseAtOnceAndAfterwards) {
     EXPECT_EQ(walker.verdict(), Verdict::good) << walker.text();
 }
 
-TEST(CalibrationStep, ShowsHowFarItIs) {
-    AtCalibration at;
-    Walker &walker = at.walker;
-    walker.choose("start");
-    walker.run(0.1);
-    EXPECT_TRUE(walker.says("Hold the stylus still in free space")) << walker.text();
-    ASSERT_TRUE(walker.run_until([&] { return walker.offers("that is enough"); }, 15.0));
-    const auto share_of = [&](std::size_t motor) { return walker.report().bars.at(motor).value; };
-    walker.run(3.0);
-    const StepReport early = walker.report();
-    ASSERT_EQ(early.bars.size(), 4U); // a motor each, and the time
-    walker.run(4.0);
-    for (std::size_t j = 0; j < 3; ++j) {
-        EXPECT_GT(share_of(j), early.bars[j].value) << early.bars[j].label;
-        EXPECT_NE(early.bars[j].text.find("Ω"), std::string::npos);
-    }
-    constexpr double kFrame_s = 1.0 / 60.0;
-    EXPECT_NEAR(early.bars[3].value - share_of(3), 4.0, 2.0 * kFrame_s); // the time left
-    EXPECT_TRUE(walker.assistant.theta_rad());
-    EXPECT_EQ(walker.verdict(), Verdict::open);
-}
-
-TEST(CalibrationStep, StoppedOrLeftInTheMiddleItBrakesAndKeepsNothing) {
+TEST(CalibrationStep, ShowsHowFarItIsAndStoppedOrLeftKeepsNothing) {
     for (const bool leaves : {false, true}) {
         SessionOptions options = sampled_device();
         options.servo_hz = 2000.0;
         AtCalibration at(options);
         Walker &walker = at.walker;
-        walker.begin_calibration();
+        walker.choose("start");
+        walker.run(0.1);
+        EXPECT_TRUE(walker.says("Hold the stylus still in free space")) << walker.text();
+        ASSERT_TRUE(walker.run_until([&] { return walker.offers("that is enough"); }, 15.0));
+        walker.run(2.0);
+        const StepReport early = walker.report();
+        ASSERT_EQ(early.bars.size(), 4U); // a motor each, and the time
         walker.run(3.0);
+        const StepReport later = walker.report();
+        for (std::size_t j = 0; j < 3; ++j) {
+            EXPECT_GT(later.bars.at(j).value, early.bars[j].value) << early.bars[j].label;
+            EXPECT_NE(early.bars[j].text.find("Ω"), std::string::npos);
+        }
+        constexpr double kFrame_s = 1.0 / 60.0;
+        EXPECT_NEAR(early.bars[3].value - later.bars[3].value, 3.0, 2.0 * kFrame_s); // time left
+        EXPECT_TRUE(walker.assistant.theta_rad());
+        EXPECT_EQ(walker.verdict(), Verdict::open);
         EXPECT_EQ(at.board_state(), usb::BoardState::driving);
         EXPECT_EQ(walker.session.servo().rate_hz(), commissioning::CalibrationRun::kRate_hz);
+
         if (leaves) {
             walker.assistant.leave(walker.session);
         } else {
@@ -238,29 +220,28 @@ TEST(CalibrationStep, APulledCableAndAnEmergencyStopAreNamedAndItIsDoneAgain) {
 /// Shorter than the time for which the hand comes to rest after a calibration; at its start, and
 /// in the middle.
 TEST(CalibrationStep, AFaultOfTheBoardOutlastsIt) {
-    for (const auto &[fault, says] :
-         {std::pair("stop", "stop switch"), {"brown-out:2", "supply"}}) {
-        for (const double after_s : {0.0, 1.0}) {
-            AtCalibration at;
-            Walker &walker = at.walker;
-            walker.begin_calibration();
-            ASSERT_TRUE(walker.run_until([&] { return walker.session.servo().is_halted(); }, 5.0));
-            walker.run(after_s);
-            ASSERT_TRUE(walker.session.is_lent());
-            emulator::EmulatedBoard &board = walker.session.device().emulated()->board();
-            device::Fault short_one = device::parse_fault(fault);
-            short_one.begin_s = board.time_s();
-            short_one.end_s = short_one.begin_s + 0.03;
-            board.set_fault(short_one);
-            ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_lent(); }, 5.0));
-            walker.run(0.3);
-            EXPECT_EQ(walker.session.latest().safety.state, servo::SafetyState::tripped);
-            EXPECT_EQ(walker.session.servo().is_held_stopped(), fault == std::string("stop"));
-            EXPECT_TRUE(walker.says(says)) << walker.text();
-            walker.assistant.again(walker.session);
-            walker.run(0.2);
-            EXPECT_FALSE(walker.session.servo().is_held_stopped());
-        }
+    for (const auto &[fault, says, after_s] : {std::tuple("stop", "stop switch", 0.0),
+                                               {"stop", "stop switch", 1.0},
+                                               {"brown-out:2", "supply", 0.0}}) {
+        AtCalibration at;
+        Walker &walker = at.walker;
+        walker.begin_calibration();
+        ASSERT_TRUE(walker.run_until([&] { return walker.session.servo().is_halted(); }, 5.0));
+        walker.run(after_s);
+        ASSERT_TRUE(walker.session.is_lent());
+        emulator::EmulatedBoard &board = walker.session.device().emulated()->board();
+        device::Fault short_one = device::parse_fault(fault);
+        short_one.begin_s = board.time_s();
+        short_one.end_s = short_one.begin_s + 0.03;
+        board.set_fault(short_one);
+        ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_lent(); }, 5.0));
+        walker.run(0.3);
+        EXPECT_EQ(walker.session.latest().safety.state, servo::SafetyState::tripped);
+        EXPECT_EQ(walker.session.servo().is_held_stopped(), fault == std::string("stop"));
+        EXPECT_TRUE(walker.says(says)) << walker.text();
+        walker.assistant.again(walker.session);
+        walker.run(0.2);
+        EXPECT_FALSE(walker.session.servo().is_held_stopped());
     }
 }
 
@@ -288,7 +269,7 @@ TEST(CalibrationStep, ABoardThatDoesNotKeepItIsDoubtfulUntilAFileDoes) {
             EXPECT_TRUE(walker.says("--device-file " + entry.path().string())) << walker.text();
             const device::DeviceDescription read = device::read_device_file(entry.path());
             ASSERT_TRUE(read.calibration);
-            expect_equal(*read.calibration, known);
+            testing::expect_equal(*read.calibration, known);
         }
     }
     EXPECT_EQ(files, 1);
@@ -310,43 +291,12 @@ TEST(CalibrationStep, TooLittleMotionIsDoubtful) {
     EXPECT_EQ(walker.assistant.present(), StepName::touch);
 }
 
-TEST(CalibrationStep, AnotherMotorThanTheFilesIsNotPassed) {
-    SessionOptions options = sampled_device();
-    options.emulation.truth = testing::phantom_1_0();
-    options.emulation.truth->motor[1].resistance_Ohm *= 1.15; // of tolerances of 6 %
-    AtCalibration at(options);
-    Walker &walker = at.walker;
-    walker.calibrate();
-    EXPECT_EQ(walker.verdict(), Verdict::bad) << walker.text();
-    EXPECT_TRUE(walker.says("motor 2")) << walker.text();
-    EXPECT_FALSE(at.in_use());
-    EXPECT_FALSE(at.on_board());
-    walker.assistant.leave(walker.session);
-    EXPECT_TRUE(walker.session.is_kept_released());
-}
-
-/// A device file with a calibration, of whatever device.
-std::filesystem::path file_of(const std::string &serial) {
-    const std::filesystem::path plain = testing::assets() / "devices/phantom_1_0.toml";
-    device::Calibration calibration;
-    calibration.serial = serial;
-    calibration.kind = "USB";
-    calibration.made_at_s = 1'764'000'000;
-    for (std::size_t j = 0; j < 3; ++j) {
-        for (const device::CalibrationField &field :
-             device::calibration_fields(testing::phantom_1_0(), j, 10.0)) {
-            calibration.motor[j].*field.value =
-                0.4 * field.range.minimum + 0.6 * field.range.maximum;
-        }
-    }
-    const std::filesystem::path file = testing::fresh_folder("calibrated") / (serial + ".toml");
-    std::ofstream(file) << device::with_calibration(testing::contents_of(plain), calibration);
-    return file;
-}
-
 TEST(CalibrationStep, OneOfTheDeviceFileIsShownAndComesBeforeTheBoards) {
     SessionOptions options = sampled_device();
-    options.device.file = file_of(kSerial);
+    options.device.file = testing::fresh_folder("calibrated") / "mine.toml";
+    std::ofstream(options.device.file) << device::with_calibration(
+        testing::contents_of(testing::assets() / "devices/phantom_1_0.toml"),
+        testing::possible_calibration(kSerial));
     AtCalibration at(options);
     Walker &walker = at.walker;
     EXPECT_EQ(walker.verdict(), Verdict::good);
@@ -360,39 +310,6 @@ TEST(CalibrationStep, OneOfTheDeviceFileIsShownAndComesBeforeTheBoards) {
     ASSERT_TRUE(at.on_board());
     EXPECT_EQ(walker.verdict(), Verdict::doubtful); // for the next start
     EXPECT_TRUE(walker.says("comes before the board's")) << walker.text();
-}
-
-TEST(CalibrationStep, OneOfAnotherSerialNumberIsRefused) {
-    SessionOptions options = sampled_device();
-    options.device.file = file_of("emulated-8");
-    const std::string refused = error_text_of([&] { const session::Session other(options); });
-    EXPECT_NE(refused.find("emulated-8"), std::string::npos) << refused;
-    EXPECT_NE(refused.find(kSerial), std::string::npos) << refused;
-    options.device_seed = 8;
-    EXPECT_EQ(error_text_of([&] { const session::Session own(options); }), "");
-}
-
-TEST(CalibrationVerdict, OnlyWhatContradictsTheDeviceFileMustNotBePassed) {
-    const auto judged = [](CalibrationProblem problem, servo::TripCause trip = {}) {
-        commissioning::CalibrationReport found;
-        found.kind = problem;
-        found.trip = trip;
-        StepReport report;
-        judge(found, report);
-        return report;
-    };
-    for (const CalibrationProblem problem :
-         {CalibrationProblem::contradiction, CalibrationProblem::of_another_kind}) {
-        EXPECT_EQ(judged(problem).verdict, Verdict::bad);
-    }
-    for (const CalibrationProblem problem :
-         {CalibrationProblem::ended, CalibrationProblem::stopped, CalibrationProblem::never_at_rest,
-          CalibrationProblem::little_motion}) {
-        EXPECT_EQ(judged(problem).verdict, Verdict::doubtful);
-        EXPECT_NE(judged(problem).troubles.at(0).remedy, "");
-    }
-    const StepReport too_fast = judged(CalibrationProblem::stopped, servo::TripCause::tip_speed);
-    EXPECT_NE(too_fast.troubles.at(0).remedy.find("more slowly"), std::string::npos);
 }
 
 } // namespace

@@ -83,8 +83,8 @@ public:
         return is_so();
     }
 
-    [[nodiscard]] bool offers(const std::string &label) {
-        for (const app::assistant::Offer &offer : assistant.offers(session)) {
+    [[nodiscard]] bool offers(const std::string &label) const {
+        for (const app::assistant::Offer &offer : report().offers) {
             if (offer.label == label) {
                 return offer.is_enabled;
             }
@@ -93,7 +93,7 @@ public:
     }
     void choose(const std::string &label) {
         ASSERT_TRUE(run_until([&] { return offers(label); }, 5.0)) << label << '\n' << text();
-        for (app::assistant::Offer &offer : assistant.offers(session)) {
+        for (const app::assistant::Offer &offer : report().offers) {
             if (offer.label == label) {
                 offer.choose();
                 return;
