@@ -1,15 +1,20 @@
-// Covers app/main.cpp, app/commands/command_line.cpp, app/demo/demo.cpp: the program from outside.
+// Covers app/main.cpp and app/demo/demo.cpp: the program from outside; and stage/load_lines.cpp.
+#include "app/stage/open_session.h"
+#include "tests/support/csv.h"
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app {
@@ -18,21 +23,6 @@ namespace {
 bool has_display() {
     return std::getenv("DISPLAY") != nullptr ||       // NOLINT(concurrency-mt-unsafe)
            std::getenv("WAYLAND_DISPLAY") != nullptr; // NOLINT(concurrency-mt-unsafe)
-}
-
-void expect_plain_text(const std::string &text) {
-    for (const char c : text) {
-        EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= 0x20) << text;
-    }
-}
-
-void expect_one_clear_line(const testing::Ending &ending, const std::string &names) {
-    EXPECT_GT(ending.exit_status, 0);
-    EXPECT_EQ(std::count(ending.error.begin(), ending.error.end(), '\n'), 1) << ending.error;
-    EXPECT_EQ(ending.error.substr(0, 13), "springdrive: ") << ending.error;
-    EXPECT_NE(ending.error.find(names), std::string::npos) << ending.error;
-    EXPECT_EQ(ending.out, "");
-    expect_plain_text(ending.error);
 }
 
 std::filesystem::path written(const std::filesystem::path &folder, const std::string &name,
@@ -64,62 +54,44 @@ const std::string kNan = "AAAAAAAAAAAAAAAAAADAfwAAAAAAAAAAAAAAAAAAgD8AAAAAAAECAA
 TEST(Program, SaysWhatIsWrongWithASceneInOneLine) {
     const std::filesystem::path folder = testing::fresh_folder("bad_scenes");
     const std::string sphere = testing::contents_of(testing::assets() / "scenes/sphere.gltf");
-    expect_one_clear_line(testing::run_program({"--scene", (folder / "none.glb").string()}),
-                          "none.glb");
-    const auto refused = [&folder](const std::string &name, const std::string &text) {
-        const testing::Ending ending =
-            testing::run_program({"demo", "--scene", written(folder, name, text)});
-        expect_one_clear_line(ending, name);
-        return ending.error;
-    };
-    refused("text.glb", "this is a shopping list\nmilk\n");
-    refused("empty.glb", "");
-    refused("half.gltf", sphere.substr(0, sphere.size() / 2));
-    refused("index.gltf", one_triangle(kIndexNine, 3, "4"));
-    refused("nan.gltf", one_triangle(kNan, 3, "4"));
-    refused("points.gltf", one_triangle(kGood, 3, "0"));
-    std::string glb = "glTF";
-    glb += std::string("\x02\0\0\0\xff\xff\0\0\x10\0\0\0JSON{\"asset\":", 24);
-    refused("truncated.glb", glb);
-    std::filesystem::remove_all(folder);
+    const std::string glb =
+        "glTF" + std::string("\x02\0\0\0\xff\xff\0\0\x10\0\0\0JSON{\"asset\":", 24);
+    for (const auto &[name, text] : std::vector<std::pair<std::string, std::string>>{
+             {"text.glb", "this is a shopping list\nmilk\n"},
+             {"empty.glb", ""},
+             {"half.gltf", sphere.substr(0, sphere.size() / 2)},
+             {"index.gltf", one_triangle(kIndexNine, 3, "4")},
+             {"nan.gltf", one_triangle(kNan, 3, "4")},
+             {"points.gltf", one_triangle(kGood, 3, "0")},
+             {"truncated.glb", glb}}) {
+        testing::expect_refused(
+            testing::run_program({"demo", "--scene", written(folder, name, text)}), name);
+    }
+    const testing::Ending none = testing::run_program({"demo", folder / "none.gltf"});
+    testing::expect_refused(none, "none.gltf"); // taken by its kind, as a file manager names it
+    EXPECT_EQ(none.error.find("--open"), std::string::npos) << none.error;
 }
 
-TEST(Program, SaysWhatIsWrongWithAnOptionInOneLine) {
-    expect_one_clear_line(testing::run_program({"--frams", "3"}), "frams");
-    // A scene that is ready before any computer would tell how far it is with loading.
-    const auto expect_refusal = [](std::vector<std::string> typed, const std::string &names) {
-        typed.insert(typed.end(), {"--scene", testing::assets() / "scenes/plate.gltf"});
-        expect_one_clear_line(testing::run_program(typed), names);
-    };
-    expect_refusal({"--servo-hz", "99"}, "250");
-    expect_refusal({"--servo-hz", "fast"}, "fast");
-    expect_refusal({"--dR", "0"}, "--dR");
-    expect_refusal({"--kp", "nan"}, "K_P");
-    expect_refusal({"--map", "sideways"}, "sideways");
-    expect_refusal({"--map", "0"}, "transpose");
-    expect_refusal({"--alpha-mode", "often"}, "by_hand");
-    expect_refusal({"--servo-hz", "nan"}, "10000");
-    expect_refusal({"--servo-hz", "-5"}, "10000");
-    expect_refusal({"--servo-hz", "inf"}, "10000");
-    expect_refusal({"--delay", "-1"}, "delay");
-    expect_refusal({"--device", "usb:none such"}, "USB");
-    expect_refusal({"--device", "serial"}, "serial");
-    expect_refusal({"--device", "usb", "--delay", "1"}, "--delay");
-    expect_refusal({"--device-file", "none.toml"}, "none.toml");
-    expect_refusal({"--tuning-file", "none.toml"}, "none.toml");
-    expect_refusal({"--path", "none.csv"}, "none.csv");
-    expect_refusal({"--lockstep"}, "--frames");
-    expect_refusal({"--frames", "-3"}, "frames");
-    expect_refusal({"record", "/no/such/folder/t.rec"}, "/no/such");
+TEST(LoadLines, AFastLoadGoesWithoutAWordAndEndsAtOnce) {
+    const auto start = std::chrono::steady_clock::now();
+    const scene::LoadProgress progress;
+    std::ostringstream out;
+    { const LoadLines lines("scene.glb", progress, out, std::chrono::hours(1)); }
+    EXPECT_EQ(out.str(), "");
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::minutes(1));
 }
 
-TEST(Program, HelpAndVersionSucceed) {
-    const testing::Ending help = testing::run_program({"--help"});
-    EXPECT_EQ(help.exit_status, 0);
-    EXPECT_NE(help.out.find("--scene"), std::string::npos);
-    expect_plain_text(help.out);
-    EXPECT_EQ(testing::run_program({"demo", "--help"}).exit_status, 0);
-    EXPECT_EQ(testing::run_program({"--version"}).exit_status, 0);
+TEST(LoadLines, ASlowOneTellsFileStageAndPercent) {
+    scene::LoadProgress progress;
+    progress.begin(scene::LoadProgress::Stage::gathering, true);
+    progress.advance_to(0.5);
+    std::ostringstream out;
+    {
+        const LoadLines lines("scene.glb", progress, out, std::chrono::milliseconds(5));
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+    const std::string line = "springdrive: scene.glb: gathering triangles, 50 %\n";
+    EXPECT_TRUE(out.str().starts_with(line + line)) << out.str();
 }
 
 /// A record as CSV.
@@ -164,25 +136,15 @@ TEST_F(Demo, FollowsAPathFromAFile) {
         {"demo", "--lockstep", "--seconds", "2.4", "--without", "all", "--path", path, "--scene",
          testing::assets() / "scenes/plate.gltf", "--record", folder / "t.rec"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
-    std::istringstream telemetry(telemetry_of(folder / "t.rec"));
-    std::string line;
-    std::string last;
-    std::getline(telemetry, line);
-    const auto column = [header = line](const std::string &name, const std::string &row) {
-        const auto before = std::count(
-            header.begin(), header.begin() + static_cast<std::ptrdiff_t>(header.find(name)), ',');
-        std::size_t at = 0;
-        for (std::ptrdiff_t i = 0; i < before; ++i) {
-            at = row.find(',', at) + 1;
-        }
-        return std::stod(row.substr(at));
+    const std::string telemetry = telemetry_of(folder / "t.rec");
+    const std::vector<std::string> names = testing::parsed_csv(telemetry).front();
+    const std::vector<double> last = testing::parsed_numbers(telemetry).back();
+    const auto value = [&](const char *name) {
+        return last.at(static_cast<std::size_t>(std::ranges::find(names, name) - names.begin()));
     };
-    while (std::getline(telemetry, line)) {
-        last = line;
-    }
     // At rest with its target, to an encoder count.
-    EXPECT_NEAR(column("tip_x_m", last), 0.03, 5e-5);
-    EXPECT_NEAR(column("tip_y_m", last), 0.08, 5e-5);
+    EXPECT_NEAR(value("tip_x_m"), 0.03, 5e-5);
+    EXPECT_NEAR(value("tip_y_m"), 0.08, 5e-5);
     std::filesystem::remove_all(folder);
 }
 
@@ -195,13 +157,6 @@ TEST_F(Demo, ASignalEndsItProperly) {
         EXPECT_EQ(ending.exit_status, 0) << ending.error;
         RecordProperty("seconds_after_signal", std::to_string(ending.after_signal.count()));
     }
-}
-
-TEST_F(Demo, AScreenshotThatCannotBeWrittenIsSaid) {
-    const testing::Ending ending = testing::run_program({"--lockstep", "--frames", "2", "--scene",
-                                                         testing::assets() / "scenes/plate.gltf",
-                                                         "--screenshot", "/no/such/folder/s.png"});
-    expect_one_clear_line(ending, "/no/such/folder/s.png");
 }
 
 } // namespace

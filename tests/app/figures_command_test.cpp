@@ -1,39 +1,34 @@
-// Covers app/commands/figures_command.cpp and app/figures: `springdrive figures` from outside.
+// Covers app/commands/{figures,chart}_command.cpp and app/figures, from outside.
 #include "app/figures/figure.h"
+#include "engine/lab/charts/charts.h"
+#include "tests/support/csv.h"
 #include "tests/support/devices.h"
 #include "tests/support/program.h"
+#include "tests/support/variable.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <map>
-#include <sstream>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace springdrive::app {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// Columns of a CSV file by name; cells that are empty or not numbers are NaN.
-std::map<std::string, std::vector<double>> columns_of(const std::filesystem::path &csv) {
-    std::ifstream file(csv);
+std::map<std::string, std::vector<double>> columns_of(const fs::path &csv) {
+    const std::string text = testing::contents_of(csv);
+    const std::vector<std::string> names = testing::parsed_csv(text).front();
     std::map<std::string, std::vector<double>> columns;
-    std::vector<std::string> names;
-    std::string line;
-    for (bool head = true; std::getline(file, line); head = false) {
-        std::istringstream cells(line + ",");
-        std::string cell;
-        for (std::size_t i = 0; std::getline(cells, cell, ','); ++i) {
-            if (head) {
-                names.push_back(cell);
-            } else {
-                char *end = nullptr;
-                const double number = std::strtod(cell.c_str(), &end);
-                columns[names.at(i)].push_back(end == cell.c_str() ? NAN : number);
-            }
+    for (const std::vector<double> &row : testing::parsed_numbers(text)) {
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            columns[names.at(i)].push_back(row[i]);
         }
     }
     return columns;
@@ -47,33 +42,41 @@ double largest(const std::vector<double> &column) {
     return found;
 }
 
-testing::Ending figures(const std::filesystem::path &out, std::vector<std::string> more = {}) {
-    more.insert(more.begin(), {"figures", "--out", out.string()});
+std::set<std::string> files_in(const fs::path &folder) {
+    std::set<std::string> names;
+    for (const auto &file : fs::directory_iterator(folder)) {
+        names.insert(file.path().filename());
+    }
+    return names;
+}
+
+testing::Ending run_into(const char *command, const fs::path &out,
+                         std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {command, "--out", out.string()});
     return testing::run_program(more);
 }
 
-TEST(Figures, ComeOutOfOneCommand) {
-    // The folder's name would need quoting in a shell.
-    const std::filesystem::path folder =
-        testing::fresh_folder("figures") / "it's \"my\" $HOME;" / "new";
-    const testing::Ending ending = figures(folder);
-    ASSERT_EQ(ending.exit_status, 0) << ending.error;
-    EXPECT_EQ(ending.out, "");
-    for (const FigureMaker &figure : kFigures) {
-        const std::string name(figure.name);
-        const std::string svg = testing::contents_of(folder / (name + ".svg"));
-        EXPECT_NE(svg.find("<svg"), std::string::npos) << name;
-        EXPECT_NE(svg.find("</svg>"), std::string::npos) << name;
-        EXPECT_NE(svg.find("PHANTOM 1.0"), std::string::npos) << name;
-        EXPECT_GT(columns_of(folder / (name + ".csv")).size(), 4U) << name;
-    }
-    std::filesystem::remove_all(folder.parent_path().parent_path());
-}
+const std::vector<std::string> kPremium{"--device-file",
+                                        testing::assets() / "devices/phantom_premium_1_5.toml",
+                                        "--tuning-file", testing::assets() / "tunings/soft.toml"};
+
+/// The quickest charts.
+constexpr const char *kQuick = "motion_stiffness,servo_rate_direction";
 
 TEST(Figures, MeasuredStandsBesidePredicted) {
-    const std::filesystem::path folder = testing::fresh_folder("measured");
-    ASSERT_EQ(figures(folder, {"--q", "0,20,-15"}).exit_status, 0);
-
+    // The folder's name would need quoting in a shell.
+    const fs::path folder = testing::fresh_folder("figures") / "it's \"my\" $HOME;" / "new";
+    const testing::Ending ending = run_into("figures", folder, {"--q", "0,20,-15"});
+    ASSERT_EQ(ending.exit_status, 0) << ending.error;
+    EXPECT_EQ(ending.out, "");
+    for (const FigureMaker &figure : figure_makers()) {
+        const std::string name(figure.name);
+        const std::string svg = testing::contents_of(folder / (name + ".svg"));
+        for (const char *part : {"<svg", "</svg>", "PHANTOM 1.0"}) {
+            EXPECT_NE(svg.find(part), std::string::npos) << name << ": " << part;
+        }
+        EXPECT_GT(columns_of(folder / (name + ".csv")).size(), 4U) << name;
+    }
     auto stiffness = columns_of(folder / "fig2_stiffness.csv");
     for (std::size_t i = 0; i < stiffness["freq_hz"].size(); ++i) {
         const bool measurable = stiffness["freq_hz"][i] < 450.0;
@@ -104,56 +107,54 @@ TEST(Figures, MeasuredStandsBesidePredicted) {
     EXPECT_NEAR(largest(spectrum["inverse_deg"]), 35.0, 0.01);
     EXPECT_LT(spectrum["transpose_lambda_1000_deg"].front(), 0.1);
     EXPECT_NEAR(spectrum["transpose_lambda_1000_deg"].back(), 35.0, 1.0); // K_L: the ellipsoid
-    std::filesystem::remove_all(folder);
 }
 
-TEST(Figures, RepeatToTheLastByte) {
-    const std::filesystem::path folder = testing::fresh_folder("repeat");
-    for (const char *run : {"first", "second"}) {
-        ASSERT_EQ(figures(folder / run,
-                          {"--device-file", testing::assets() / "devices/phantom_premium_1_5.toml",
-                           "--tuning-file", testing::assets() / "tunings/soft.toml"})
-                      .exit_status,
-                  0);
+TEST(Figures, WithoutGnuplotTheNumbersStayAndRepeatToTheLastByte) {
+    const fs::path folder = testing::fresh_folder("no_gnuplot");
+    ASSERT_EQ(run_into("figures", folder / "drawn", kPremium).exit_status, 0);
+    const testing::Variable path("PATH", folder.string());
+    testing::expect_one_line(run_into("figures", folder / "figures", kPremium), 1, "gnuplot-nox");
+    std::set<std::string> numbers;
+    for (const FigureMaker &figure : figure_makers()) {
+        const std::string name(figure.name);
+        EXPECT_TRUE(testing::contents_of(folder / "drawn" / (name + ".csv")) ==
+                    testing::contents_of(folder / "figures" / (name + ".csv")))
+            << name;
+        EXPECT_NE(testing::contents_of(folder / "drawn" / (name + ".svg")).find("Premium 1.5"),
+                  std::string::npos)
+            << name;
+        numbers.insert(name + ".csv");
     }
-    for (const auto &file : std::filesystem::directory_iterator(folder / "first")) {
-        EXPECT_TRUE(testing::contents_of(file) ==
-                    testing::contents_of(folder / "second" / file.path().filename()))
-            << file.path();
-    }
-    std::filesystem::remove_all(folder);
+    EXPECT_EQ(files_in(folder / "figures"), numbers);
+    testing::expect_one_line(
+        run_into("chart", folder / "charts", {"--only", kQuick, "--repeats", "1"}), 1,
+        "gnuplot-nox");
+    EXPECT_EQ(files_in(folder / "charts"),
+              (std::set<std::string>{"motion_stiffness.csv", "servo_rate_direction.csv"}));
 }
 
-TEST(Figures, SayWhatIsWrongInOneLine) {
-    const std::filesystem::path folder = testing::fresh_folder("wrong");
-    std::ofstream(folder / "file") << "in the way";
-    testing::expect_one_line(testing::run_program({"figures"}), 2, "--out");
-    testing::expect_one_line(figures(folder / "file" / "below"), 1, "below");
-    testing::expect_one_line(figures(folder / "a", {"--q", "0,20"}), 2, "--q");
-    testing::expect_one_line(figures(folder / "a", {"--q", "0,20,nan"}), 1, "--q");
-    testing::expect_one_line(figures(folder / "a", {"--q", "0,45,-25"}), 1, "joint_limits");
-    testing::expect_one_line(figures(folder / "a", {"--q", "0,-45,45"}), 1, "q3 - q2 is 90");
-    testing::expect_one_line(figures(folder / "a", {"--q", "0,20,215"}), 1, "q3 is 215");
-    testing::expect_one_line(figures(folder / "a", {"--device-seed", "0"}), 2, "--device-seed");
-    testing::expect_one_line(figures(folder / "a", {"--tuning-file", "none.toml"}), 1, "none.toml");
-    // A full disk: each write to a link to /dev/full fails.
-    std::filesystem::create_directory(folder / "full");
-    std::filesystem::create_symlink("/dev/full", folder / "full" / "fig3_ellipses.csv");
-    testing::expect_one_line(figures(folder / "full"), 1, "fig3_ellipses.csv");
-    EXPECT_GT(std::filesystem::file_size(folder / "full" / "fig2_stiffness.csv"), 1000U);
-    std::filesystem::remove_all(folder);
+/// A full disk: each write to a link to /dev/full fails.
+TEST(Figures, NumbersThatCannotBeWrittenAreNamed) {
+    const fs::path folder = testing::fresh_folder("full");
+    for (const char *name : {"fig3_ellipses.csv", "motion_stiffness.csv"}) {
+        fs::create_symlink("/dev/full", folder / name);
+    }
+    testing::expect_one_line(run_into("figures", folder), 1, "fig3_ellipses.csv");
+    EXPECT_GT(fs::file_size(folder / "fig2_stiffness.csv"), 1000U);
+    testing::expect_one_line(run_into("chart", folder, {"--only", kQuick}), 1,
+                             "motion_stiffness.csv");
 }
 
 TEST(Figures, AreOfTheResidualResistanceThatTheServoGives) {
     // 0.02 Ω is not permitted for windings that may be cold: the figures use, and report, the dR
     // that the servo gives.
-    const std::filesystem::path folder = testing::fresh_folder("cold");
+    const fs::path folder = testing::fresh_folder("cold");
     std::string tuning = testing::contents_of(testing::assets() / "tunings/firm.toml");
     const std::size_t dR = tuning.find("dR_Ohm");
     tuning.replace(dR, tuning.find('\n', dR) - dR, "dR_Ohm = 0.02");
     std::ofstream(folder / "tuning.toml") << tuning;
     const testing::Ending ending =
-        figures(folder / "out", {"--tuning-file", (folder / "tuning.toml").string()});
+        run_into("figures", folder / "out", {"--tuning-file", (folder / "tuning.toml").string()});
     EXPECT_EQ(ending.exit_status, 0);
     EXPECT_NE(ending.error.find("limits dR to 0.137"), std::string::npos) << ending.error;
     auto forces = columns_of(folder / "out" / "fig5_forces.csv");
@@ -165,21 +166,43 @@ TEST(Figures, AreOfTheResidualResistanceThatTheServoGives) {
         EXPECT_LT(share, 1.1);
         EXPECT_GT(share, 0.9 * 0.137 / (0.137 + spread_Ohm));
     }
-    std::filesystem::remove_all(folder);
 }
 
-TEST(Figures, WithoutGnuplotTheNumbersStay) {
-    const std::filesystem::path folder = testing::fresh_folder("no_gnuplot");
-    const char *inherited = std::getenv("PATH"); // NOLINT(concurrency-mt-unsafe)
-    const std::string path = inherited != nullptr ? inherited : "";
-    setenv("PATH", folder.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
-    const testing::Ending ending = figures(folder / "out");
-    setenv("PATH", path.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
-    testing::expect_one_line(ending, 1, "gnuplot-nox");
-    for (const FigureMaker &figure : kFigures) {
-        EXPECT_TRUE(std::filesystem::exists(folder / "out" / (std::string(figure.name) + ".csv")));
+TEST(Charts, ThoseAskedForComeOutAsPicturesAndNumbers) {
+    const fs::path folder = testing::fresh_folder("charts") / "new";
+    const testing::Ending ending = run_into("chart", folder, {"--only", kQuick, "--repeats", "2"});
+    ASSERT_EQ(ending.exit_status, 0) << ending.error;
+    EXPECT_EQ(ending.out, "");
+    EXPECT_EQ(files_in(folder),
+              (std::set<std::string>{"motion_stiffness.csv", "motion_stiffness.svg",
+                                     "servo_rate_direction.csv", "servo_rate_direction.svg"}));
+    const std::string svg = testing::contents_of(folder / "motion_stiffness.svg");
+    for (const char *part : {"PHANTOM 1.0", "minimum of 2 repetitions", "inverse (18)",
+                             "transpose, α by hand", "α 1000"}) {
+        EXPECT_NE(svg.find(part), std::string::npos) << part;
     }
-    std::filesystem::remove_all(folder);
+    const std::string csv = testing::contents_of(folder / "motion_stiffness.csv");
+    EXPECT_TRUE(csv.starts_with("method,setting,cost_least_ns,cost_median_ns,cost_greatest_ns,"
+                                "error,stable,machine\n"));
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 9); // a header, three and five points
+    std::vector<std::string> premium = kPremium;
+    premium.insert(premium.end(), {"--only", "servo_rate_direction", "--force"});
+    ASSERT_EQ(run_into("chart", folder, premium).exit_status, 0);
+    EXPECT_NE(testing::contents_of(folder / "servo_rate_direction.svg").find("Premium 1.5"),
+              std::string::npos);
+}
+
+TEST(Charts, AreNamedAsTheListSays) {
+    charts::ChartSetting setting;
+    setting.device = testing::phantom_1_0();
+    setting.repeats = 1;
+    std::set<std::string_view> names;
+    for (const charts::ChartMaker &maker : charts::kCharts) {
+        EXPECT_TRUE(names.insert(maker.name).second) << maker.name;
+        if (maker.name.starts_with("servo_rate") || maker.name.starts_with("motion")) {
+            EXPECT_EQ(maker.make(setting, [](double) {}).name, maker.name);
+        }
+    }
 }
 
 } // namespace

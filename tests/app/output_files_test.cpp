@@ -87,7 +87,11 @@ TEST(OutputFiles, ReplaceOnlyIfAsked) {
         const std::string file = folder / name;
         EXPECT_EQ(error({{}, {}, {file}}, Existing::keep),
                   file + ": exists; use --force to replace it");
-        EXPECT_EQ(error({{}, {}, {file}}, Existing::replace), "");
+        const auto written = fs::last_write_time(file);
+        EXPECT_EQ(error({{}, {}, {file, folder / "new"}}, Existing::replace), "");
+        EXPECT_EQ(fs::last_write_time(file), written); // looking leaves all as it is
+        EXPECT_EQ(contents_of(file), "old");
+        EXPECT_FALSE(fs::exists(folder / "new"));
     }
     EXPECT_NE(error({{}, {}, {folder}}, Existing::replace), "");
     const auto write_new = [](std::ostream &out) { out << "new"; };
@@ -141,19 +145,23 @@ std::vector<WritingCommand> writing_commands(const fs::path &folder) {
     };
 }
 
-fs::path folder_of_inputs(const std::string &name) {
-    fs::path folder = testing::fresh_folder(name);
-    write_scene(folder);
-    fs::copy_file(SPRINGDRIVE_ASSET_DIR "/devices/phantom_1_0.toml", folder / "d.toml");
-    write(folder / "p.csv", "t,x,y,z\n0,0,0.06,0\n0.01,0,0.05,0\n");
-    EXPECT_EQ(testing::run_program({"record", folder / "r.rec", "--lockstep", "--seconds", "0.1"})
-                  .exit_status,
-              0);
-    return folder;
-}
+/// A run of every command, with files that it would have to replace.
+class EveryCommand : public ::testing::Test {
+protected:
+    EveryCommand() {
+        write_scene(folder);
+        fs::copy_file(SPRINGDRIVE_ASSET_DIR "/devices/phantom_1_0.toml", folder / "d.toml");
+        write(folder / "p.csv", "t,x,y,z\n0,0,0.06,0\n0.01,0,0.05,0\n");
+        EXPECT_EQ(
+            testing::run_program({"record", folder / "r.rec", "--lockstep", "--seconds", "0.1"})
+                .exit_status,
+            0);
+    }
 
-TEST(OutputFiles, OfEveryCommandAreKeptWithoutForce) {
-    const fs::path folder = folder_of_inputs("commands_keep");
+    const fs::path folder = testing::fresh_folder("commands");
+};
+
+TEST_F(EveryCommand, KeepsFilesWithoutForce) {
     for (const WritingCommand &command : writing_commands(folder)) {
         for (const std::string &output : command.outputs) {
             write(folder / output, "mine");
@@ -168,34 +176,30 @@ TEST(OutputFiles, OfEveryCommandAreKeptWithoutForce) {
     }
 }
 
-TEST(OutputFiles, OfEveryCommandNeverReplaceAnInput) {
-    const fs::path folder = folder_of_inputs("commands_inputs");
-    const auto is_input = [](const std::string &word) {
-        return word.ends_with("s.gltf") || word.ends_with("d.toml") || word.ends_with("p.csv") ||
-               word.ends_with("r.rec");
-    };
+TEST_F(EveryCommand, NeverReplacesAnInput) {
     int inputs = 0;
     for (const WritingCommand &command : writing_commands(folder)) {
         for (const std::string &input : command.words) {
-            if (!is_input(input) || !fs::exists(input)) {
+            const std::string name = fs::path(input).filename();
+            if ((name != "s.gltf" && name != "d.toml" && name != "p.csv" && name != "r.rec") ||
+                !fs::exists(input)) {
                 continue;
             }
             const std::string before = contents_of(input);
-            const std::string name = command.outputs.front();
-            fs::create_hard_link(input, folder / name);
+            const fs::path output = folder / command.outputs.front();
+            fs::create_hard_link(input, output);
             std::vector<std::string> words = command.words;
             words.emplace_back("--force");
             testing::expect_refused(testing::run_program(words), "is also read");
             EXPECT_EQ(contents_of(input), before) << words[0];
-            fs::remove(folder / name);
+            fs::remove(output);
             ++inputs;
         }
     }
     EXPECT_GT(inputs, 12);
 }
 
-TEST(OutputFiles, ReplaceWithForce) {
-    const fs::path folder = folder_of_inputs("commands_force");
+TEST_F(EveryCommand, ReplacesWithForce) {
     for (WritingCommand command : writing_commands(folder)) {
         if (command.words[0] == "figures" || command.words[0] == "baseline" ||
             command.words[0] == "chart" || command.words[0] == "tune" ||
@@ -212,26 +216,11 @@ TEST(OutputFiles, ReplaceWithForce) {
         }
         fs::remove(folder / "new.rec");
     }
-    testing::expect_refused(
-        testing::run_program({"demo", "--frames", "1", "--screenshot", folder / "both", "--record",
-                              folder / "." / "both", "--force"}),
-        "is named for two outputs");
-    EXPECT_FALSE(fs::exists(folder / "both"));
     // A scene that cannot be loaded costs no record.
     testing::expect_refused(testing::run_program({"record", folder / "r.rec", "--force", "--scene",
                                                   folder / "none.glb"}),
                             "none.glb");
     EXPECT_EQ(testing::run_program({"replay", folder / "r.rec"}).exit_status, 0);
-}
-
-TEST(OutputFiles, InputsThatDoNotEndAreRefused) {
-    for (const char *option : {"--device-file", "--tuning-file"}) {
-        testing::expect_refused(testing::run_program({"stiffness", option, "/dev/zero"}),
-                                "/dev/zero: is no ordinary file");
-    }
-    testing::expect_refused(testing::run_program({"touch", "sphere:1280", "--path", "/dev/zero"}),
-                            "/dev/zero: is no ordinary file");
-    testing::expect_refused(testing::run_program({"inspect", "/dev/zero"}), "/dev/zero");
 }
 
 } // namespace

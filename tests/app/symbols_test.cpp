@@ -11,6 +11,7 @@
 #include <regex>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace springdrive::app {
@@ -81,66 +82,53 @@ TEST(Symbols, DescribeEveryChannelWithItsNameAndUnit) {
     EXPECT_GT(used.size(), 60U);
 }
 
-/// The code points of UTF-8.
-std::set<char32_t> letters_of(const std::string &text) {
-    std::set<char32_t> letters;
-    for (std::size_t i = 0; i < text.size();) {
+/// Of UTF-8: code points that the window's font has, see Window::choose_font.
+void expect_letters_of_the_window(const std::string &text) {
+    for (std::size_t i = 0; i < text.size(); ++i) {
         const auto byte = static_cast<unsigned char>(text[i]);
         const int more = byte < 0x80 ? 0 : byte < 0xe0 ? 1 : byte < 0xf0 ? 2 : 3;
         char32_t letter = more == 0 ? byte : byte & (0x3fU >> static_cast<unsigned>(more));
         for (int k = 0; k < more; ++k) {
             letter = letter << 6U | (static_cast<unsigned char>(text.at(++i)) & 0x3fU);
         }
-        letters.insert(letter);
-        ++i;
+        EXPECT_TRUE(
+            letter == '\n' || (letter >= 0x20 && letter <= 0xff) ||
+            (letter >= 0x370 && letter <= 0x3ff) || (letter >= 0x2010 && letter <= 0x2027) ||
+            (letter >= 0x2070 && letter <= 0x209f) || (letter >= 0x2190 && letter <= 0x22ff))
+            << std::hex << static_cast<unsigned>(letter) << ": " << text;
     }
-    return letters;
 }
 
 TEST(Symbols, AreWrittenInLettersThatTheWindowHas) {
-    const auto has = [](char32_t letter) { // see Window::choose_font
-        return letter == '\n' || (letter >= 0x20 && letter <= 0xff) ||
-               (letter >= 0x370 && letter <= 0x3ff) || (letter >= 0x2010 && letter <= 0x2027) ||
-               (letter >= 0x2070 && letter <= 0x209f) || (letter >= 0x2190 && letter <= 0x22ff);
-    };
-    std::vector<std::string> texts;
     for (const Symbol &symbol : symbols()) {
-        texts.push_back(explanation_of(symbol.name));
+        expect_letters_of_the_window(explanation_of(symbol.name));
     }
     for (const session::Channel &channel : session::channels()) {
-        texts.push_back(explanation_of(channel.name));
-    }
-    for (const std::string &text : texts) {
-        for (const char32_t letter : letters_of(text)) {
-            EXPECT_TRUE(has(letter)) << std::hex << static_cast<unsigned>(letter) << ": " << text;
-        }
+        expect_letters_of_the_window(explanation_of(channel.name));
     }
 }
 
 TEST(Symbols, OfOneQuantityShareTheirText) {
-    const auto quantity = [](const char *name) {
-        return quantity_of(session::channels()[session::channel_named(name).value()]);
-    };
-    EXPECT_EQ(quantity("theta_Sd2_rad"), "theta_Sd");
-    EXPECT_EQ(quantity("x_Sd_z_m"), "x_Sd");
-    EXPECT_EQ(quantity("R_mean3_deviation_Ohm"), "R_mean_deviation");
-    EXPECT_EQ(quantity("normal_y"), "normal");
-    EXPECT_EQ(quantity("alpha_rad2_per_m2"), "alpha");
-    EXPECT_EQ(quantity("allowed_motion_zx"), "allowed_motion");
-    EXPECT_EQ(quantity("limit_winding_C"), "limit");
+    for (const auto &[channel, quantity] : {std::pair("theta_Sd2_rad", "theta_Sd"),
+                                            {"x_Sd_z_m", "x_Sd"},
+                                            {"R_mean3_deviation_Ohm", "R_mean_deviation"},
+                                            {"normal_y", "normal"},
+                                            {"alpha_rad2_per_m2", "alpha"},
+                                            {"allowed_motion_zx", "allowed_motion"},
+                                            {"limit_winding_C", "limit"}}) {
+        EXPECT_EQ(quantity_of(session::channels()[session::channel_named(channel).value()]),
+                  quantity);
+    }
 }
 
-TEST(Symbols, DescribeEveryLimitByWhatItLimits) {
+TEST(Symbols, DescribeEveryLimitAndWhatPanelsShow) {
     for (const servo::SafetyLimit &limit : servo::kSafetyLimits) {
         const std::string text = explanation_of(std::string("limit_") + limit.name);
         EXPECT_NE(text.find(limit.what), std::string::npos) << text;
     }
-}
-
-TEST(Symbols, OfThePanelsSayTheGivenUnit) {
     for (const char *name : {"K_L = K_HF", "K_DC", "B_dR", "lag τ", "added", "at the tip",
                              "tip stiffness", "active α", "observe R"}) {
-        const std::string text = explanation_of(name, "N·m");
+        const std::string text = explanation_of(name, "N·m"); // the given unit
         ASSERT_NE(symbol_named(name), nullptr) << name;
         EXPECT_NE(text.find(symbol_named(name)->meaning), std::string::npos) << text;
         EXPECT_NE(text.find("\nunit: N·m"), std::string::npos) << text;

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <optional>
 #include <random>
+#include <utility>
+#include <vector>
 
 namespace springdrive::app {
 namespace {
@@ -145,23 +147,6 @@ TEST(TouchByClick, ComesDownAlongTheNormalAtBoundedSpeedAndStaysAtTheStatedDepth
     EXPECT_TRUE(touch.is_pressed());
 }
 
-TEST(TouchByClick, IsPressedDeeperByTheWheelWithinLimits) {
-    TouchByClick touch;
-    touch.press(box_ground(), {}, kStart_m, kOnTop);
-    const auto depth_after_m = [&](double by_m) {
-        touch.deepen(by_m);
-        Vector3 at_m = kStart_m;
-        for (int frame = 0; frame < 200; ++frame) {
-            at_m = touch.next_m(kFrame60_s);
-        }
-        return kOnTop.point_m.y() - at_m.y();
-    };
-    EXPECT_NEAR(depth_after_m(0.002), 0.008, 1e-12);
-    EXPECT_NEAR(depth_after_m(-0.004), 0.004, 1e-12);
-    EXPECT_NEAR(depth_after_m(1.0), TouchByClick::kDeepest_m, 1e-12);
-    EXPECT_NEAR(depth_after_m(-1.0), TouchByClick::kMin_m, 1e-12);
-}
-
 /// Lets it come down; where the hand is then.
 Vector3 pressed_down(TouchByClick &touch) {
     touch.press(box_ground(), {}, kStart_m, kOnTop);
@@ -170,6 +155,22 @@ Vector3 pressed_down(TouchByClick &touch) {
         at_m = touch.next_m(kFrame60_s);
     }
     return at_m;
+}
+
+TEST(TouchByClick, IsPressedDeeperByTheWheelWithinLimits) {
+    TouchByClick touch;
+    pressed_down(touch);
+    for (const auto &[by_m, depth_m] : {std::pair(0.002, 0.008),
+                                        {-0.004, 0.004},
+                                        {1.0, TouchByClick::kDeepest_m},
+                                        {-1.0, TouchByClick::kMin_m}}) {
+        touch.deepen(by_m);
+        Vector3 at_m = kStart_m;
+        for (int frame = 0; frame < 80; ++frame) {
+            at_m = touch.next_m(kFrame60_s);
+        }
+        EXPECT_NEAR(kOnTop.point_m.y() - at_m.y(), depth_m, 1e-12);
+    }
 }
 
 TEST(TouchByClick, SlidesOnTheSurfaceAfterTheCursor) {

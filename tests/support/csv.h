@@ -1,7 +1,9 @@
 // Reads CSV in tests: an independent reader of what the program writes.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -27,6 +29,21 @@ inline std::vector<std::vector<std::string>> parsed_csv(const std::string &text)
     }
     lines.pop_back();
     return lines;
+}
+
+/// The rows below the header, as numbers; NaN for a cell that is empty or none.
+inline std::vector<std::vector<double>> parsed_numbers(const std::string &text) {
+    std::vector<std::vector<double>> rows;
+    for (const std::vector<std::string> &line : parsed_csv(text)) {
+        std::vector<double> &row = rows.emplace_back();
+        for (const std::string &cell : line) {
+            char *end = nullptr;
+            const double number = std::strtod(cell.c_str(), &end);
+            row.push_back(end == cell.c_str() ? NAN : number);
+        }
+    }
+    rows.erase(rows.begin());
+    return rows;
 }
 
 } // namespace springdrive::testing

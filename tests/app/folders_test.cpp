@@ -1,11 +1,13 @@
-// Covers app/host/output_dir.cpp.
+// Covers app/host/{asset_folder,output_dir}.cpp.
+#include "app/host/asset_folder.h"
 #include "app/host/output_dir.h"
-
+#include "tests/support/devices.h"
 #include "tests/support/files.h"
+#include "tests/support/program.h"
+#include "tests/support/variable.h"
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -17,31 +19,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A variable of the environment, which afterwards is what it was.
-class Variable {
-public:
-    Variable(const char *name, const std::optional<std::string> &value) : name_(name) {
-        if (const char *before = std::getenv(name); before != nullptr) {
-            before_ = before;
-        }
-        set(value);
-    }
-    ~Variable() { set(before_); }
-    Variable(const Variable &) = delete;
-    Variable &operator=(const Variable &) = delete;
+using testing::Variable;
 
-    void set(const std::optional<std::string> &value) const {
-        if (value) {
-            setenv(name_, value->c_str(), 1);
-        } else {
-            unsetenv(name_);
-        }
-    }
+TEST(AssetFolder, IsWhatIsNamedElseBesideAnInstalledProgramElseThatOfTheSources) {
+    const fs::path prefix = testing::fresh_folder("asset_folder");
+    fs::create_directories(prefix / "bin");
+    const fs::path program = prefix / "bin/springdrive";
+    EXPECT_EQ(assets_of(program), testing::assets());
+    fs::create_directories(prefix / "share/springdrive");
+    EXPECT_EQ(assets_of(program), prefix / "share/springdrive");
+    fs::remove(prefix / "share/springdrive");
+    std::ofstream(prefix / "share/springdrive") << "a file";
+    EXPECT_EQ(assets_of(program), testing::assets());
+    EXPECT_EQ(assets_of(""), testing::assets()); // without /proc
 
-private:
-    const char *name_;
-    std::optional<std::string> before_;
-};
+    EXPECT_EQ(asset_folder(), testing::assets());
+    const Variable named("SPRINGDRIVE_ASSETS", "/some/where");
+    EXPECT_EQ(asset_folder(), "/some/where");
+    EXPECT_NE(testing::run_program({"demo", "--help"}).out.find("/some/where/tunings"),
+              std::string::npos);
+}
 
 class OutputDir : public ::testing::Test {
 protected:
@@ -104,16 +101,17 @@ TEST_F(OutputDir, IsAmongTheDocumentsIfTheCurrentFolderCannotBeWrittenTo) {
 }
 
 TEST_F(OutputDir, IsInTheHomeFolderIfTheSettingsAreOfNoUse) {
+    const fs::path settings = home / ".config/user-dirs.dirs";
     for (const char *line : {"XDG_DOCUMENTS_DIR=", "XDG_DOCUMENTS_DIR=\"", "XDG_DOCUMENTS_DIR=\"\"",
                              "XDG_DOCUMENTS_DIR=\"relative\"", "XDG_DOCUMENTS_DIR=\"$HOME\"",
                              "XDG_DOCUMENTS_DIR=\"$HOME/\"", "#XDG_DOCUMENTS_DIR=\"/tmp\""}) {
         write_settings(line);
-        const fs::path documents = documents_folder(home / ".config/user-dirs.dirs", home);
+        const fs::path documents = documents_folder(settings, home);
         EXPECT_TRUE(fs::equivalent(documents, home)) << line << ": " << documents;
     }
-    fs::remove(home / ".config/user-dirs.dirs");
-    fs::create_directories(home / ".config/user-dirs.dirs");
-    EXPECT_EQ(documents_folder(home / ".config/user-dirs.dirs", home), home);
+    fs::remove(settings);
+    fs::create_directories(settings);
+    EXPECT_EQ(documents_folder(settings, home), home);
 }
 
 } // namespace
