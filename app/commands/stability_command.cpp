@@ -13,7 +13,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
 #include "engine/control/tuning.h"
-#include "engine/lab/limits/method_limits/method_limits.h"
+#include "engine/lab/limits/method_limits/experiment.h"
 #include "engine/lab/limits/stability_limits.h"
 #include "engine/lab/limits/stability_map.h"
 

@@ -67,7 +67,7 @@ SceneDescription slope() {
 }
 
 /// The place of most wrong force among those that can be pressed from above with ease, and the fall
-/// of the surface there, to the front: what `loops::most_wrong_direction` finds, rounded.
+/// of the surface there, to the front: rounded, as found by a search over all of them.
 constexpr double kWrongY_m = -0.0412;
 constexpr double kWrongZ_m = 0.0358;
 constexpr double kWrongFall = 0.37;

@@ -1,7 +1,7 @@
 // Gain limits of loops with a fractional delay: eigenvalues compared with two simulations.
 #pragma once
 
-#include "engine/lab/limits/simulated_limit.h"
+#include "engine/lab/limits/stability_limits.h"
 #include "tests/support/random_loops.h"
 #include "tests/support/runge_kutta_loop.h"
 

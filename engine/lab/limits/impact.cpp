@@ -1,4 +1,4 @@
-#include "engine/lab/limits/impact.h"
+#include "engine/lab/limits/drive_comparison.h"
 
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"

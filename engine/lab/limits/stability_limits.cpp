@@ -1,16 +1,15 @@
 #include "engine/lab/limits/stability_limits.h"
 
 #include "base/bisection.h"
-#include "engine/lab/limits/simulated_limit.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <future>
 
 namespace springdrive::limits {
 
 namespace {
-
-constexpr int kScanned = 60;
 
 loops::StabilityCase with(loops::StabilityCase which, const loops::StabilityParameter &parameter,
                           double value) {
@@ -18,20 +17,190 @@ loops::StabilityCase with(loops::StabilityCase which, const loops::StabilityPara
     return which;
 }
 
-/// The values of a range, evenly spaced on the parameter's scale.
-std::vector<double> scan(const loops::StabilityParameter &parameter, const ParameterRange &range) {
+using Holds = std::function<bool(double)>;
+
+/// Values to try around a prediction: 0 is the prediction, positive shares lie on its unstable
+/// side.
+class Places {
+public:
+    Places(const loops::StabilityParameter &parameter, const StabilityLimit &limit)
+        : parameter_(parameter), at_(limit.predicted), outward_(limit.stable_below ? 1.0 : -1.0) {}
+
+    /// @param share  of the prediction
+    [[nodiscard]] double value(double share) const {
+        constexpr double kOfZero = 1e-9; // where a share would be zero
+        const double away = share * std::max(std::abs(at_), kOfZero);
+        return std::clamp(at_ + outward_ * away, parameter_.minimum, parameter_.maximum);
+    }
+
+private:
+    const loops::StabilityParameter &parameter_;
+    double at_;
+    double outward_;
+};
+
+/// 1, 2, 4 … per cent to either side.
+double by_doubling(const Places &places, int place) {
+    return places.value(place == 0 ? 0.0
+                                   : std::copysign(0.01 * std::exp2(std::abs(place) - 1), place));
+}
+
+/// From the prediction outwards to the nearest value at which a trial has the opposite result.
+std::optional<Bracket> nearest_bracket(const Places &places, const Holds &holds) {
+    constexpr int kFarthestInward = 7;  // 64 %
+    constexpr int kFarthestOutward = 9; // 256 %
+    const bool holds_there = holds(by_doubling(places, 0));
+    const int step = holds_there ? 1 : -1;
+    const int farthest = holds_there ? kFarthestOutward : kFarthestInward;
+    for (int i = 1; i <= farthest; ++i) {
+        const double last = by_doubling(places, step * (i - 1));
+        const double value = by_doubling(places, step * i);
+        if (value == last) { // the parameter's range ends
+            return std::nullopt;
+        }
+        if (holds(value) != holds_there) {
+            return holds_there ? Bracket{last, value} : Bracket{value, last};
+        }
+    }
+    return std::nullopt;
+}
+
+constexpr int kStart = -7;      ///< half the prediction
+constexpr int kInnermost = -11; ///< a tenth of it
+constexpr int kOutermost = 19;  ///< four times it
+
+/// Steps of a tenth inside, of a twentieth near the prediction, and growing by a fifth farther out.
+double evenly(const Places &places, int place) {
+    constexpr double kStep = 0.05;
+    constexpr int kEven = 4; // to either side
+    constexpr double kWider = 1.2;
+    const double steps = place < -kEven   ? 2 * place + kEven
+                         : place <= kEven ? place
+                                          : kEven * std::pow(kWider, place - kEven);
+    return places.value(kStep * steps);
+}
+
+/// The first value that fails, from well inside outwards.
+/// @param predicted  whether a value is stable by the eigenvalues
+std::optional<Bracket> first_bracket(const Places &places, const Holds &holds,
+                                     const Holds &predicted) {
+    const auto value = [&](int place) { return evenly(places, place); };
+    const auto goes_on = [&](int from, int to) {
+        return value(from) != value(to) && (to > 0 || predicted(value(to)));
+    };
+    int place = 0;
+    while (place > kStart && goes_on(place, place - 1)) {
+        --place;
+    }
+    if (!holds(value(place))) {
+        for (int in = place - 1; in >= kInnermost && goes_on(in + 1, in); --in) {
+            if (holds(value(in))) {
+                return Bracket{value(in), value(in + 1)};
+            }
+        }
+        do { // it comes to rest in the middle only, or nowhere
+            ++place;
+        } while (place <= 0 && !holds(value(place)));
+        if (place > 0) {
+            return std::nullopt;
+        }
+    }
+    for (; place < kOutermost && goes_on(place, place + 1); ++place) {
+        if (!holds(value(place + 1))) {
+            return Bracket{value(place), value(place + 1)};
+        }
+    }
+    return std::nullopt;
+}
+
+/// All members at a value; those that failed recently come first, so that failures are found early.
+class Members {
+public:
+    Members(const loops::StabilityCase &which, const loops::StabilityParameter &parameter,
+            const TrialOptions &options, double critical)
+        : which_(which), parameter_(parameter), options_(options) {
+        for (const loops::WorstMember &ranked : loops::ranked_members(at(critical))) {
+            members_.push_back(ranked.member);
+        }
+    }
+
+    [[nodiscard]] loops::StabilityCase at(double value) const {
+        loops::StabilityCase there = which_;
+        parameter_.set(there, value);
+        return there;
+    }
+
+    bool hold(double value) { return hold_from(members_.begin(), value); }
+
+    /// All but the one that failed last; where one of these fails, it becomes that one.
+    bool others_hold(double value) { return hold_from(members_.begin() + 1, value); }
+
+    /// The one that failed last.
+    Trial critical(double value) { return trial(at(value), members_.front()); }
+
+private:
+    bool hold_from(std::vector<loops::LoopMember>::iterator first, double value) {
+        const loops::StabilityCase there = at(value);
+        const auto failed = std::find_if(first, members_.end(), [&](loops::LoopMember &member) {
+            return !trial(there, member).stable;
+        });
+        if (failed == members_.end()) {
+            return true;
+        }
+        std::rotate(members_.begin(), failed, failed + 1);
+        return false;
+    }
+
+    [[nodiscard]] Trial trial(const loops::StabilityCase &there, loops::LoopMember &member) const {
+        if (there.hands.size() == 1) { // its properties may be the varied parameter
+            member.hand = there.hands.front();
+        }
+        return simulated(there, member, options_);
+    }
+
+    const loops::StabilityCase &which_;
+    const loops::StabilityParameter &parameter_;
+    const TrialOptions &options_;
+    std::vector<loops::LoopMember> members_;
+};
+
+/// The limit to 1e-3 for the member that failed last, and for another member where that one fails
+/// even earlier.
+double limit_within(const Bracket &bracket, Members &members) {
+    Bracket left = bracket;
+    for (;;) {
+        // A value at which the motion persists: no need to search more closely.
+        std::optional<double> line;
+        const auto holds = [&](double value) {
+            if (!line) {
+                const Trial trial = members.critical(value);
+                if (!trial.stays) {
+                    return trial.stable;
+                }
+                line = value;
+            }
+            return left.holds_at < left.fails_at ? value <= *line : value >= *line;
+        };
+        const double stable = last_that_holds(left, 1e-3, holds);
+        if (stable == left.holds_at || members.others_hold(stable)) {
+            return stable;
+        }
+        left.fails_at = stable;
+    }
+}
+
+} // namespace
+
+std::vector<double> spaced(const ParameterRange &range, int count, bool by_ratio) {
     std::vector<double> values;
-    const bool by_ratio = parameter.logarithmic && range.from > 0.0;
-    for (int i = 0; i < kScanned; ++i) {
-        const double share = static_cast<double>(i) / (kScanned - 1);
+    for (int i = 0; i < count; ++i) {
+        const double share = count > 1 ? static_cast<double>(i) / (count - 1) : 0.0;
         values.push_back(by_ratio ? range.from * std::pow(range.to / range.from, share)
                                   : range.from + share * (range.to - range.from));
     }
     values.back() = range.to;
     return values;
 }
-
-} // namespace
 
 std::vector<StabilityLimit> predicted_limits(const loops::StabilityCase &which,
                                              const loops::StabilityParameter &parameter,
@@ -40,7 +209,9 @@ std::vector<StabilityLimit> predicted_limits(const loops::StabilityCase &which,
         return loops::is_stable(with(which, parameter, value));
     };
     std::vector<StabilityLimit> limits;
-    const std::vector<double> values = scan(parameter, range);
+    constexpr int kScanned = 60;
+    const std::vector<double> values =
+        spaced(range, kScanned, parameter.logarithmic && range.from > 0.0);
     bool before = holds(values.front());
     for (std::size_t i = 1; i < values.size(); ++i) {
         const bool after = holds(values[i]);
@@ -57,6 +228,24 @@ std::vector<StabilityLimit> predicted_limits(const loops::StabilityCase &which,
         before = after;
     }
     return limits;
+}
+
+std::optional<double> simulated_limit(const loops::StabilityCase &which,
+                                      const loops::StabilityParameter &parameter,
+                                      const StabilityLimit &predicted,
+                                      const TrialOptions &options) {
+    Members members(which, parameter, options, predicted.predicted);
+    const Holds holds = [&](double value) { return members.hold(value); };
+    const Places places(parameter, predicted);
+    const std::optional<Bracket> found =
+        options.effects.any()
+            ? first_bracket(places, holds,
+                            [&](double value) { return loops::is_stable(members.at(value)); })
+            : nearest_bracket(places, holds);
+    if (!found) {
+        return std::nullopt;
+    }
+    return limit_within(*found, members);
 }
 
 std::vector<StabilityLimit> stability_limits(const loops::StabilityCase &which,

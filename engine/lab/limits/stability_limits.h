@@ -15,12 +15,15 @@ struct ParameterRange {
     double to = 0.0; ///< above `from`
 };
 
+/// Values of a range, evenly spaced, or by equal ratios; its ends included.
+[[nodiscard]] std::vector<double> spaced(const ParameterRange &range, int count, bool by_ratio);
+
 /// One value at which stability ends or begins.
 struct StabilityLimit {
     double predicted = 0.0; ///< the last stable value, to 1e-6 of it
     bool stable_below = true;
     loops::LoopMember worst; ///< the member that is unstable just beyond
-    /// The last stable value by trials, see simulated_limit.h; nothing where none is found.
+    /// The last stable value by trials, see `simulated_limit`; nothing where none is found.
     std::optional<double> simulated_linear; ///< without counts, supply and friction
     std::optional<double> simulated;        ///< with counts and supply
     std::optional<double> simulated_all;    ///< with friction as well
@@ -30,6 +33,20 @@ struct StabilityLimit {
 [[nodiscard]] std::vector<StabilityLimit>
 predicted_limits(const loops::StabilityCase &which, const loops::StabilityParameter &parameter,
                  const ParameterRange &range);
+
+/// The last stable value by trials, to 1e-3 of it. The prediction only gives the place to search:
+/// each result is that of trials. Nothing where all trials agree within the parameter's range, or
+/// within a factor of 4 of the prediction.
+///
+/// Without effects a loop has only one limit near the prediction, which is searched for from there
+/// outwards. With them it may come to rest, vibrate and come to rest again along a parameter. Then
+/// the limit is the first one from the stable side: values from half the prediction outwards (one
+/// and a half where stability begins there) are tried in steps of a tenth of it, of a twentieth
+/// within a fifth of it, and wider beyond. Failures over less than a step are missed.
+[[nodiscard]] std::optional<double> simulated_limit(const loops::StabilityCase &which,
+                                                    const loops::StabilityParameter &parameter,
+                                                    const StabilityLimit &predicted,
+                                                    const TrialOptions &options);
 
 /// Predictions and trials, one thread for each kind of trial.
 [[nodiscard]] std::vector<StabilityLimit>

@@ -41,17 +41,6 @@ void fill(MapCell &cell, const loops::StabilityCase &there) {
 
 } // namespace
 
-std::vector<double> MapAxis::values() const {
-    std::vector<double> all;
-    for (int i = 0; i < steps; ++i) {
-        const double share = steps > 1 ? static_cast<double>(i) / (steps - 1) : 0.0;
-        all.push_back(is_logarithmic() ? range.from * std::pow(range.to / range.from, share)
-                                       : range.from + share * (range.to - range.from));
-    }
-    all.back() = range.to;
-    return all;
-}
-
 std::vector<MapCell> stability_map(const loops::StabilityCase &which, const MapAxis &x,
                                    const MapAxis &y, const std::function<void(double)> &progress) {
     std::vector<MapCell> cells;

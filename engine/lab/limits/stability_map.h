@@ -15,7 +15,9 @@ struct MapAxis {
     int steps = 40; ///< number of values, ends included
 
     /// Evenly spaced on the parameter's scale.
-    [[nodiscard]] std::vector<double> values() const;
+    [[nodiscard]] std::vector<double> values() const {
+        return spaced(range, steps, is_logarithmic());
+    }
     /// Narrow ranges, and those that reach down to 0, are spaced linearly instead.
     [[nodiscard]] bool is_logarithmic() const {
         return parameter->logarithmic && range.from > 0.0 && range.to > 4.0 * range.from;

@@ -1,6 +1,8 @@
 #include "engine/lab/limits/thermal_hold.h"
 
+#include "base/degrees.h"
 #include "base/input_error.h"
+#include "base/print.h"
 #include "device/core/motor/motor.h"
 #include "device/core/motor/winding_guard.h"
 #include "device/core/motor/winding_temperature.h"
@@ -14,6 +16,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <ostream>
 
 namespace springdrive::limits {
 
@@ -26,87 +30,70 @@ constexpr double kMax_K_P_V_per_rad = 1e6; ///< far beyond any stable one
 
 /// A motor with a locked rotor behind a spring drive: its static current (11) warms it, and a guard
 /// limits its R̂.
-class HeldMotor {
-public:
-    /// Winding and housing start at the air's temperature.
-    /// @param theta_rad  the rotor's angle
-    /// @param step_s duration of each `advance`
-    HeldMotor(const device::MotorParameters &motor, const device::AmplifierParameters &amplifier,
-              double theta_rad, double ambient_C, double step_s)
-        : motor_(motor), theta_rad_(theta_rad), temperature_(motor.thermal, ambient_C, step_s),
-          guard_(motor, amplifier.max_cancelled_Ohm, step_s) {}
+struct HeldMotor {
+    device::MotorParameters parameters;
+    double theta_rad = 0.0;
+    device::WindingTemperature temperature; ///< winding and housing start at the air's
+    device::WindingGuard guard;
+    double R_hat_asked_Ohm = 0.0;
+    double e_W_V = 0.0;
 
     /// Sets R̂ = R(T, θ) − dR (7), as the operator does.
-    void tune(double dR_Ohm) {
-        R_hat_asked_Ohm_ = resistance_Ohm() - device::residual_resistance_Ohm(motor_, dR_Ohm);
+    void tune(double asked_dR_Ohm) {
+        R_hat_asked_Ohm =
+            resistance_Ohm() - device::residual_resistance_Ohm(parameters, asked_dR_Ohm);
     }
-    void apply(double e_W_V) { e_W_V_ = e_W_V; }
 
     /// One step with the current at its start.
     void advance() {
         const double current = current_A();
-        temperature_.update(current * current * resistance_Ohm());
-        guard_.update(current);
+        temperature.update(current * current * resistance_Ohm());
+        guard.update(current);
     }
 
     [[nodiscard]] double resistance_Ohm() const {
-        return device::winding_resistance_Ohm(motor_, temperature_.winding_C(), theta_rad_);
+        return device::winding_resistance_Ohm(parameters, temperature.winding_C(), theta_rad);
     }
-    [[nodiscard]] double R_hat_asked_Ohm() const { return R_hat_asked_Ohm_; }
     [[nodiscard]] double R_hat_allowed_Ohm() const {
-        return std::min(R_hat_asked_Ohm_, guard_.max_cancelled_Ohm());
+        return std::min(R_hat_asked_Ohm, guard.max_cancelled_Ohm());
     }
     [[nodiscard]] double dR_Ohm() const { return resistance_Ohm() - R_hat_allowed_Ohm(); }
-    [[nodiscard]] double dR_unlimited_Ohm() const { return resistance_Ohm() - R_hat_asked_Ohm_; }
-    [[nodiscard]] double min_dR_Ohm() const {
-        return device::min_resistance_Ohm(motor_, winding_C()) - R_hat_allowed_Ohm();
-    }
-    [[nodiscard]] double min_dR_unlimited_Ohm() const {
-        return device::min_resistance_Ohm(motor_, winding_C()) - R_hat_asked_Ohm_;
-    }
     /// (11) at rest, with an unlimited supply.
-    [[nodiscard]] double asked_current_A() const { return e_W_V_ / dR_Ohm(); }
+    [[nodiscard]] double asked_current_A() const { return e_W_V / dR_Ohm(); }
     /// The same, limited to what the supply drives through R.
     [[nodiscard]] double current_A() const {
-        const double rail_A = motor_.supply_V / resistance_Ohm();
+        const double rail_A = parameters.supply_V / resistance_Ohm();
         return std::clamp(asked_current_A(), -rail_A, rail_A);
     }
-    [[nodiscard]] double winding_C() const { return temperature_.winding_C(); }
-    [[nodiscard]] bool too_hot() const { return guard_.max_C() > motor_.thermal.max_winding_C; }
-    [[nodiscard]] const device::MotorParameters &parameters() const { return motor_; }
-
-private:
-    device::MotorParameters motor_;
-    double theta_rad_;
-    device::WindingTemperature temperature_;
-    device::WindingGuard guard_;
-    double R_hat_asked_Ohm_ = 0.0;
-    double e_W_V_ = 0.0;
+    [[nodiscard]] bool is_too_hot() const {
+        return guard.max_C() > parameters.thermal.max_winding_C;
+    }
 };
-
-[[nodiscard]] Vector3 of_each(const std::array<HeldMotor, 3> &motors,
-                              double (HeldMotor::*value)() const) {
-    return {(motors[0].*value)(), (motors[1].*value)(), (motors[2].*value)()};
-}
 
 /// The device locked at one configuration.
 class HeldDevice {
 public:
+    /// @param step_s duration of each `advance`
     HeldDevice(const device::DeviceDescription &device, const ThermalHoldOptions &options,
                double step_s)
         : k_T_(control::torque_constants(device)), options_(options), step_s_(step_s),
           normal_(options.direction.normalized()),
-          theta_rad_(device::motor_from_joint(device.geometry, options.q_rad)),
-          J_(device::motor_jacobian(device.geometry, options.q_rad)),
-          motors_({motor(device, 0), motor(device, 1), motor(device, 2)}) {
-        tune();
-        pull(theta_gap_rad(control::relative_stiffness(device)));
+          J_(device::motor_jacobian(device.geometry, options.q_rad)) {
+        const Vector3 theta_rad = device::motor_from_joint(device.geometry, options.q_rad);
+        for (std::size_t j = 0; j < 3; ++j) {
+            const device::MotorParameters &motor = device.motor[j];
+            motors_.push_back(
+                {motor, theta_rad[static_cast<Eigen::Index>(j)],
+                 device::WindingTemperature(motor.thermal, options.ambient_C, step_s),
+                 device::WindingGuard(motor, device.amplifier.max_cancelled_Ohm, step_s)});
+        }
+        tune_and_pull(Vector3::Zero());
+        tune_and_pull(theta_gap_rad(control::relative_stiffness(device)));
         check_currents();
     }
 
     void release_hot() {
-        tune();
-        pull(Vector3::Zero());
+        tune_and_pull(Vector3::Zero());
         phase_ = ThermalPhase::cool;
     }
 
@@ -118,29 +105,26 @@ public:
     }
 
     [[nodiscard]] bool too_hot() const {
-        return std::any_of(motors_.begin(), motors_.end(),
-                           [](const HeldMotor &motor) { return motor.too_hot(); });
+        return std::ranges::any_of(motors_, &HeldMotor::is_too_hot);
     }
 
     [[nodiscard]] ThermalRow row() const;
 
 private:
-    [[nodiscard]] HeldMotor motor(const device::DeviceDescription &device, std::size_t j) const {
-        return {device.motor[j], device.amplifier, theta_rad_[static_cast<Eigen::Index>(j)],
-                options_.ambient_C, step_s_};
-    }
-    void tune() {
-        for (HeldMotor &motor : motors_) {
-            motor.tune(options_.tuning.dR_Ohm);
+    /// R̂ for the requested dR, and (10) with everything at rest.
+    void tune_and_pull(const Vector3 &theta_gap_rad) {
+        for (std::size_t j = 0; j < motors_.size(); ++j) {
+            motors_[j].tune(options_.tuning.dR_Ohm);
+            motors_[j].e_W_V =
+                options_.tuning.K_P_V_per_rad * theta_gap_rad[static_cast<Eigen::Index>(j)];
         }
     }
 
-    [[nodiscard]] Vector3 static_stiffness_Nm_per_rad() const {
-        return options_.tuning.K_P_V_per_rad *
-               k_T_.cwiseQuotient(of_each(motors_, &HeldMotor::dR_Ohm));
+    [[nodiscard]] Vector3 of_each(double (HeldMotor::*value)() const) const {
+        return {(motors_[0].*value)(), (motors_[1].*value)(), (motors_[2].*value)()};
     }
-    [[nodiscard]] Vector3 tip_force_N() const {
-        return control::static_tip_force(J_, k_T_, of_each(motors_, &HeldMotor::current_A));
+    [[nodiscard]] Vector3 static_stiffness_Nm_per_rad() const {
+        return options_.tuning.K_P_V_per_rad * k_T_.cwiseQuotient(of_each(&HeldMotor::dR_Ohm));
     }
 
     /// θ_Sd − θ of (23) for a set-point along the normal, at the distance at which the tip renders
@@ -161,23 +145,14 @@ private:
         return options_.force_N / force_N * gap_rad;
     }
 
-    /// (10) with everything at rest.
-    void pull(const Vector3 &theta_gap_rad) {
-        for (std::size_t j = 0; j < motors_.size(); ++j) {
-            motors_[j].apply(options_.tuning.K_P_V_per_rad *
-                             theta_gap_rad[static_cast<Eigen::Index>(j)]);
-        }
-    }
-
     void check_currents() const;
 
     Vector3 k_T_;
     ThermalHoldOptions options_;
     double step_s_;
     Vector3 normal_;
-    Vector3 theta_rad_;
     Matrix3 J_;
-    std::array<HeldMotor, 3> motors_;
+    std::vector<HeldMotor> motors_;
     ThermalPhase phase_ = ThermalPhase::hold;
     long steps_ = 0;
 };
@@ -186,7 +161,7 @@ private:
 /// falls.
 void HeldDevice::check_currents() const {
     for (std::size_t j = 0; j < motors_.size(); ++j) {
-        const device::MotorParameters &motor = motors_[j].parameters();
+        const device::MotorParameters &motor = motors_[j].parameters;
         const double current_A = std::abs(motors_[j].asked_current_A());
         const double limit_A =
             std::min(motor.peak_current_A, motor.supply_V / motors_[j].resistance_Ohm());
@@ -204,25 +179,28 @@ ThermalRow HeldDevice::row() const {
     ThermalRow row;
     row.time_s = static_cast<double>(steps_) * step_s_;
     row.phase = phase_;
-    row.winding_C = of_each(motors_, &HeldMotor::winding_C);
-    row.R_hat_asked_Ohm = of_each(motors_, &HeldMotor::R_hat_asked_Ohm);
-    row.R_hat_allowed_Ohm = of_each(motors_, &HeldMotor::R_hat_allowed_Ohm);
-    row.dR_unlimited_Ohm = of_each(motors_, &HeldMotor::dR_unlimited_Ohm);
-    row.dR_Ohm = of_each(motors_, &HeldMotor::dR_Ohm);
-    row.min_dR_unlimited_Ohm = of_each(motors_, &HeldMotor::min_dR_unlimited_Ohm);
-    row.min_dR_Ohm = of_each(motors_, &HeldMotor::min_dR_Ohm);
-    row.K_DC_Nm_per_rad = static_stiffness_Nm_per_rad();
-    const Vector3 force_N = tip_force_N();
-    row.tip_force_N = force_N.norm();
-    row.direction_error_rad = control::direction_error_rad(force_N, normal_);
     double fastest_per_s = 0.0;
-    for (const HeldMotor &motor : motors_) {
-        fastest_per_s = std::max(fastest_per_s,
-                                 -motor.min_dR_unlimited_Ohm() / motor.parameters().inductance_H);
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        const HeldMotor &motor = motors_[static_cast<std::size_t>(j)];
+        const double winding_C = motor.temperature.winding_C();
+        const double min_Ohm = device::min_resistance_Ohm(motor.parameters, winding_C);
+        row.winding_C[j] = winding_C;
+        row.R_hat_asked_Ohm[j] = motor.R_hat_asked_Ohm;
+        row.R_hat_allowed_Ohm[j] = motor.R_hat_allowed_Ohm();
+        row.dR_unlimited_Ohm[j] = motor.resistance_Ohm() - motor.R_hat_asked_Ohm;
+        row.dR_Ohm[j] = motor.dR_Ohm();
+        row.min_dR_unlimited_Ohm[j] = min_Ohm - motor.R_hat_asked_Ohm;
+        row.min_dR_Ohm[j] = min_Ohm - motor.R_hat_allowed_Ohm();
+        fastest_per_s =
+            std::max(fastest_per_s, -row.min_dR_unlimited_Ohm[j] / motor.parameters.inductance_H);
     }
     if (fastest_per_s > 0.0) {
         row.growth_time_s = 1.0 / fastest_per_s;
     }
+    row.K_DC_Nm_per_rad = static_stiffness_Nm_per_rad();
+    const Vector3 force_N = control::static_tip_force(J_, k_T_, of_each(&HeldMotor::current_A));
+    row.tip_force_N = force_N.norm();
+    row.direction_error_rad = control::direction_error_rad(force_N, normal_);
     row.tripped = too_hot();
     return row;
 }
@@ -257,6 +235,101 @@ void check(const device::DeviceDescription &device, const ThermalHoldOptions &op
     }
 }
 
+using Rows = std::vector<ThermalRow>;
+
+Rows of_phase(const Rows &rows, ThermalPhase phase) {
+    Rows some;
+    std::ranges::copy_if(rows, std::back_inserter(some),
+                         [phase](const ThermalRow &row) { return row.phase == phase; });
+    return some;
+}
+
+/// A few evenly spaced rows, including the first and the last: enough to show the course of a
+/// phase.
+Rows thinned(const Rows &rows) {
+    constexpr std::size_t kTableRows = 11;
+    if (rows.size() <= kTableRows) {
+        return rows;
+    }
+    Rows some;
+    for (std::size_t i = 0; i < kTableRows; ++i) {
+        some.push_back(rows[i * (rows.size() - 1) / (kTableRows - 1)]);
+    }
+    return some;
+}
+
+/// Adds a row of some numbers, and of triples of the motors between them.
+void add_row(Table &table, std::vector<Cell> cells, std::initializer_list<Vector3> of_motors,
+             std::initializer_list<Cell> last) {
+    for (const Vector3 &three : of_motors) {
+        cells.insert(cells.end(), {three[0], three[1], three[2]});
+    }
+    cells.insert(cells.end(), last);
+    table.rows.push_back(std::move(cells));
+}
+
+void write_hold(std::ostream &out, const Rows &hold) {
+    Table table = Table::with_columns(
+        "time\ns:.1f,T1\n°C:.1f,T2\n°C:.1f,T3\n°C:.1f,dR1\nΩ,dR2\nΩ,dR3\nΩ,K_DC1\nN·m/rad,"
+        "K_DC2\nN·m/rad,K_DC3\nN·m/rad,force\nN,off\n°:.2f",
+        ".3f");
+    for (const ThermalRow &row : thinned(hold)) {
+        add_row(table, {row.time_s}, {row.winding_C, row.dR_Ohm, row.K_DC_Nm_per_rad},
+                {row.tip_force_N, row.direction_error_rad * kDegreesPerRadian});
+    }
+    out << "The contact is held; T are the windings' temperatures\n";
+    write_text(out, table);
+    const ThermalRow &first = hold.front();
+    const ThermalRow &last = hold.back();
+    const Vector3 share = last.K_DC_Nm_per_rad.cwiseQuotient(first.K_DC_Nm_per_rad);
+    Eigen::Index softest = 0;
+    const double left = share.minCoeff(&softest);
+    print(out,
+          "K_DC of motor {} fell to {:.0f} % of its initial value, the force from {:.2f} N to "
+          "{:.2f} N.\n",
+          softest + 1, 100.0 * left, first.tip_force_N, last.tip_force_N);
+    if (last.tripped) {
+        print(out,
+              "At {:.1f} s the safety monitor trips: a winding may exceed its temperature limit.\n",
+              last.time_s);
+    }
+}
+
+/// The summary of R̂ tuned hot.
+void write_verdict(std::ostream &out, const Rows &cool) {
+    Vector3 min_unlimited = cool.front().min_dR_unlimited_Ohm;
+    Vector3 minimum = cool.front().min_dR_Ohm;
+    for (const ThermalRow &row : cool) {
+        min_unlimited = min_unlimited.cwiseMin(row.min_dR_unlimited_Ohm);
+        minimum = minimum.cwiseMin(row.min_dR_Ohm);
+    }
+    Eigen::Index worst = 0;
+    const double worst_Ohm = min_unlimited.minCoeff(&worst);
+    print(out, "Without a limit on R̂, dR of motor {} falls to {:.3f} Ω", worst + 1, worst_Ohm);
+    const auto over_cancelled = std::ranges::find_if(
+        cool, [](const ThermalRow &row) { return !std::isnan(row.growth_time_s); });
+    if (over_cancelled != cool.end()) {
+        print(out, ": over-cancelled from {:.0f} s on, until its current grows e-fold in {:.1f} ms",
+              over_cancelled->time_s, 1e3 * cool.back().growth_time_s);
+    }
+    print(out, ".\nWith it no dR falls below {:.3f} Ω.\n", minimum.minCoeff());
+}
+
+void write_cool(std::ostream &out, const Rows &cool) {
+    Table table = Table::with_columns(
+        "time\ns:.1f,T1\n°C:.1f,T2\n°C:.1f,T3\n°C:.1f,dR1\nno limit,dR2\nno limit,dR3\nno limit,"
+        "dR1\nlimit,dR2\nlimit,dR3\nlimit,L/|dR|\nms:.2f",
+        ".3f");
+    for (const ThermalRow &row : thinned(cool)) {
+        add_row(table, {row.time_s}, {row.winding_C, row.min_dR_unlimited_Ohm, row.min_dR_Ohm},
+                {1e3 * row.growth_time_s});
+    }
+    out << "\nR̂ is tuned again on the hot motors, the contact released; dR [Ω] at the worst "
+           "angle\n";
+    write_text(out, table);
+    write_verdict(out, cool);
+}
+
 } // namespace
 
 std::vector<ThermalRow> thermal_hold(const device::DeviceDescription &device,
@@ -283,6 +356,34 @@ std::vector<ThermalRow> thermal_hold(const device::DeviceDescription &device,
         }
     }
     return rows;
+}
+
+Table thermal_table(const std::vector<ThermalRow> &rows) {
+    Table table = Table::with_columns(
+        "time_s,phase,winding1_C,winding2_C,winding3_C,"
+        "R_hat_asked1_Ohm,R_hat_asked2_Ohm,R_hat_asked3_Ohm,"
+        "R_hat_allowed1_Ohm,R_hat_allowed2_Ohm,R_hat_allowed3_Ohm,"
+        "dR_unlimited1_Ohm,dR_unlimited2_Ohm,dR_unlimited3_Ohm,dR1_Ohm,dR2_Ohm,dR3_Ohm,"
+        "least_dR_unlimited1_Ohm,least_dR_unlimited2_Ohm,least_dR_unlimited3_Ohm,"
+        "least_dR1_Ohm,least_dR2_Ohm,least_dR3_Ohm,"
+        "K_DC1_Nm_per_rad,K_DC2_Nm_per_rad,K_DC3_Nm_per_rad,"
+        "tip_force_N,direction_error_deg,growth_time_s,tripped",
+        ".9g");
+    for (const ThermalRow &row : rows) {
+        add_row(table, {row.time_s, row.phase == ThermalPhase::hold ? "hold" : "cool"},
+                {row.winding_C, row.R_hat_asked_Ohm, row.R_hat_allowed_Ohm, row.dR_unlimited_Ohm,
+                 row.dR_Ohm, row.min_dR_unlimited_Ohm, row.min_dR_Ohm, row.K_DC_Nm_per_rad},
+                {row.tip_force_N, row.direction_error_rad * kDegreesPerRadian, row.growth_time_s,
+                 row.tripped});
+    }
+    return table;
+}
+
+void write_thermal_table(std::ostream &out, const std::vector<ThermalRow> &rows) {
+    write_hold(out, of_phase(rows, ThermalPhase::hold));
+    if (const Rows cool = of_phase(rows, ThermalPhase::cool); !cool.empty()) {
+        write_cool(out, cool);
+    }
 }
 
 } // namespace springdrive::limits

@@ -1,4 +1,4 @@
-#include "engine/lab/limits/wall_tune.h"
+#include "engine/lab/limits/drive_comparison.h"
 
 #include "base/bisection.h"
 #include "engine/lab/limits/stability_simulation.h"

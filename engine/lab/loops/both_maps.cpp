@@ -5,7 +5,6 @@
 #include "engine/control/coupling.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/haptic_law.h"
-#include "engine/lab/loops/wrong_direction.h"
 
 #include <Eigen/LU>
 
@@ -70,6 +69,14 @@ MapForces map_forces(const device::DeviceDescription &device, const control::Con
         forces.inverse_N = force_N(*found.inverse);
     }
     return forces;
+}
+
+Matrix3 inverse_tip_stiffness(const device::DeviceDescription &device,
+                              const control::Tuning &tuning, const Vector3 &q_rad) {
+    const Vector3 K_q =
+        (1.0 - tuning.eta) * control::static_stiffness_Nm_per_rad(device.motor, tuning);
+    const Matrix3 J_inverse = device::motor_jacobian(device.geometry, q_rad).inverse();
+    return J_inverse.transpose() * K_q.asDiagonal() * J_inverse;
 }
 
 std::optional<MapStiffness> map_stiffness(const device::DeviceDescription &device,

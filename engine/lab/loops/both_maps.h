@@ -31,6 +31,10 @@ struct MapStiffness {
     double transpose_N_per_m = 0.0;           ///< (27): (1 − η) α k̄ in every direction
 };
 
+/// (21) at a configuration [N/m]: J⁻ᵀ K_q J⁻¹ with K_q = (1 − η) K_DC. @pre J is regular
+[[nodiscard]] Matrix3 inverse_tip_stiffness(const device::DeviceDescription &device,
+                                            const control::Tuning &tuning, const Vector3 &q_rad);
+
 /// At rest, with the tuning's own η. Nothing where J is singular.
 [[nodiscard]] std::optional<MapStiffness> map_stiffness(const device::DeviceDescription &device,
                                                         const control::Tuning &tuning,

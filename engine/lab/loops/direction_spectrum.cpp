@@ -1,5 +1,7 @@
 #include "engine/lab/loops/direction_spectrum.h"
 
+#include "engine/control/motion_control.h"
+
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -9,6 +11,19 @@
 #include <numbers>
 
 namespace springdrive::loops {
+
+PlanarContact planar_contact(const device::DeviceDescription &device, const control::Tuning &tuning,
+                             const Vector3 &q_rad, double alpha_rad2_per_m2,
+                             const Sampling &sampling) {
+    PlanarContact contact;
+    contact.J = planar_jacobian(device.geometry, q_rad);
+    contact.alpha_rad2_per_m2 = alpha_rad2_per_m2;
+    contact.relative_stiffness = control::relative_stiffness(device).tail<2>();
+    for (std::size_t j = 0; j < 2; ++j) {
+        contact.drive[j] = {device.motor[j + 1], tuning, sampling.period_s, sampling.delay_periods};
+    }
+    return contact;
+}
 
 Eigen::Matrix2cd motor_stiffness(const PlanarContact &contact, control::MotionMap map,
                                  double omega_rad_per_s) {

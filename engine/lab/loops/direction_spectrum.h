@@ -19,8 +19,9 @@
 // ellipsoid (21).
 #pragma once
 
-#include "engine/lab/loops/link_plane.h"
+#include "device/core/device_description.h"
 #include "engine/lab/loops/rendered_stiffness.h"
+#include "engine/lab/loops/stiffness_ellipse.h"
 
 #include <Eigen/Core>
 
@@ -35,6 +36,11 @@ struct PlanarContact {
     Vector2 relative_stiffness{1.0, 1.0}; ///< W, see engine/control/motion_control.h
     std::array<SpringDrive, 2> drive;     ///< of the motors of q₂ and q₃; one servo, one tuning
 };
+
+/// A device's, at a configuration under one tuning.
+[[nodiscard]] PlanarContact planar_contact(const device::DeviceDescription &device,
+                                           const control::Tuning &tuning, const Vector3 &q_rad,
+                                           double alpha_rad2_per_m2, const Sampling &sampling);
 
 /// −τ/θ of both motors [N·m/rad] at a locked set-point of the tip.
 [[nodiscard]] Eigen::Matrix2cd motor_stiffness(const PlanarContact &contact, control::MotionMap map,

@@ -1,10 +1,8 @@
-#include "engine/lab/limits/method_limits/limit_trials.h"
-
+// The steps above which integrators of the plant are unstable.
 #include "base/bisection.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
-#include "device/simulated/simulation_options.h"
-#include "engine/lab/loops/stability_case.h"
+#include "engine/lab/limits/method_limits/experiment_list.h"
 #include "engine/lab/rig/integrators.h"
 #include "engine/lab/rig/plant_equations.h"
 
@@ -36,10 +34,22 @@ struct ContactMode {
         return device::inductive_stiffness_Nm_per_rad(motor()) / inertia_kg_m2;
     }
     /// Eigenvalue of y' = A y with y = (θ̇, i), the one with the positive imaginary part.
-    [[nodiscard]] std::complex<double> eigenvalue() const;
+    [[nodiscard]] std::complex<double> eigenvalue() const {
+        const double middle = 0.5 * (winding_per_s() + rotor_per_s());
+        const double product = winding_per_s() * rotor_per_s() + omega_squared();
+        return -middle + std::sqrt(std::complex<double>(middle * middle - product));
+    }
 
-    [[nodiscard]] rig::PlantState start() const;
-    [[nodiscard]] double energy_J(const rig::PlantState &y) const;
+    [[nodiscard]] rig::PlantState start() const {
+        rig::PlantState y = rig::PlantState::Zero();
+        y.head<3>() = q_rad;
+        y[6] = kStart_A;
+        return y;
+    }
+    [[nodiscard]] double energy_J(const rig::PlantState &y) const {
+        const double rate = device.geometry.transmission_ratio[0] * y[3];
+        return 0.5 * (inertia_kg_m2 * rate * rate + motor().inductance_H * y[6] * y[6]);
+    }
     [[nodiscard]] rig::PlantEquations equations() const;
 
     device::DeviceDescription device;
@@ -52,10 +62,7 @@ struct ContactMode {
 
 ContactMode::ContactMode(const loops::StabilityCase &which)
     : device(which.device), q_rad(which.q_rad) {
-    loops::StabilityCase one = which;
-    one.rotor.reset();
-    one.freedom = loops::Freedom::one_motor;
-    const loops::DrivenLoad load = loops::driven_load(one, {0, loops::no_hand()});
+    const loops::DrivenLoad load = loops::driven_load(which, {0, loops::no_hand()});
     inertia_kg_m2 = load.inertia_kg_m2(0, 0);
     damping_Nms_per_rad = load.damping_Nms_per_rad(0, 0);
     options.hand = {0.0, 0.0, 0.0, 0.0, 1.0};
@@ -66,24 +73,6 @@ ContactMode::ContactMode(const loops::StabilityCase &which)
         command.cancelled_resistance_Ohm[j] =
             device.motor[static_cast<std::size_t>(j)].resistance_Ohm - kNet_Ohm;
     }
-}
-
-std::complex<double> ContactMode::eigenvalue() const {
-    const double middle = 0.5 * (winding_per_s() + rotor_per_s());
-    const double product = winding_per_s() * rotor_per_s() + omega_squared();
-    return -middle + std::sqrt(std::complex<double>(middle * middle - product));
-}
-
-rig::PlantState ContactMode::start() const {
-    rig::PlantState y = rig::PlantState::Zero();
-    y.head<3>() = q_rad;
-    y[6] = kStart_A;
-    return y;
-}
-
-double ContactMode::energy_J(const rig::PlantState &y) const {
-    const double rate = device.geometry.transmission_ratio[0] * y[3];
-    return 0.5 * (inertia_kg_m2 * rate * rate + motor().inductance_H * y[6] * y[6]);
 }
 
 rig::PlantEquations ContactMode::equations() const {
@@ -97,44 +86,44 @@ rig::PlantEquations ContactMode::equations() const {
 
 constexpr double kMicro = 1e6;
 constexpr double kMinTried_s = 1e-6;
-constexpr double kMaxTried_s = 1.0; ///< tried where no limit is known
-
-/// |R(z)| of the classical fourth-order method.
-double runge_kutta_growth(std::complex<double> z) {
-    return std::abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))));
-}
 
 /// The winding alone, by a method for a single state.
 template <typename Step>
-LimitTrial held_rotor(const char *method, const device::MotorParameters &motor, double net_Ohm,
+Experiment held_rotor(const char *method, const device::MotorParameters &motor, double net_Ohm,
                       const std::string &setting, double times_L_over_R, const Step &step) {
     const double time_s = motor.inductance_H / net_Ohm;
     using State = Eigen::Matrix<double, 1, 1>;
-    return {{method, "step above", "µs", setting, kMicro * times_L_over_R * time_s, {}, {}},
-            kMicro * kMinTried_s,
-            kMicro * 10.0 * time_s,
-            false,
-            [=](double step_us) {
-                const auto rates = [&](double, const State &current) -> State {
-                    return -current / time_s;
-                };
-                State current = State::Ones();
-                for (int i = 0; i < 1000; ++i) {
-                    current = step(rates, current, step_us / kMicro);
-                }
-                return std::abs(current[0]) < 1.0;
-            }};
+    return {
+        {method, "step above", "µs", setting + ", rotor held", kMicro * times_L_over_R * time_s},
+        {kMicro * kMinTried_s, kMicro * 10.0 * time_s},
+        [=](double step_us) {
+            const auto rates = [&](double, const State &current) -> State {
+                return -current / time_s;
+            };
+            State current = State::Ones();
+            for (int i = 0; i < 1000; ++i) {
+                current = step(rates, current, step_us / kMicro);
+            }
+            return std::abs(current[0]) < 1.0;
+        }};
+}
+
+/// The plant's equations as integrators take them.
+auto rates_of(const rig::PlantEquations &f) {
+    return [&f](double t, const rig::PlantState &y) { return f.rates(t, y); };
 }
 
 /// Whether the mode's energy decays under a method for the whole plant. The links, which have modes
 /// of their own, are held.
+/// @param step  y after a step, from the equations and y
 template <typename Step> bool energy_decays(const ContactMode &mode, const Step &step) {
     constexpr int kSteps = 5000;
     constexpr double kSurely = 1e6;
+    const rig::PlantEquations equations = mode.equations();
     rig::PlantState y = mode.start();
     const double start_J = mode.energy_J(y);
     for (int i = 0; i < kSteps; ++i) {
-        const rig::PlantState next = step(y);
+        const rig::PlantState next = step(equations, y);
         for (const Eigen::Index of_base : {0, 3, 6}) {
             y[of_base] = next[of_base];
         }
@@ -149,89 +138,81 @@ template <typename Step> bool energy_decays(const ContactMode &mode, const Step 
     return mode.energy_J(y) < start_J;
 }
 
-std::string contact_setting(const char *more) {
-    return "contact mode of base and K_L, dR " + with_unit(ContactMode::kNet_Ohm, "Ω") + more;
-}
-
-LimitTrial contact_line(const char *method, double predicted_s,
-                        const std::function<bool(double)> &holds_for_s) {
+/// @param predicted_s  nothing where a method has no limit
+/// @param holds_for_s  whether it is stable at a step
+template <typename Holds>
+Experiment contact_experiment(const char *method, std::optional<double> predicted_s,
+                              const Holds &holds_for_s, const std::string &more = "") {
     constexpr double kFarBeyond = 10.0;
-    return {{method, "step above", "µs", contact_setting(""), kMicro * predicted_s, {}, {}},
-            kMicro * kMinTried_s,
-            kMicro * kFarBeyond * predicted_s,
-            false,
-            [=](double step_us) { return holds_for_s(step_us / kMicro); }};
-}
-
-LimitTrial no_line(const char *method, const std::function<bool(double)> &holds_for_s) {
-    return {{method, "step above", "µs", contact_setting("; tried from 1 µs to 1 s"), {}, {}, {}},
-            kMicro * kMinTried_s,
-            kMicro * kMaxTried_s,
-            false,
+    constexpr double kMaxTried_s = 1.0;
+    return {{method, "step above", "µs",
+             "contact mode of base and K_L, dR " + with_unit(ContactMode::kNet_Ohm, "Ω") + more +
+                 (predicted_s ? "" : "; tried from 1 µs to 1 s"),
+             predicted_s ? std::optional(kMicro * *predicted_s) : std::nullopt},
+            {kMicro * kMinTried_s,
+             predicted_s ? kMicro * kFarBeyond * *predicted_s : kMicro * kMaxTried_s},
             [=](double step_us) { return holds_for_s(step_us / kMicro); }};
 }
 
 /// |1 + hλ| = 1.
-LimitTrial explicit_euler(const ContactMode &mode) {
+Experiment explicit_euler(const ContactMode &mode) {
     const std::complex<double> root = mode.eigenvalue();
-    return contact_line("explicit Euler", -2.0 * root.real() / std::norm(root), [=](double h) {
-        const rig::PlantEquations f = mode.equations();
-        return energy_decays(mode, [&](const rig::PlantState &y) {
-            return rig::explicit_euler_step(
-                [&](double t, const rig::PlantState &at) { return f.rates(t, at); }, 0.0, y, h);
+    return contact_experiment(
+        "explicit Euler", -2.0 * root.real() / std::norm(root), [=](double h) {
+            return energy_decays(mode, [=](const rig::PlantEquations &f, const rig::PlantState &y) {
+                return rig::explicit_euler_step(rates_of(f), 0.0, y, h);
+            });
         });
-    });
 }
 
 /// With x and y the relative losses of rotor and winding in a step, (2 − x)(2 − y) = (hω)²: 2/ω
 /// without losses.
-LimitTrial semi_implicit_euler(const ContactMode &mode) {
+Experiment semi_implicit_euler(const ContactMode &mode) {
     const double losses = mode.winding_per_s() + mode.rotor_per_s();
     const double a = mode.omega_squared() - mode.winding_per_s() * mode.rotor_per_s();
     const double h_s = (std::sqrt(losses * losses + 4.0 * a) - losses) / a;
-    LimitTrial line = contact_line("semi-implicit Euler", h_s, [=](double h) {
-        const rig::PlantEquations f = mode.equations();
-        return energy_decays(mode, [&](const rig::PlantState &y) {
+    const auto holds = [=](double h) {
+        return energy_decays(mode, [=](const rig::PlantEquations &f, const rig::PlantState &y) {
             return rig::semi_implicit_euler_step(
                 [&](double t, const rig::PlantState &at) { return f.momentum_rates(t, at); },
                 [&](double, const rig::PlantState &at) { return f.position_rates(at); }, 0.0, y, h);
         });
-    });
-    line.line.setting +=
-        "; 2/ω is " + with_unit(std::round(kMicro * 2.0 / std::sqrt(mode.omega_squared())), "µs");
-    return line;
+    };
+    return contact_experiment(
+        "semi-implicit Euler", h_s, holds,
+        "; 2/ω is " + with_unit(std::round(kMicro * 2.0 / std::sqrt(mode.omega_squared())), "µs"));
 }
 
-LimitTrial runge_kutta(const ContactMode &mode) {
+/// |R(hλ)| = 1 with the classical method's R(z).
+Experiment runge_kutta(const ContactMode &mode) {
     const std::complex<double> root = mode.eigenvalue();
     const double h_s =
-        last_that_holds({0.0, 10.0 / std::abs(root)}, kLimitResolution,
-                        [&](double h) { return runge_kutta_growth(h * root) <= 1.0; });
-    return contact_line("Runge-Kutta 4", h_s, [=](double h) {
-        const rig::PlantEquations f = mode.equations();
-        return energy_decays(mode, [&](const rig::PlantState &y) {
-            return rig::runge_kutta_step(
-                [&](double t, const rig::PlantState &at) { return f.rates(t, at); }, 0.0, y, h);
+        last_that_holds({0.0, 10.0 / std::abs(root)}, TriedValues{}.resolution, [&](double h) {
+            const std::complex<double> z = h * root;
+            return std::abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)))) <= 1.0;
+        });
+    return contact_experiment("Runge-Kutta 4", h_s, [=](double h) {
+        return energy_decays(mode, [=](const rig::PlantEquations &f, const rig::PlantState &y) {
+            return rig::runge_kutta_step(rates_of(f), 0.0, y, h);
         });
     });
 }
 
-LimitTrial implicit_midpoint(const ContactMode &mode) {
-    return no_line("implicit midpoint", [=](double h) {
-        const rig::PlantEquations f = mode.equations();
-        const auto rates = [&](double t, const rig::PlantState &at) { return f.rates(t, at); };
+Experiment implicit_midpoint(const ContactMode &mode) {
+    return contact_experiment("implicit midpoint", std::nullopt, [=](double h) {
         rig::ImplicitMidpoint<rig::PlantState> midpoint;
-        midpoint.prepare(rates, 0.0, mode.start(), h);
-        return energy_decays(mode, [&](const rig::PlantState &y) {
-            return midpoint.step(rates, 0.0, y)
+        const rig::PlantEquations at_start = mode.equations();
+        midpoint.prepare(rates_of(at_start), 0.0, mode.start(), h);
+        return energy_decays(mode, [&](const rig::PlantEquations &f, const rig::PlantState &y) {
+            return midpoint.step(rates_of(f), 0.0, y)
                 .value_or(rig::PlantState::Constant(std::numeric_limits<double>::quiet_NaN()));
         });
     });
 }
 
 /// The simulated device: its energy may not rise by more than round-off.
-LimitTrial simulated_device(const ContactMode &mode) {
-    return no_line("ours (exact in energy)", [=](double h) {
+Experiment simulated_device(const ContactMode &mode) {
+    return contact_experiment("ours (exact in energy)", std::nullopt, [=](double h) {
         constexpr int kSteps = 1000;
         constexpr double kRoundOff = 1e-9;
         simulated::SimulationOptions options = mode.options;
@@ -255,7 +236,7 @@ LimitTrial simulated_device(const ContactMode &mode) {
 
 } // namespace
 
-std::vector<LimitTrial> integrator_trials(const loops::StabilityCase &which) {
+Experiments integrator_experiments(const loops::StabilityCase &which) {
     const auto euler = [](const auto &rates, const auto &y, double h) {
         return rig::explicit_euler_step(rates, 0.0, y, h);
     };
@@ -266,17 +247,14 @@ std::vector<LimitTrial> integrator_trials(const loops::StabilityCase &which) {
     const device::MotorParameters &motor = which.device.motor[1];
     const double dR_Ohm = control::Tuning{}.dR_Ohm;
     const ContactMode mode(which);
-    return {
-        held_rotor("explicit Euler", motor, motor.resistance_Ohm, "R̂ = 0, rotor held", 2.0, euler),
-        held_rotor("explicit Euler", motor, dR_Ohm, "dR " + with_unit(dR_Ohm, "Ω") + ", rotor held",
-                   2.0, euler),
-        explicit_euler(mode),
-        semi_implicit_euler(mode),
-        held_rotor("Runge-Kutta 4", motor, motor.resistance_Ohm, "R̂ = 0, rotor held", kRealLimit,
-                   fourth),
-        runge_kutta(mode),
-        implicit_midpoint(mode),
-        simulated_device(mode)};
+    return {held_rotor("explicit Euler", motor, motor.resistance_Ohm, "R̂ = 0", 2.0, euler),
+            held_rotor("explicit Euler", motor, dR_Ohm, "dR " + with_unit(dR_Ohm, "Ω"), 2.0, euler),
+            explicit_euler(mode),
+            semi_implicit_euler(mode),
+            held_rotor("Runge-Kutta 4", motor, motor.resistance_Ohm, "R̂ = 0", kRealLimit, fourth),
+            runge_kutta(mode),
+            implicit_midpoint(mode),
+            simulated_device(mode)};
 }
 
 } // namespace springdrive::limits
