@@ -1,7 +1,7 @@
 // CVODE's objects for a set of equations, freed at the end of their scope.
 #pragma once
 
-#include "engine/lab/charts/cvode_method.h"
+#include "engine/lab/charts/plant_solvers.h"
 
 #include <Eigen/Core>
 #include <cvode/cvode.h>

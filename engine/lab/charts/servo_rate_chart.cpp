@@ -6,6 +6,7 @@
 #include "engine/control/motion_control.h"
 #include "engine/control/perception.h"
 #include "engine/control/tuning.h"
+#include "engine/lab/charts/charts.h"
 #include "engine/lab/loops/direction_spectrum.h"
 #include "engine/lab/loops/stability_case.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
@@ -94,13 +95,9 @@ double stiffness_error(const loops::SpringDrive &drive, int points) {
 double perceived_direction_error_rad(const device::DeviceDescription &device,
                                      const control::Tuning &tuning, double period_s) {
     const Vector3 q_rad = middle_angles_rad(device);
-    loops::PlanarContact contact;
-    contact.J = loops::planar_jacobian(device.geometry, q_rad);
-    contact.alpha_rad2_per_m2 = loops::planar_stiffness(device, tuning, q_rad).alpha_rad2_per_m2;
-    contact.relative_stiffness = control::relative_stiffness(device).tail<2>();
-    for (std::size_t j = 0; j < 2; ++j) {
-        contact.drive[j] = {device.motor[j + 1], tuning, period_s, 0};
-    }
+    const loops::PlanarContact contact = loops::planar_contact(
+        device, tuning, q_rad, loops::planar_stiffness(device, tuning, q_rad).alpha_rad2_per_m2,
+        {period_s, 0.0});
     return loops::worst_direction_error_rad(loops::tip_stiffness(
         contact, control::MotionMap::transpose, 2.0 * std::numbers::pi * control::kPerceived_Hz));
 }
@@ -128,11 +125,11 @@ Cost cost_of_servo_tick(const ChartSetting &setting) {
 
 SpeedAccuracyChart servo_rate_stiffness_chart(const ChartSetting &setting,
                                               const ChartProgress &progress) {
-    SpeedAccuracyChart chart;
-    chart.name = "servo_rate_stiffness";
-    chart.title = "Servo rate: rendered stiffness against (12), " + setting.device.name;
-    chart.cost_label = kCostLabel;
-    chart.error_label = "relative error of K_θ from 2 to 100 Hz, rms";
+    SpeedAccuracyChart chart{"servo_rate_stiffness",
+                             "Servo rate: rendered stiffness against (12), " + setting.device.name,
+                             kCostLabel,
+                             "relative error of K_θ from 2 to 100 Hz, rms",
+                             {}};
     const Cost tick = cost_of_servo_tick(setting);
     double done = 0.0;
     for (const int delay : {0, 1, 2}) {
@@ -154,13 +151,13 @@ SpeedAccuracyChart servo_rate_stiffness_chart(const ChartSetting &setting,
 
 SpeedAccuracyChart servo_rate_direction_chart(const ChartSetting &setting,
                                               const ChartProgress &progress) {
-    SpeedAccuracyChart chart;
-    chart.name = "servo_rate_direction";
-    chart.title = fmt::format("Servo rate: direction of the force at {:g} Hz, {}",
-                              control::kPerceived_Hz, setting.device.name);
-    chart.cost_label = kCostLabel;
-    chart.error_label = fmt::format("largest angle from normal to force at {:g} Hz (degrees)",
-                                    control::kPerceived_Hz);
+    SpeedAccuracyChart chart{"servo_rate_direction",
+                             fmt::format("Servo rate: direction of the force at {:g} Hz, {}",
+                                         control::kPerceived_Hz, setting.device.name),
+                             kCostLabel,
+                             fmt::format("largest angle from normal to force at {:g} Hz (degrees)",
+                                         control::kPerceived_Hz),
+                             {}};
     const Cost tick = cost_of_servo_tick(setting);
     double done = 0.0;
     for (const double factor : {1.0 / 3.0, 1.0, 3.0}) {

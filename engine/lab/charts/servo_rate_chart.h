@@ -1,24 +1,10 @@
-// Servo rates from 250 Hz to 20 kHz: the error of the rendered stiffness against the paper's (12),
-// the error of the force's direction while the tip moves, and the processor time.
-//
-// The cost is the measured time of a tick of the whole servo in contact, times the ticks in a
-// millisecond. A cross is a rate at which the loop is unstable on one of the device's motors.
+// What the charts of servo rates measure at one rate.
 #pragma once
 
 #include "engine/lab/charts/chart.h"
 #include "engine/lab/loops/rendered_stiffness.h"
 
 namespace springdrive::charts {
-
-/// The stiffness against (12), measured by sine sweep on the simulated motor.
-/// @throw InputError where the safety monitor stops the timed servo.
-[[nodiscard]] SpeedAccuracyChart servo_rate_stiffness_chart(const ChartSetting &setting,
-                                                            const ChartProgress &progress);
-
-/// The direction of the transpose map's force, at one third, one and three times the tuning's λ.
-/// @throw InputError as the one above, and for a tuning without static stiffness.
-[[nodiscard]] SpeedAccuracyChart servo_rate_direction_chart(const ChartSetting &setting,
-                                                            const ChartProgress &progress);
 
 /// |K_measured − K(12)|/|K(12)|, root mean square over `points` frequencies from 2 to 100 Hz, at
 /// least two, evenly spaced on a logarithmic scale. Above, the hand holds the tip rather than

@@ -1,5 +1,6 @@
-// The plant with true Coulomb friction, by CVODE restarted at each transition between sticking and
-// sliding: the reference of the chart of integrators under friction.
+// CVODE (SUNDIALS) on the plant's equations: the reference of the charts of integrators, and one of
+// the methods compared. Without friction, or with a smooth one, CVODE alone; with true Coulomb
+// friction, CVODE restarted at each transition between sticking and sliding.
 //
 // Between two transitions the plant is smooth: a joint slides in one direction against the friction
 // τ_c, or it sticks, and friction holds it. CVODE's root finder detects when a sliding joint comes
@@ -8,13 +9,39 @@
 // accelerated in the direction of their sliding.
 #pragma once
 
-#include "engine/lab/charts/cvode_method.h"
 #include "engine/lab/rig/plant_equations.h"
 
 #include <array>
+#include <cstdint>
 #include <memory>
 
 namespace springdrive::charts {
+
+/// CVODE's two families of methods.
+enum class CvodeMethod : std::uint8_t {
+    adams, ///< up to order 12, for non-stiff problems
+    bdf,   ///< up to order 5, for stiff problems
+};
+
+class CvodeSolver {
+public:
+    /// @param relative_tolerance  of every step; in absolute terms a hundredth of it
+    /// @throw std::runtime_error where CVODE has no memory
+    CvodeSolver(CvodeMethod method, double relative_tolerance);
+    ~CvodeSolver();
+    CvodeSolver(const CvodeSolver &) = delete;
+    CvodeSolver &operator=(const CvodeSolver &) = delete;
+
+    /// y at `end_s`, from `y` at `start_s`. Restarts, as inputs are discontinuous at the start of a
+    /// period.
+    /// @throw std::runtime_error where CVODE fails
+    [[nodiscard]] rig::PlantState advance(const rig::PlantEquations &equations, double start_s,
+                                          double end_s, const rig::PlantState &y);
+
+private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
 
 /// The mode of each joint: +1 and -1 where it slides forward or backward, 0 where it sticks.
 using StickSlipModes = std::array<int, 3>;
