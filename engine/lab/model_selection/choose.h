@@ -1,7 +1,8 @@
 // Selects on each of several axes the cheapest candidate that is accurate enough: the rule,
-// independent of what is chosen and how it is measured.
+// independent of what is chosen and how it is measured, and its application to a scene.
 #pragma once
 
+#include "engine/session/model/model_chooser.h"
 #include "engine/session/model/model_selection.h"
 
 #include <cstddef>
@@ -37,5 +38,14 @@ inline constexpr double kSameCost = 0.10;
 [[nodiscard]] ChosenModel choose_model(std::vector<ModelAxis> axes,
                                        const scene::ModelTolerance &tolerance,
                                        const std::function<ModelError(const Picks &)> &error_of);
+
+/// The cheapest model of a scene that its tolerance allows, found by measuring on this machine.
+/// Lets a hand explore the scene (`exploration_path`) with the fullest model and with each
+/// candidate in turn, and chooses by the rule of `choose_model`. Takes seconds.
+///
+/// The fullest: the last of `kPlantModels` in sub-steps of 32 µs or less, the surface as the scene
+/// specifies it, and the last of `kMotionControllers`.
+[[nodiscard]] ModelSelection choose_scene_model(const ModelQuestion &question,
+                                                const ModelProgress &progress = {});
 
 } // namespace springdrive::model_selection

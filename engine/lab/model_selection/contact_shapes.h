@@ -1,6 +1,7 @@
 // The alternative touchable surfaces of a scene.
 #pragma once
 
+#include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/scene/scene.h"
 #include "engine/session/model/model_selection.h"
@@ -20,5 +21,11 @@ namespace springdrive::model_selection {
 ///        none is smooth.
 [[nodiscard]] contact::HapticSurface haptic_surface_of(const scene::Scene &scene,
                                                        const ContactShape &shape);
+
+/// A touchable surface with fewer triangles: each node's triangles reduced to a `divisor`th of
+/// their number, or to as few as its topology allows: edges are collapsed where that moves the
+/// surface least (meshoptimizer). Closed surfaces stay closed, and materials are kept.
+/// @pre divisor >= 1
+[[nodiscard]] contact::TriangleSoup simplified(const contact::TriangleSoup &soup, int divisor);
 
 } // namespace springdrive::model_selection

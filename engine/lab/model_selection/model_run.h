@@ -1,7 +1,8 @@
-// The forces on the hand with one model of a scene, tick by tick, and the difference between two
-// models.
+// The forces on the hand with one model of a scene, tick by tick, the difference between two
+// models, and the cost of the parts of a model per servo tick, measured on this machine.
 #pragma once
 
+#include "base/timing.h"
 #include "device/core/haptic_device.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/contact/contact.h"
@@ -45,5 +46,21 @@ simulated_device(const ModelSetting &setting, const Model &model);
 /// run that diverged.
 [[nodiscard]] ModelError model_error(const ModelRun &run, const ModelRun &fullest, double period_s,
                                      double bandwidth_hz);
+
+// Candidates take turns, so that other load of the machine affects all of them alike.
+
+/// The device's exchange with each model [ns a tick], with the commands of a run.
+[[nodiscard]] std::vector<Cost> plant_costs(const ModelSetting &setting,
+                                            const std::vector<Model> &models, const ModelRun &run);
+
+/// The proxy's update on each surface [ns a tick], with the tips of a run.
+[[nodiscard]] std::vector<Cost>
+contact_costs(const std::vector<const contact::HapticSurface *> &surfaces, const ModelRun &run);
+
+/// From set-point of the tip to voltages [ns a tick], with configurations and contacts of a run: of
+/// each map alone. The servo also evaluates the other map, for the panel that compares them.
+[[nodiscard]] std::vector<Cost> control_costs(const ModelSetting &setting,
+                                              const std::vector<MotionController> &controllers,
+                                              const ModelRun &run);
 
 } // namespace springdrive::model_selection

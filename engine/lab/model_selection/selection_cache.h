@@ -1,7 +1,7 @@
 // Caches model choices in files, so that a scene is measured only once on a machine.
 #pragma once
 
-#include "engine/lab/model_selection/scene_model.h"
+#include "engine/lab/model_selection/choose.h"
 
 #include <filesystem>
 #include <memory>
