@@ -1,4 +1,4 @@
-// Covers engine/lab/charts/motion_trial.cpp.
+// Covers engine/lab/charts/motion_trial.h.
 #include "engine/lab/charts/motion_trial.h"
 
 #include "base/degrees.h"

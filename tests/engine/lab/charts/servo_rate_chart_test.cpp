@@ -83,26 +83,5 @@ TEST(ServoRateTrial, TimesAServoThatRuns) {
     EXPECT_THROW(static_cast<void>(cost_of_servo_tick(setting)), InputError);
 }
 
-TEST(ServoRateChart, AFasterServoCostsMoreAndHasSmallerErrors) {
-    ChartSetting setting;
-    setting.device = testing::phantom_1_0();
-    setting.repeats = 1;
-    for (const auto make : {servo_rate_stiffness_chart, servo_rate_direction_chart}) {
-        const SpeedAccuracyChart chart = make(setting, [](double) {});
-        ASSERT_EQ(chart.points.size(), 21U) << chart.name;
-        EXPECT_EQ(chart.points.front().setting, "250 Hz");
-        EXPECT_EQ(chart.points.back().setting, "20 kHz");
-        for (std::size_t i = 1; i < chart.points.size(); ++i) {
-            const ChartPoint &before = chart.points[i - 1];
-            const ChartPoint &point = chart.points[i];
-            if (point.method == before.method) {
-                EXPECT_GT(point.cost.median_ns, before.cost.median_ns);
-                EXPECT_LT(point.error, before.error) << point.method << ' ' << point.setting;
-                EXPECT_GE(point.stable, before.stable) << point.method << ' ' << point.setting;
-            }
-        }
-    }
-}
-
 } // namespace
 } // namespace springdrive::charts

@@ -60,6 +60,9 @@ TEST_F(FoundTuning, IsValid) {
     EXPECT_EQ(found.tuning.map, request.which.tuning.map);
     EXPECT_GT(found.tuning.K_P_V_per_rad, 0.0);
     EXPECT_EQ(found.loops, loops::TuningConstraints(request.which).count());
+    const double k_T = request.which.device.motor[0].torque_constant_Nm_per_A;
+    EXPECT_DOUBLE_EQ(found.margins.K_DC_Nm_per_rad,
+                     k_T * found.tuning.K_P_V_per_rad / 0.5); // (13)
 }
 
 TEST_F(FoundTuning, HasTheRequestedMarginAndNoMore) {
@@ -88,12 +91,6 @@ TEST_F(FoundTuning, HasTheReportedResistanceMargin) {
     EXPECT_TRUE(holds(which, 1.0));
     which.net_resistance_Ohm = found.margins.min_dR_Ohm - 0.011 * 0.5;
     EXPECT_FALSE(holds(which, 1.0));
-}
-
-TEST_F(FoundTuning, HasTheReportedStiffness) {
-    const double k_T = request.which.device.motor[0].torque_constant_Nm_per_A;
-    EXPECT_DOUBLE_EQ(found.margins.K_DC_Nm_per_rad,
-                     k_T * found.tuning.K_P_V_per_rad / 0.5); // (13)
 }
 
 TEST_F(FoundTuning, ComesToRestWithCountsInEveryHand) {
@@ -173,28 +170,24 @@ TEST(AutoTune, ReportsItsProgressAndCanBeCancelled) {
     EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
 }
 
-std::string error(const AutoTuneRequest &request) {
-    try {
-        static_cast<void>(auto_tune(request));
-    } catch (const InputError &error) {
-        return error.what();
-    }
-    return "";
-}
-
-TEST(AutoTune, RefusesInvalidMargins) {
+TEST(AutoTune, RefusesInvalidMarginsAndReportsWhereNothingIsStable) {
     AutoTuneRequest request = request_for(1000.0, 0, 0.5);
+    const auto expect_error = [&request](const char *key) {
+        try {
+            static_cast<void>(auto_tune(request));
+            FAIL() << key;
+        } catch (const InputError &error) {
+            EXPECT_NE(std::string(error.what()).find(key), std::string::npos) << request.margin;
+        }
+    };
     for (const double bad : {0.0, 0.999, 10.001, std::nan(""), HUGE_VAL, -1.3}) {
         request.margin = bad;
-        EXPECT_NE(error(request).find("1 to 10"), std::string::npos) << bad;
+        expect_error("1 to 10");
     }
-}
-
-TEST(AutoTune, ReportsWhereNothingIsStable) {
     // An over-cancelled winding has no stable free space, whatever the gains.
-    AutoTuneRequest request = request_for(1000.0, 0, 0.5);
+    request = request_for(1000.0, 0, 0.5);
     request.which.net_resistance_Ohm = -0.5;
-    EXPECT_NE(error(request).find("no tuning"), std::string::npos);
+    expect_error("no tuning");
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 // Covers engine/lab/loops/linear_loop.cpp with one motor, and so tests/support/sampled_loop.h.
 #include "tests/support/sampled_loop.h"
 
+#include "base/bisection.h"
 #include "tests/support/devices.h"
 
 #include <Eigen/Eigenvalues>
@@ -9,20 +10,10 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <functional>
 #include <random>
 
 namespace springdrive::loops {
 namespace {
-
-/// Where `stable` turns false between a stable value and an unstable one, to 1e-7 of itself.
-double stability_limit(double stable, double unstable, const std::function<bool(double)> &holds) {
-    while (std::abs(unstable - stable) > 1e-7 * std::abs(stable)) {
-        const double middle = 0.5 * (stable + unstable);
-        (holds(middle) ? stable : unstable) = middle;
-    }
-    return stable;
-}
 
 SampledLoop with_K_P(SampledLoop loop, double K_P_V_per_rad) {
     loop.drive.tuning.K_P_V_per_rad = K_P_V_per_rad;
@@ -30,7 +21,7 @@ SampledLoop with_K_P(SampledLoop loop, double K_P_V_per_rad) {
 }
 
 double K_P_limit(const SampledLoop &loop) {
-    return stability_limit(1e-3, 1e4,
+    return last_that_holds({1e-3, 1e4}, 1e-7,
                            [&loop](double K_P) { return is_stable(with_K_P(loop, K_P)); });
 }
 
@@ -167,7 +158,7 @@ SampledLoop wall(double inertia_kg_m2, double damping_Nms_per_rad) {
 
 double wall_stiffness_limit(const SampledLoop &loop) {
     const double per_volt = loop.drive.motor.torque_constant_Nm_per_A / loop.drive.tuning.dR_Ohm;
-    return per_volt * stability_limit(1e-6, 1e9, [&loop](double K_P) {
+    return per_volt * last_that_holds({1e-6, 1e9}, 1e-7, [&loop](double K_P) {
                return is_stable(with_K_P(loop, K_P));
            });
 }

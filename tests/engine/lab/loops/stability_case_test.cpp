@@ -1,4 +1,4 @@
-// Covers engine/lab/loops/stability_case.cpp.
+// Covers engine/lab/loops/stability_case.cpp and hand_family.h.
 #include "engine/lab/loops/stability_case.h"
 
 #include "device/core/phantom/dynamics.h"
@@ -36,6 +36,36 @@ device::DeviceDescription with_unequal_motors(std::mt19937_64 &random) {
         motor.torque_constant_Nm_per_A *= testing::Draw(random).even(0.7, 1.4);
     }
     return device;
+}
+
+/// Its middle is the relaxed grip; the ends are farther by a factor of 5 in mass and damping and of
+/// 10 in stiffness.
+TEST(HandFamily, RunsFromNoHandOverALightToAFirmOne) {
+    const device::HandParameters relaxed;
+    for (const double firmness : {0.0, 0.5, 1.0}) {
+        const Hand hand = hand_of_firmness(firmness);
+        const double five = std::pow(5.0, 2.0 * firmness - 1.0);
+        const double ten = std::pow(10.0, 2.0 * firmness - 1.0);
+        EXPECT_NEAR(hand.mass_kg, relaxed.mass_kg * five, 1e-12);
+        EXPECT_NEAR(hand.damping_Ns_per_m, relaxed.damping_Ns_per_m * five, 1e-12);
+        EXPECT_NEAR(hand.stiffness_N_per_m, relaxed.stiffness_N_per_m * ten, 1e-9);
+    }
+    for (const int grips : {2, 5, 41}) {
+        const std::vector<Hand> hands = hand_family(grips);
+        ASSERT_EQ(hands.size(), static_cast<std::size_t>(grips) + 1);
+        EXPECT_EQ(hands.front().mass_kg + hands.front().damping_Ns_per_m +
+                      hands.front().stiffness_N_per_m,
+                  0.0);
+        EXPECT_EQ(hands.front().name, "no hand");
+        EXPECT_EQ(hands[1].name, "light");
+        EXPECT_EQ(hands.back().name, "firm");
+        for (std::size_t i = 1; i < hands.size(); ++i) {
+            const Hand expected = hand_of_firmness((static_cast<double>(i) - 1.0) / (grips - 1));
+            EXPECT_EQ(hands[i].mass_kg, expected.mass_kg);
+            EXPECT_EQ(hands[i].damping_Ns_per_m, expected.damping_Ns_per_m);
+            EXPECT_EQ(hands[i].stiffness_N_per_m, expected.stiffness_N_per_m);
+        }
+    }
 }
 
 TEST(HeldShare, AtTheBoundTheLargestModeIsTheInverseMaps) {
@@ -112,21 +142,6 @@ TEST(DrivenLoad, HasTheEnergyOfAllThatMoves) {
         EXPECT_NEAR(power(load.damping_Nms_per_rad), damping, 1e-8 * damping);
         EXPECT_NEAR(power(load.stiffness_Nm_per_rad), stiffness, 1e-8 * stiffness);
         EXPECT_EQ(load.inertia_kg_m2, load.inertia_kg_m2.transpose());
-    }
-}
-
-TEST(DrivenLoad, OfOneMotorIsItsEntryOfTheWhole) {
-    const StabilityCase whole = three_motors(phantom_1_0(), {0.2, 0.3, -0.1});
-    StabilityCase one = whole;
-    one.freedom = Freedom::one_motor;
-    for (int j = 0; j < 3; ++j) {
-        const LoopMember member{j, hand_of_firmness(0.4)};
-        const DrivenLoad all = driven_load(whole, member);
-        const DrivenLoad own = driven_load(one, member);
-        EXPECT_DOUBLE_EQ(own.inertia_kg_m2(0, 0), all.inertia_kg_m2(j, j));
-        EXPECT_DOUBLE_EQ(own.damping_Nms_per_rad(0, 0), all.damping_Nms_per_rad(j, j));
-        EXPECT_DOUBLE_EQ(own.stiffness_Nm_per_rad(0, 0), all.stiffness_Nm_per_rad(j, j));
-        EXPECT_EQ(own.torque_Nm_per_A[0], all.torque_Nm_per_A[j]);
     }
 }
 

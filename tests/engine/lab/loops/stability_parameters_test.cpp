@@ -15,47 +15,50 @@
 namespace springdrive::loops {
 namespace {
 
-TEST(StabilityParameters, HaveUniqueNames) {
+TEST(StabilityParameters, HaveUniqueNamesAndSearchWithinTheirRange) {
     std::set<std::string_view> names;
     for (const StabilityParameter &parameter : stability_parameters()) {
-        EXPECT_TRUE(names.insert(parameter.name).second) << parameter.name;
+        SCOPED_TRACE(parameter.name);
+        EXPECT_TRUE(names.insert(parameter.name).second);
         EXPECT_EQ(stability_parameter_named(parameter.name), &parameter);
         EXPECT_NE(names_of_stability_parameters().find(parameter.name), std::string::npos);
         EXPECT_FALSE(parameter.help.empty());
+        EXPECT_LT(parameter.from, parameter.to);
+        for (const double good :
+             {parameter.from, parameter.to, parameter.minimum, parameter.maximum}) {
+            EXPECT_EQ(validate(parameter, good), "");
+        }
+        const double infinity = std::numeric_limits<double>::infinity();
+        for (const double bad :
+             {std::nextafter(parameter.minimum, -infinity),
+              std::nextafter(parameter.maximum, infinity), std::nan(""), infinity, -infinity}) {
+            const std::string wrong = validate(parameter, bad);
+            EXPECT_EQ(wrong.find(parameter.name), 0U) << wrong;
+            EXPECT_NE(wrong.find(" from "), std::string::npos) << wrong;
+            EXPECT_EQ(wrong.find('\n'), std::string::npos);
+        }
     }
     EXPECT_EQ(stability_parameter_named("K_P"), nullptr);
     EXPECT_EQ(stability_parameter_named(""), nullptr);
+    EXPECT_NE(validate(testing::named("dR"), 0.0).find("not 0"), std::string::npos);
+    EXPECT_EQ(validate(testing::named("d"), 1.5), "");
+    EXPECT_NE(validate(testing::named("d"), 8.5).find("0 to 8 periods"), std::string::npos);
 }
 
-TEST(StabilityParameters, GetWhatWasSet) {
+TEST(StabilityParameters, GetWhatWasSetAndLeaveTheOthersAlone) {
     for (const StabilityParameter &parameter : stability_parameters()) {
         for (const double share : {0.0, 0.3, 1.0}) {
             const double value = parameter.from + share * (parameter.to - parameter.from);
             StabilityCase which = testing::firm();
             parameter.set(which, value);
             EXPECT_EQ(parameter.get(which), value) << parameter.name;
-        }
-    }
-}
-
-TEST(StabilityParameters, LeaveTheOthersAlone) {
-    for (const StabilityParameter &parameter : stability_parameters()) {
-        StabilityCase which = testing::firm();
-        parameter.set(which, 0.5 * (parameter.from + parameter.to));
-        for (const StabilityParameter &other : stability_parameters()) {
-            if (&other != &parameter) {
-                EXPECT_EQ(other.get(which), other.get(testing::firm()))
-                    << parameter.name << " moves " << other.name;
+            for (const StabilityParameter &other : stability_parameters()) {
+                if (&other != &parameter) {
+                    EXPECT_EQ(other.get(which), other.get(testing::firm()))
+                        << parameter.name << " moves " << other.name;
+                }
             }
         }
-    }
-}
-
-TEST(StabilityParameters, SearchWithinTheirRange) {
-    for (const StabilityParameter &parameter : stability_parameters()) {
-        EXPECT_LT(parameter.from, parameter.to) << parameter.name;
-        EXPECT_EQ(validate(parameter, parameter.from), "") << parameter.name;
-        EXPECT_EQ(validate(parameter, parameter.to), "") << parameter.name;
     }
 }
 
@@ -68,29 +71,6 @@ TEST(StabilityParameters, AreSearchedNoFurtherThanGainsCanBeSet) {
                 << parameter.name;
         }
     }
-}
-
-TEST(StabilityParameters, RefuseInvalidValuesWithTheirRange) {
-    const double infinity = std::numeric_limits<double>::infinity();
-    for (const StabilityParameter &parameter : stability_parameters()) {
-        EXPECT_EQ(validate(parameter, parameter.minimum), "") << parameter.name;
-        EXPECT_EQ(validate(parameter, parameter.maximum), "") << parameter.name;
-        for (const double bad :
-             {std::nextafter(parameter.minimum, -infinity),
-              std::nextafter(parameter.maximum, infinity), std::nan(""), infinity, -infinity}) {
-            const std::string wrong = validate(parameter, bad);
-            EXPECT_EQ(wrong.find(parameter.name), 0U) << parameter.name << ": " << wrong;
-            EXPECT_NE(wrong.find(" from "), std::string::npos) << wrong;
-            EXPECT_EQ(wrong.find('\n'), std::string::npos);
-        }
-    }
-    EXPECT_NE(validate(*stability_parameter_named("dR"), 0.0).find("not 0"), std::string::npos);
-    EXPECT_EQ(validate(*stability_parameter_named("d"), 1.5), "");
-    EXPECT_NE(validate(*stability_parameter_named("d"), 8.5).find("0 to 8 periods"),
-              std::string::npos);
-    EXPECT_NE(validate(*stability_parameter_named("T"), 0.0), "");
-    EXPECT_NE(validate(*stability_parameter_named("hand-mass"), -0.1), "");
-    EXPECT_NE(validate(*stability_parameter_named("inertia"), 0.0), "");
 }
 
 TEST(StabilityParameters, AnInertiaOfItsOwnStartsAsTheSecondMotors) {

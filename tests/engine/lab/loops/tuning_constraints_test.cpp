@@ -18,10 +18,6 @@
 namespace springdrive::loops {
 namespace {
 
-Gains gains_of(const control::Tuning &tuning) {
-    return {tuning.K_P_V_per_rad, tuning.K_D_Vs_per_rad, tuning.lambda_rad_per_s};
-}
-
 TEST(TuningConstraints, HasEveryHandAndEta) {
     const TuningConstraints loops(testing::firm());
     std::set<std::string> hands;

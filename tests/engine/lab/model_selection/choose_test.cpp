@@ -49,55 +49,45 @@ ChosenModel choose(const std::vector<ModelAxis> &axes) {
 
 std::string chosen_of(const ModelAxis &axis) { return axis.candidates[axis.chosen].name; }
 
-TEST(Choose, TakesTheCheapestThatMeets) {
-    const ChosenModel model = choose({{"axis",
-                                       {candidate("bad", 1, 0.5), candidate("good", 2, 0.05),
-                                        candidate("dear", 3, 0.01), candidate("full", 4, 0.0)},
-                                       0,
-                                       {}}});
-    EXPECT_EQ(chosen_of(model.axes[0]), "good");
-    EXPECT_EQ(model.error.force_N, 0.05);
-    ASSERT_EQ(model.axes[0].cheaper.size(), 1U);
-    EXPECT_EQ(model.axes[0].cheaper[0].candidate, 0U);
-    EXPECT_EQ(model.axes[0].cheaper[0].error.force_N, 0.5);
-}
-
-TEST(Choose, BothErrorsCountAndTheLimitItselfIsMet) {
-    const ModelAxis axis{"axis",
-                         {candidate("askew", 1, 0.0, 0.11), candidate("just", 2, 0.1, 0.1),
-                          candidate("full", 4, 0.0)},
-                         0,
-                         {}};
-    EXPECT_EQ(chosen_of(choose({axis}).axes[0]), "just");
-}
-
-TEST(Choose, OfTheSameCostTheNearestToTheFullest) {
-    const ModelAxis axis{"axis",
-                         {candidate("rough", 100, 0.08), candidate("fine", 104, 0.02),
-                          candidate("bad", 101, 0.9), candidate("full", 200, 0.0)},
-                         0,
-                         {}};
-    EXPECT_EQ(chosen_of(choose({axis}).axes[0]), "fine");
-}
-
-TEST(Choose, TheFullestWhereNothingElseMeets) {
-    const ChosenModel model =
-        choose({{"axis",
-                 {candidate("bad", 1, 0.5), candidate("wild", 2, kInfinity),
-                  candidate("odd", 3, std::nan("")), candidate("full", 4, 0.0)},
-                 0,
-                 {}}});
-    EXPECT_EQ(chosen_of(model.axes[0]), "full");
-    EXPECT_EQ(model.error.force_N, 0.0);
-    ASSERT_EQ(model.axes[0].cheaper.size(), 1U); // the next cheaper, and it misses
-    EXPECT_EQ(model.axes[0].cheaper[0].candidate, 2U);
-}
-
-TEST(Choose, AFullestThatIsCheapestIsTaken) {
-    const ChosenModel model =
-        choose({{"axis", {candidate("dear", 9, 0.05), candidate("full", 4, 0.0)}, 0, {}}});
-    EXPECT_EQ(chosen_of(model.axes[0]), "full");
-    EXPECT_TRUE(model.axes[0].cheaper.empty());
+TEST(Choose, TakesOnOneAxisTheCheapestThatMeets) {
+    struct Case {
+        std::vector<Candidate> candidates;
+        std::size_t chosen;
+        std::optional<std::size_t> missed; ///< the next cheaper, which was tried
+    };
+    const std::vector<Case> cases{
+        {{candidate("bad", 1, 0.5), candidate("good", 2, 0.05), candidate("dear", 3, 0.01),
+          candidate("full", 4, 0.0)},
+         1,
+         0},
+        // Both errors count, and the limit itself is met.
+        {{candidate("askew", 1, 0.0, 0.11), candidate("just", 2, 0.1, 0.1),
+          candidate("full", 4, 0.0)},
+         1,
+         0},
+        // Of the same cost the nearest to the fullest.
+        {{candidate("rough", 100, 0.08), candidate("fine", 104, 0.02), candidate("bad", 101, 0.9),
+          candidate("full", 200, 0.0)},
+         1,
+         std::nullopt},
+        // The fullest where nothing else meets.
+        {{candidate("bad", 1, 0.5), candidate("wild", 2, kInfinity),
+          candidate("odd", 3, std::nan("")), candidate("full", 4, 0.0)},
+         3,
+         2},
+        {{candidate("dear", 9, 0.05), candidate("full", 4, 0.0)}, 1, std::nullopt}};
+    for (const Case &each : cases) {
+        SCOPED_TRACE(each.candidates.front().name);
+        const ChosenModel model = choose({{"axis", each.candidates, 0, {}}});
+        const ModelAxis &axis = model.axes[0];
+        EXPECT_EQ(axis.chosen, each.chosen);
+        EXPECT_EQ(model.error.force_N, each.candidates[each.chosen].error.force_N);
+        ASSERT_EQ(axis.cheaper.size(), each.missed ? 1U : 0U);
+        if (each.missed) {
+            EXPECT_EQ(axis.cheaper[0].candidate, *each.missed);
+            EXPECT_TRUE(!meets(axis.cheaper[0].error, kTolerance));
+        }
+    }
 }
 
 TEST(Choose, StepsUpWhereTheTwoTogetherMiss) {

@@ -1,6 +1,6 @@
-// Covers engine/lab/model_selection/model_run.cpp and model_cost.cpp.
-#include "engine/lab/model_selection/model_cost.h"
-#include "engine/lab/model_selection/simplified_surface.h"
+// Covers engine/lab/model_selection/model_run.cpp.
+#include "engine/lab/model_selection/contact_shapes.h"
+#include "engine/lab/model_selection/model_run.h"
 #include "engine/scene/shape_fit.h"
 #include "tests/engine/lab/model_selection/model_settings.h"
 

@@ -1,5 +1,5 @@
-// Covers engine/lab/charts/stick_slip_solver.cpp.
-#include "engine/lab/charts/stick_slip_solver.h"
+// Covers engine/lab/charts/plant_solvers.cpp where joints stick and slip.
+#include "engine/lab/charts/plant_solvers.h"
 
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"

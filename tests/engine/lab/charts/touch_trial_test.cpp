@@ -1,7 +1,6 @@
-// Covers engine/lab/charts/rendered_touch.cpp and touch_trial.cpp.
-#include "engine/lab/charts/rendered_touch.h"
-
+// Covers engine/lab/charts/touch_trial.h.
 #include "engine/lab/charts/touch_trial.h"
+
 #include "engine/lab/rig/scenario/test_surfaces.h"
 
 #include <Eigen/Geometry>
