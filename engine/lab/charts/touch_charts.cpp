@@ -12,9 +12,9 @@
 #include "engine/scene/smooth_nodes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>

@@ -10,10 +10,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <mutex>
 #include <numbers>
 #include <ostream>
-#include <string>
+#include <utility>
 
 namespace springdrive::limits {
 

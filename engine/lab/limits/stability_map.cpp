@@ -4,7 +4,6 @@
 #include "device/core/phantom/kinematics.h"
 
 #include <algorithm>
-#include <cmath>
 #include <mutex>
 
 namespace springdrive::limits {

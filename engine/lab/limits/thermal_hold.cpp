@@ -14,10 +14,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstddef>
+#include <initializer_list>
 #include <iterator>
 #include <ostream>
+#include <utility>
 
 namespace springdrive::limits {
 

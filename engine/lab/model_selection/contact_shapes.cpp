@@ -9,8 +9,10 @@
 #include <meshoptimizer.h>
 
 #include <array>
+#include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 

@@ -9,11 +9,13 @@
 #include "engine/lab/model_selection/selection_json.h"
 
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <ios>
 #include <limits>
 #include <string>
+#include <vector>
 
 namespace springdrive::model_selection {
 

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -44,9 +43,11 @@ TEST(Press, PressesHardAndStaysInTheSurfaceUntilItReleases) {
         for (std::size_t k = 0; k < released; ++k) {
             EXPECT_GT(reference.force_N[k].dot(press.normal), 0.0); // the plate pushes out
         }
-        EXPECT_GT(reference.force_N[released - 1].dot(press.normal), 2.0);
+        if (trial == &sticking_trial()) {
+            EXPECT_GT(reference.force_N[released - 1].dot(press.normal), 2.0);
+            EXPECT_LT(reference.force_N.back().norm(), 0.5); // the rest is held by friction
+        }
     }
-    EXPECT_LT(sticking_trial().reference().force_N.back().norm(), 0.5); // held by friction
 }
 
 TEST(Press, TheHandsTargetHasItsCornersAtTheSamples) {

@@ -1,6 +1,6 @@
 // Covers engine/lab/limits as a whole: predicted limits against simulated ones over many
 // random loops. Takes a minute.
-#include "engine/lab/limits/simulated_limit.h"
+#include "engine/lab/limits/stability_limits.h"
 
 #include "tests/support/cases.h"
 #include "tests/support/delayed_limits.h"

@@ -26,8 +26,8 @@ const loops::LoopMember kThird{2, loops::no_hand()};
 TEST(StabilitySimulation, GrowsAndDecaysAtTheRateOfTheEigenvalue) {
     std::mt19937_64 random(21);
     int stable = 0;
-    int compared = 0;
-    for (int i = 0; i < 150; ++i) {
+    int unstable = 0;
+    for (int compared = 0; compared < 30;) {
         const loops::StabilityCase which = testing::random_rotor_loop(random);
         const loops::LoopMember member = loops::members(which).front();
         // Of the slowest mode [1/s].
@@ -36,7 +36,7 @@ TEST(StabilitySimulation, GrowsAndDecaysAtTheRateOfTheEigenvalue) {
         if (std::abs(truth) > 0.5) {
             EXPECT_EQ(trial.stable, truth < 0.0)
                 << "growth " << truth << "/s, T " << which.period_s;
-            stable += truth < 0.0 ? 1 : 0;
+            ++(truth < 0.0 ? stable : unstable);
         }
         if (std::abs(truth) <= 3.0) { // others end before the slowest mode dominates
             // Sub-steps of 50 µs have 1e-3 of phase; windows sample the crests of slow modes
@@ -46,9 +46,8 @@ TEST(StabilitySimulation, GrowsAndDecaysAtTheRateOfTheEigenvalue) {
             ++compared;
         }
     }
-    EXPECT_GT(compared, 10);
     EXPECT_GT(stable, 20);
-    EXPECT_LT(stable, 148); // and some are not
+    EXPECT_GT(unstable, 20);
 }
 
 TEST(StabilitySimulation, AnyRateAndDelay) {

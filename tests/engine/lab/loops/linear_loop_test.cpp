@@ -7,8 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <complex>
+#include <cmath>
 #include <deque>
 #include <random>
 

@@ -11,6 +11,7 @@
 #include <limits>
 #include <set>
 #include <string>
+#include <string_view>
 
 namespace springdrive::loops {
 namespace {

@@ -7,10 +7,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <random>
 #include <sstream>
+#include <string>
+#include <vector>
 
 namespace springdrive::loops {
 namespace {

@@ -14,11 +14,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace springdrive::loops {
 namespace {
 
-device::DeviceDescription phantom() { return testing::phantom_1_0(); }
+const device::DeviceDescription &phantom() {
+    static const device::DeviceDescription device = testing::phantom_1_0();
+    return device;
+}
 
 const scenes::Spot &spot() {
     static const std::vector<scenes::SceneDescription> all = scenes::all_scenes();
@@ -45,7 +49,7 @@ bool is_easy(const Vector3 &q_rad, const Vector3 &tip_m, const Vector3 &normal) 
 /// The largest error of a grid of easy presses in the middle plane of the inner 80 % of the
 /// workspace [rad].
 double worst_of_a_grid_rad(int places, int angles) {
-    const device::DeviceDescription device = phantom();
+    const device::DeviceDescription &device = phantom();
     double worst_rad = 0.0;
     for (int i = 0; i <= places * places + 2 * places; ++i) {
         const Vector3 share(0.0, static_cast<double>(i % (places + 1)) / places - 0.5,
