@@ -1,10 +1,10 @@
 #include "engine/contact/mesh/mesh_preparation.h"
 
 #include "base/cancellation.h"
-#include "engine/contact/mesh/crack_closing.h"
 #include "engine/contact/mesh/edge_table.h"
 #include "engine/contact/mesh/fan_grading.h"
 #include "engine/contact/mesh/mesh_repair.h"
+#include "engine/contact/mesh/mesh_stitching.h"
 #include "engine/contact/mesh/mesh_topology.h"
 #include "engine/contact/mesh/surface_facets.h"
 

@@ -1,4 +1,4 @@
-#include "engine/contact/mesh/crack_closing.h"
+#include "engine/contact/mesh/mesh_stitching.h"
 
 #include "base/assertions.h"
 #include "base/cancellation.h"
