@@ -168,7 +168,7 @@ TEST(Figures, AreOfTheResidualResistanceThatTheServoGives) {
     }
 }
 
-TEST(Charts, ThoseAskedForComeOutAsPicturesAndNumbers) {
+TEST(ChartCommand, ThoseAskedForComeOutAsPicturesAndNumbers) {
     const fs::path folder = testing::fresh_folder("charts") / "new";
     const testing::Ending ending = run_into("chart", folder, {"--only", kQuick, "--repeats", "2"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
@@ -192,7 +192,7 @@ TEST(Charts, ThoseAskedForComeOutAsPicturesAndNumbers) {
               std::string::npos);
 }
 
-TEST(Charts, AreNamedAsTheListSays) {
+TEST(ChartCommand, AreNamedAsTheListSays) {
     charts::ChartSetting setting;
     setting.device = testing::phantom_1_0();
     setting.repeats = 1;

@@ -25,7 +25,6 @@ struct Refusal {
 };
 
 const std::vector<Refusal> kOptionsOfTheDemo{
-    {"--frams 3", 2, "frams"},
     {"--servo-hz 99", 1, "250"},
     {"--servo-hz fast", 2, "fast"},
     {"--servo-hz nan", 1, "10000"},
@@ -73,6 +72,7 @@ const std::vector<Refusal> kSessions{
 
 const std::vector<Refusal> kOthers{
     // Words, and files without an option.
+    {"--frams 3", 2, "frams"},
     {"stifness", 2, "stifness is no command; did you mean stiffness? See springdrive --help"},
     {"--sceen x.gltf", 2, "--sceen is no option of demo; did you mean --scene?"},
     {"demo --sceen x.gltf", 2, "--sceen is no option of demo; did you mean --scene?"},

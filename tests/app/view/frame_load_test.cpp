@@ -1,5 +1,4 @@
-// Covers app/view/frame_load.cpp and the counting of app/view/gl_objects.cpp: what a frame takes,
-// known from what is drawn.
+// Covers app/view/gl_objects.cpp: what a frame takes, known from what is drawn.
 #include "app/view/gl_objects.h"
 
 #include "tests/support/hidden_window.h"

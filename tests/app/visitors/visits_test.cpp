@@ -1,5 +1,5 @@
 // Covers app/visitors/visits.cpp: whole visits on the simulated device, in lockstep, with visitors
-// and a window that are made up (see tests/app/window/visitors_test.cpp for the real window); and
+// and a window that are made up (see tests/app/window/kiosk_test.cpp for the real window); and
 // what the task's protocol finds of visitors whose thresholds are known.
 #include "app/visitors/visits.h"
 

@@ -117,7 +117,7 @@ TEST_F(RecordsInTheWindow, ARecordIsPlayedSteppedAndLeftAndWhatIsNoneIsRefused) 
     EXPECT_EQ(position_s(window.look()), stands_s);
     EXPECT_NEAR(window.look().item("plot 1/area").at("numbers").at("x_to"), stands_s, 1e-9);
     // The servo went on, and the mouse moved no hand that is not shown.
-    EXPECT_GT(played.column("tick"), tick + 900.0);
+    EXPECT_GT(played.column("tick"), tick + 500.0);
     window.person().key("r");
     EXPECT_FALSE(shows_record(window.look()));
     EXPECT_EQ(window.look().item("plot 1/area").at("numbers").at("x_to"), 0.0);

@@ -460,9 +460,10 @@ TEST(StiffnessSweep, RefusesOptionsBeyondTheirRanges) {
         return error([&](SweepOptions &options) { options.*member = value; });
     };
     EXPECT_EQ(error([](SweepOptions &) {}), "");
-    for (const auto &[value, least, most] : {std::tuple(&SweepOptions::tip_force_N, 0.5, 8.5),
-                                             {&SweepOptions::motion_m, 1e-4, 5e-3},
-                                             {&SweepOptions::servo_hz, 250.0, 10'000.0}}) {
+    for (const auto &[value, least, most] :
+         {std::tuple(&SweepOptions::tip_force_N, 0.5, 8.5),
+          {&SweepOptions::motion_m, 1e-4, 5e-3},
+          {&SweepOptions::servo_hz, 250.0, 8000.0}}) { // of the board
         EXPECT_EQ(set(value, least), "");
         EXPECT_EQ(set(value, most), "");
         for (const double outside : {0.99 * least, 1.01 * most, kNone}) {

@@ -25,8 +25,8 @@ constexpr double kRadius_m = 0.04;
 constexpr double kRadian = 180.0 / std::numbers::pi;
 constexpr double kSumRounding_m = 1e-16; // of a sum of a few coordinates of 0.04 m
 
-SmoothMesh sphere(int level) {
-    const contact::TriangleSoup soup = testing::icosphere(level, kRadius_m);
+SmoothMesh sphere(int level, double radius_m = kRadius_m) {
+    const contact::TriangleSoup soup = testing::icosphere(level, radius_m);
     SmoothMesh mesh{soup.vertices_m, {}, soup.triangles};
     for (const Vector3 &vertex : mesh.positions) {
         mesh.normals.push_back(vertex.normalized());
@@ -247,10 +247,12 @@ TEST(CurvedPatches, TrianglesWithoutAreaDoNoHarm) {
     EXPECT_EQ(CurvedPatches(mesh).cuts_for(0.01, 64), 1U);
 }
 
+constexpr double kTouchedRadius_m = 0.05;
+
 /// 80 triangles with the normals of a sphere, cut as finely as scenes are.
 contact::HapticSurface smoothed_sphere() {
-    contact::TriangleSoup soup = testing::icosphere(1, kRadius_m);
-    const SmoothMesh coarse = sphere(1);
+    contact::TriangleSoup soup = testing::icosphere(1, kTouchedRadius_m);
+    const SmoothMesh coarse = sphere(1, kTouchedRadius_m);
     const CurvedPatches patches(coarse);
     const SmoothMesh fine =
         patches.cut(patches.cuts_for(0.5 * kRadiansPerDegree, 128), 0, coarse.triangles.size());
@@ -269,13 +271,13 @@ TEST(CurvedTouch, TurnsTheForceByLessThanADegreeATickOnEightyTriangles) {
     const contact::HapticSurface surface = smoothed_sphere();
     ASSERT_EQ(surface.report().closed_components, 1U);
     contact::Proxy proxy;
-    proxy.reset(1.2 * kRadius_m * direction(0.0));
+    proxy.reset(1.2 * kTouchedRadius_m * direction(0.0));
     double phase = 0.0;
     Vector3 last = Vector3::Zero();
     double largest_rad = 0.0;
     for (int i = 0; i < 20000; ++i) {
         const Vector3 now = direction(phase);
-        const contact::Contact contact = proxy.update(surface, (kRadius_m - 1.5e-3) * now);
+        const contact::Contact contact = proxy.update(surface, (kTouchedRadius_m - 1.5e-3) * now);
         ASSERT_TRUE(contact.touching);
         if (i > 0) {
             largest_rad =
@@ -286,7 +288,8 @@ TEST(CurvedTouch, TurnsTheForceByLessThanADegreeATickOnEightyTriangles) {
         ASSERT_LT((contact.normal - now).norm(), 0.75 * kRadiansPerDegree) << i;
         last = contact.normal;
         // 0.1 mm a tick on the surface.
-        phase += 1e-4 / kRadius_m / std::max(1e-3, (direction(phase + 1e-6) - now).norm() / 1e-6);
+        phase +=
+            1e-4 / kTouchedRadius_m / std::max(1e-3, (direction(phase + 1e-6) - now).norm() / 1e-6);
     }
     EXPECT_LT(largest_rad, 1.0 * kRadiansPerDegree);
     EXPECT_GT(largest_rad, 0.1 * kRadiansPerDegree); // that of the sphere itself in a tick

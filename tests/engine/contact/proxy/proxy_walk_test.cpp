@@ -100,6 +100,33 @@ TEST_P(ProxyWalk, StaysOutsideAndSoundAndSettled) {
     EXPECT_GT(touching, 1000); // not vacuous
 }
 
+TEST_P(ProxyWalk, StaysOutsideHoweverFastTheTip) {
+    // 5 m/s at 1 kHz, and jumps of 100 mm: through the shape and out on its other side.
+    const TriangleSoup &soup = GetParam();
+    const HapticSurface mesh(soup);
+    RandomWalk walk(7, {0.0, 0.06, 0.0}, 0.06, 5e-3);
+    Proxy proxy;
+    proxy.reset({0.0, 0.06, 0.0});
+    for (int i = 0; i < 2000; ++i) {
+        const Vector3 tip = walk.next();
+        const Contact contact = proxy.update(mesh, tip);
+        expect_sound(contact, tip);
+        // A path that crosses the surface once changes the winding number by one.
+        ASSERT_NEAR(testing::winding_number(soup, contact.x0_m), 0.0, 1e-3) << i;
+        ASSERT_LT((contact.x0_m - tip).norm(), 0.2);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ClosedShapes, ProxyWalk,
+    ::testing::Values(testing::icosphere(3, 0.04), testing::bumpy_sphere(3, 0.04),
+                      testing::bumpy_sphere(1, 0.04),
+                      // Shapes that interpenetrate: creases that are not edges of the mesh.
+                      testing::joined(testing::bumpy_sphere(2, 0.03),
+                                      testing::moved(testing::bumpy_sphere(2, 0.03),
+                                                     Eigen::Isometry3d(Eigen::Translation3d(
+                                                         0.02, 0.015, 0.01))))));
+
 TEST(ProxyOnAnyMesh, IsInvariantUnderRigidMotions) {
     const TriangleSoup soup = testing::bumpy_sphere(3, 0.04);
     Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();

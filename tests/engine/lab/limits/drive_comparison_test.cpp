@@ -1,5 +1,5 @@
 // Covers engine/lab/limits/impact.cpp and wall_tune.cpp: what drive_comparison.cpp compares. Its
-// outputs are those of tests/app/baseline_command_test.cpp.
+// outputs are those of tests/app/tuning_commands_test.cpp.
 #include "engine/lab/limits/drive_comparison.h"
 
 #include "device/core/phantom/dynamics.h"
