@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -127,6 +128,8 @@ enum class StimulusFailure : std::uint8_t {
 inline constexpr std::array<std::string_view, 5> kStimulusFailures{
     "", "the safety monitor tripped", "the tip did not touch the spot in time",
     "the tip left the spot before the end", "the hand gave way to the turned force"};
+static_assert(kStimulusFailures.size() ==
+              static_cast<std::size_t>(StimulusFailure::too_much_work) + 1);
 [[nodiscard]] constexpr std::string_view description(StimulusFailure failure) {
     return kStimulusFailures[static_cast<std::size_t>(failure)];
 }

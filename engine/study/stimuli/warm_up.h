@@ -89,6 +89,7 @@ enum class WarmUpFailure : std::uint8_t {
 /// By the number of the failure.
 inline constexpr std::array<std::string_view, 3> kWarmUpFailures{
     "", "the safety monitor tripped", "the windings did not come into their band in ten minutes"};
+static_assert(kWarmUpFailures.size() == static_cast<std::size_t>(WarmUpFailure::too_long) + 1);
 [[nodiscard]] constexpr std::string_view description(WarmUpFailure failure) {
     return kWarmUpFailures[static_cast<std::size_t>(failure)];
 }
