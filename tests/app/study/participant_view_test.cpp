@@ -26,6 +26,23 @@ protected:
     inline static std::unique_ptr<testing::HiddenWindow> hidden_window;
 };
 
+TEST_F(ParticipantPixels, ShowLettersOfEveryAlphabetAndABoxForOthers) {
+    const auto of_text = [](const char *text) {
+        ParticipantPicture picture;
+        picture.heading = text;
+        return drawn(picture);
+    };
+    const auto nothing = of_text("");
+    const auto box = of_text("漢");
+    EXPECT_NE(box, nothing);
+    EXPECT_EQ(box, of_text("字")); // the font lacks both
+    for (const char *letter : {"ä", "ß", "Ω", "Ж"}) {
+        const auto seen = of_text(letter);
+        EXPECT_NE(seen, box) << letter;
+        EXPECT_NE(seen, nothing) << letter;
+    }
+}
+
 TEST_F(ParticipantPixels, AreThoseOfThePictureWhateverWasDrawnBefore) {
     ParticipantView used;
     for (const auto &[name, picture] : pictures_of_a_sitting()) {
@@ -41,7 +58,12 @@ TEST_F(ParticipantPixels, AreThoseOfThePictureWhateverWasDrawnBefore) {
     const auto at_start = drawn(picture);
     EXPECT_EQ(used.pixels(), at_start);
     picture.progress = 1.0;
-    EXPECT_NE(drawn(picture), at_start);
+    const auto at_end = drawn(picture);
+    EXPECT_NE(at_end, at_start);
+    picture.progress = 0.5;
+    const auto halfway = drawn(picture);
+    EXPECT_NE(halfway, at_start);
+    EXPECT_NE(halfway, at_end);
 }
 
 TEST_F(ParticipantPixels, OfTheSceneShowBallAndRingAndAreTheSameEachTime) {

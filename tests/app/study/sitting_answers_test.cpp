@@ -109,8 +109,8 @@ TEST_F(StudySitting, AsksItsQuestionsAndOnceIfTheyWereAnswered) {
     EXPECT_EQ(stored, "1 hand right; 1 sure 0; 2 more nö; 3 again nö; ");
 }
 
-/// Eta of the plate, from a drawn start, after the standard. In the first trial some steps down, in
-/// the others more up than there are; one that is not ended comes again.
+/// Eta of the plate, from a drawn start, after the standard and by itself. In the first trial some
+/// steps down, in the others more up than there are; one that is not ended comes again.
 TEST_F(StudySitting, AnAdjustmentIsStoredAsItWasSet) {
     protocol_ = short_protocol("stiffness");
     study::Adjustment method;
@@ -119,10 +119,7 @@ TEST_F(StudySitting, AnAdjustmentIsStoredAsItWasSet) {
     method.maximum_start = 0.15;
     method.minimum_level = 0.01;
     method.maximum_level = 0.35;
-    method.settings = 3;
-    protocol_.method = method;
     protocol_.task.kind = study::TaskKind::adjustment;
-    protocol_.variable.shows_standard = true;
     protocol_.practice = {};
     protocol_.responses.keys = {"left", "right", "enter"};
     protocol_.timing.presentation_s = 2.0;
@@ -131,46 +128,57 @@ TEST_F(StudySitting, AnAdjustmentIsStoredAsItWasSet) {
     const auto steps_of = [](const study::TrialPlace &place) {
         return place.position == 1 ? kSteps : 70;
     };
-    int pressed = 0;
-    std::set<std::string> headings;
-    const SessionEnding ending = run([&](const Moment &now) {
-        if (now.state.step != SittingStep::interval || !now.state.trial) {
-            pressed = 0;
-            return;
+    for (const bool shows_standard : {true, false}) {
+        SCOPED_TRACE(shows_standard ? "after the standard" : "without a standard");
+        begin_study("sitting");
+        protocol_.variable.shows_standard = shows_standard;
+        method.settings = shows_standard ? 3 : 2;
+        protocol_.method = method;
+        int pressed = 0;
+        std::set<std::string> headings;
+        const SessionEnding ending = run([&](const Moment &now) {
+            if (now.state.step != SittingStep::interval || !now.state.trial) {
+                pressed = 0;
+                return;
+            }
+            headings.insert(now.picture.heading);
+            const study::TrialPlace &place = now.state.trial->place;
+            if (now.state.interval + 1 < now.state.intervals ||
+                now.state.phase != study::StimulusPhase::presenting || place.position == 2) {
+                return;
+            }
+            if (++pressed <= steps_of(place)) {
+                now.port.inputs = {MadeUpPort::key(place.position == 1 ? "left" : "right", 0.0)};
+            } else if (pressed == steps_of(place) + 1) {
+                now.port.inputs = {MadeUpPort::key("enter", 0.0)};
+            }
+        });
+        EXPECT_EQ(ending, SessionEnding::completed);
+        std::set<std::string> expected_headings{protocol_.texts.question};
+        if (shows_standard) {
+            expected_headings.insert(protocol_.texts.show_standard);
         }
-        headings.insert(now.picture.heading);
-        const study::TrialPlace &place = now.state.trial->place;
-        if (now.state.interval + 1 < now.state.intervals ||
-            now.state.phase != study::StimulusPhase::presenting || place.position == 2) {
-            return;
+        EXPECT_EQ(headings, expected_headings);
+        const std::vector<Trial> trials = contents().trials;
+        ASSERT_EQ(trials.size(), static_cast<std::size_t>(method.settings) + 1);
+        const double step = std::log(0.35 / 0.01) / 60.0; // 60 steps from one end to the other
+        for (const Trial &trial : trials) {
+            SCOPED_TRACE(text_of(trial.place));
+            if (trial.place.position == 2) {
+                EXPECT_TRUE(std::holds_alternative<study::NoResponse>(trial.response));
+                EXPECT_TRUE(trial.is_presented_again);
+                continue;
+            }
+            ASSERT_TRUE(std::holds_alternative<study::Adjusted>(trial.response));
+            const double wanted =
+                trial.place.position == 1 ? *trial.level * std::exp(-kSteps * step) : 0.35;
+            EXPECT_NEAR(std::get<study::Adjusted>(trial.response).level, wanted, 1e-9 * wanted);
+            EXPECT_TRUE(trial.marks.empty()) << trial.marks.front();
+            const auto eta = std::ranges::find(trial.tuning, "eta", &study::Setting::name);
+            ASSERT_NE(eta, trial.tuning.end());
+            // What was felt at the end.
+            EXPECT_NEAR(std::get<double>(eta->value), 0.5 + wanted, 1e-9);
         }
-        if (++pressed <= steps_of(place)) {
-            now.port.inputs = {MadeUpPort::key(place.position == 1 ? "left" : "right", 0.0)};
-        } else if (pressed == steps_of(place) + 1) {
-            now.port.inputs = {MadeUpPort::key("enter", 0.0)};
-        }
-    });
-    EXPECT_EQ(ending, SessionEnding::completed);
-    EXPECT_EQ(headings,
-              (std::set<std::string>{protocol_.texts.show_standard, protocol_.texts.question}));
-    const std::vector<Trial> trials = contents().trials;
-    ASSERT_EQ(trials.size(), 4U);
-    const double step = std::log(0.35 / 0.01) / 60.0; // 60 steps from one end to the other
-    for (const Trial &trial : trials) {
-        SCOPED_TRACE(text_of(trial.place));
-        if (trial.place.position == 2) {
-            EXPECT_TRUE(std::holds_alternative<study::NoResponse>(trial.response));
-            EXPECT_TRUE(trial.is_presented_again);
-            continue;
-        }
-        ASSERT_TRUE(std::holds_alternative<study::Adjusted>(trial.response));
-        const double wanted =
-            trial.place.position == 1 ? *trial.level * std::exp(-kSteps * step) : 0.35;
-        EXPECT_NEAR(std::get<study::Adjusted>(trial.response).level, wanted, 1e-9 * wanted);
-        EXPECT_TRUE(trial.marks.empty()) << trial.marks.front();
-        const auto eta = std::ranges::find(trial.tuning, "eta", &study::Setting::name);
-        ASSERT_NE(eta, trial.tuning.end());
-        EXPECT_NEAR(std::get<double>(eta->value), 0.5 + wanted, 1e-9); // what was felt at the end
     }
 }
 

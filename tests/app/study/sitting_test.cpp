@@ -227,7 +227,7 @@ TEST(TrialPresenter, ALedHandSetsOutOnlyWhenItHasRested) {
         const study::Protocol protocol = short_protocol(name);
         const std::vector<double> level{0.3 * protocol.variable.standard};
         const study::PlannedTrial planned = trials_of_conditions(protocol, level, {1}).front();
-        for (const int away_mm : {0, 1, 5, 10, 15, 20}) {
+        for (const int away_mm : {0, 1, 2, 4, 5, 10, 15, 20}) { // all remainders by 7
             SCOPED_TRACE(name + ", " + std::to_string(away_mm) + " mm away");
             present_alone(
                 protocol, folders, planned, [](MadeUpPort &) {},
@@ -264,7 +264,7 @@ TEST_F(StudySitting, AParticipantWhoLeavesIsThankedAndStoredAsThat) {
 
 TEST_F(StudySitting, AnErrorOfTheWindowEndsItAsFailed) {
     EXPECT_THROW(run([](const Moment &now) {
-                     if (now.state.step == SittingStep::practice_begins) {
+                     if (now.state.step == SittingStep::response) {
                          throw InputError("no letters");
                      }
                  }),

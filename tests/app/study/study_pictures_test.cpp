@@ -54,11 +54,16 @@ TEST(StudyPictures, AreTheSameOfEachConditionAndLevelUntilTheHandLeaves) {
         std::vector<ParticipantPicture> first;
         std::vector<PlannedTrial> all =
             trials_of_conditions(protocol, {levels.front(), levels.back()}, {0});
-        // The other is the standard, of which no level is presented.
-        std::ranges::move(trials_of_conditions(protocol, {levels.back()}, {1}),
+        // Another interval is the standard, of which no level is presented; another place is not.
+        std::vector<double> levels_of_other{levels.back()};
+        if (protocol.task.kind == study::TaskKind::forced_choice_by_place) {
+            levels_of_other.push_back(levels.front());
+        }
+        std::ranges::move(trials_of_conditions(protocol, levels_of_other, {1}),
                           std::back_inserter(all));
         for (const PlannedTrial &planned : all) {
-            SCOPED_TRACE(::testing::Message() << planned.condition << " at " << *planned.level);
+            SCOPED_TRACE(::testing::Message() << planned.condition << " at " << *planned.level
+                                              << ", target " << *planned.target);
             const std::vector<ParticipantPicture> pictures =
                 pictures_of_first_interval(protocol, folders, planned);
             EXPECT_GT(pictures.size(), 10U);

@@ -324,18 +324,23 @@ TEST_F(Visiting, WhoStopsTheDeviceIsStillThere) {
     EXPECT_EQ(begun, 1);
 }
 
-/// The first time the device is stopped: a visitor who is made up is nobody who could let it go on.
-/// The second time the fast motion is left by Escape, without a curve.
+/// The first time the device is stopped, for longer than until a person would be gone: a visitor
+/// who is made up is nobody who could let it go on, and is not asked. The second time the fast
+/// motion is left by Escape, without a curve.
 TEST_F(Visiting, ShowsAMadeUpVisitorAndReckonsTheRest) {
     plan_.has_device = false;
+    constexpr int kStopped = 60 * 45; ///< frames
+    static_assert(kStopped > 60 * kGoneAfter_s);
     bool was_stopped = false;
     int frames_stopped = 0;
+    int asked = 0; ///< whether somebody is still there: frames
     int shown = 0;
     std::vector<int> growing; ///< answers in the curve
     std::string heading;
     std::string text;
     run([&](const Moment &now) -> std::string {
         const bool has_result = now.picture.curve && !now.picture.choices.empty();
+        asked += now.picture.heading == "Still there?" ? 1 : 0;
         now.ends_all = now.starts == 3;
         if (is_start(now.picture)) {
             return "1";
@@ -348,7 +353,7 @@ TEST_F(Visiting, ShowsAMadeUpVisitorAndReckonsTheRest) {
             now.session.servo().emergency_stop();
         }
         if (now.state.step == SittingStep::device_stopped) {
-            return ++frames_stopped == 600 ? "enter" : ""; // ten seconds
+            return ++frames_stopped == kStopped ? "enter" : "";
         }
         shown = std::max(shown, static_cast<int>(now.state.trials.size()));
         if (!now.picture.curve) {
@@ -362,11 +367,14 @@ TEST_F(Visiting, ShowsAMadeUpVisitorAndReckonsTheRest) {
         text = now.picture.text;
         return has_result ? "enter" : "";
     });
-    EXPECT_GE(frames_stopped, 600);
+    EXPECT_GE(frames_stopped, kStopped);
+    EXPECT_EQ(asked, 0);
     EXPECT_EQ(shown, static_cast<int>(kShownTrials));
     ASSERT_FALSE(growing.empty());
     EXPECT_EQ(growing.back(), 6);
     EXPECT_TRUE(std::ranges::is_sorted(growing));
+    // By one answer at a time.
+    EXPECT_EQ(growing.size(), static_cast<std::size_t>(6 - growing.front() + 1));
     EXPECT_GE(growing.size(), 4U);
     EXPECT_EQ(heading.find("The made-up visitor feels a force that is turned by "), 0U) << heading;
     EXPECT_NE(text.find("In truth it was 25 degrees."), std::string::npos) << text;

@@ -435,16 +435,34 @@ TEST_F(StudyConduct, WhatTheExperimenterWantsAgainIsRepeatedEvenThen) {
 }
 
 TEST_F(StudyConduct, EndsWhereItIsToldAndRefusesToGoOnWithAnotherProtocol) {
-    const fs::path file = new_study("other");
-    StudyStore store = quick_store(file);
-    int presented = 0;
-    Conduct stops = plain_conduct(protocol_, now_);
-    stops.ends = [&presented]() -> std::optional<SessionEnding> {
-        return presented++ == 3 ? std::optional(SessionEnding::stopped) : std::nullopt;
+    const std::vector<Trial> expected = undisturbed("P01");
+    std::size_t asked = 0;
+    const auto stops_after = [this, &asked](std::size_t trials) {
+        asked = 0;
+        Conduct stops = plain_conduct(protocol_, now_);
+        stops.ends = [&asked, trials]() -> std::optional<SessionEnding> {
+            return asked++ == trials ? std::optional(SessionEnding::stopped) : std::nullopt;
+        };
+        return stops;
     };
-    EXPECT_EQ(run(store, "P01", stops), SessionEnding::stopped);
-    EXPECT_EQ(store.contents().trials.size(), 3U) << "asked before each trial";
-    EXPECT_EQ(store.contents().sessions.back().ending, SessionEnding::stopped);
+    const fs::path file = new_study("stopped");
+    {
+        StudyStore stopped = quick_store(file);
+        EXPECT_EQ(run(stopped, "P01", stops_after(3)), SessionEnding::stopped);
+        EXPECT_EQ(stopped.contents().trials.size(), 3U) << "asked before each trial";
+        EXPECT_EQ(stopped.contents().sessions.back().ending, SessionEnding::stopped);
+    }
+    const fs::path copy = file.parent_path() / "goes_on";
+    fs::copy_file(file, copy);
+    StudyStore goes_on = quick_store(copy);
+    EXPECT_EQ(run(goes_on, "P01", plain_conduct(protocol_, now_)), SessionEnding::completed);
+    expect_same_trials(goes_on.contents().trials, expected);
+    // After the last trial nothing is left to end.
+    StudyStore whole = quick_store(new_study("whole"));
+    EXPECT_EQ(run(whole, "P01", stops_after(expected.size())), SessionEnding::completed);
+    EXPECT_EQ(whole.contents().trials.size(), expected.size());
+
+    StudyStore store = quick_store(file);
     ++protocol_.seed;
     const std::vector<Trial> before = store.contents().trials;
     EXPECT_THROW(run(store, "P01", plain_conduct(protocol_, now_)), InputError);

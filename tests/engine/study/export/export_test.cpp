@@ -369,6 +369,7 @@ TEST(Bids, HasTheAnswersOfSessionsWithoutTrials) {
 TEST(Bids, TakesOnlyTheDevicesAskedFor) {
     const StudyContents contents = sample_contents();
     EXPECT_EQ(trials_in_study(contents, {DeviceKind::simulated}).size(), 0U);
+    EXPECT_EQ(trials_in_study(contents, {DeviceKind::usb}).size(), 20U);
     for (const TrialInStudy &trial : trials_in_study(contents, {DeviceKind::usb})) {
         EXPECT_EQ(trial.participant.code, "P02");
     }
