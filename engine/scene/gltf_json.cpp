@@ -15,6 +15,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace springdrive::scene::gltf {
 
@@ -23,6 +24,78 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kDeepestJson = 100; // glTF itself needs about ten
+
+/// Follows the parser through a text that it refuses, to the place where it does.
+class PlaceOfError : public nlohmann::json_sax<json> {
+public:
+    bool null() override { return next(); }
+    bool boolean(bool /*value*/) override { return next(); }
+    bool number_integer(number_integer_t /*value*/) override { return next(); }
+    bool number_unsigned(number_unsigned_t /*value*/) override { return next(); }
+    bool number_float(number_float_t /*value*/, const string_t & /*text*/) override {
+        return next();
+    }
+    bool string(string_t & /*value*/) override { return next(); }
+    bool binary(binary_t & /*value*/) override { return next(); }
+    bool start_object(std::size_t /*elements*/) override { return begin(false); }
+    bool start_array(std::size_t /*elements*/) override { return begin(true); }
+    bool end_object() override { return end(); }
+    bool end_array() override { return end(); }
+    bool key(string_t &name) override {
+        levels_.back().key = name;
+        return true;
+    }
+    bool parse_error(std::size_t /*position*/, const std::string &last_read,
+                     const nlohmann::detail::exception &error) override {
+        constexpr int kNumberOutOfRange = 406;
+        if (error.id == kNumberOutOfRange) {
+            message_ = place() + " is " + one_line(last_read, 40) +
+                       "; it must be a number that is finite in double precision";
+        } else {
+            const std::string what = error.what(); // "[json.exception.…] parse error at …"
+            const std::size_t prefix = what.find("] ");
+            message_ = "is no valid glTF: " +
+                       one_line(prefix == std::string::npos ? what : what.substr(prefix + 2));
+        }
+        return false;
+    }
+
+    [[nodiscard]] const std::string &message() const { return message_; }
+
+private:
+    struct Level {
+        bool is_array;
+        std::size_t index = 0;
+        std::string key;
+    };
+
+    bool begin(bool is_array) {
+        levels_.push_back({is_array, 0, {}});
+        return true;
+    }
+    bool end() {
+        levels_.pop_back();
+        return next();
+    }
+    bool next() {
+        if (!levels_.empty()) {
+            ++levels_.back().index;
+        }
+        return true;
+    }
+    /// As JavaScript has it: "materials[0].emissiveFactor[2]".
+    [[nodiscard]] std::string place() const {
+        std::string path;
+        for (const Level &level : levels_) {
+            path += level.is_array ? "[" + std::to_string(level.index) + "]"
+                                   : (path.empty() ? "" : ".") + one_line(level.key, 40);
+        }
+        return path.empty() ? "its JSON" : path;
+    }
+
+    std::vector<Level> levels_;
+    std::string message_;
+};
 
 enum class Kind : std::uint8_t {
     integer,    ///< an index or a code; −1 also stands for none
@@ -335,14 +408,11 @@ json parse_json(std::string_view text) {
         throw InputError("nests its JSON deeper than " + std::to_string(kDeepestJson) +
                          " levels; no glTF does");
     }
-    json document;
-    try {
-        document = json::parse(text.begin(), text.end());
-    } catch (const json::exception &error) { // "[json.exception.…] parse error at …"
-        const std::string what = error.what();
-        const std::size_t prefix = what.find("] ");
-        throw InputError("is no valid glTF: " +
-                         one_line(prefix == std::string::npos ? what : what.substr(prefix + 2)));
+    json document = json::parse(text.begin(), text.end(), nullptr, /*allow_exceptions=*/false);
+    if (document.is_discarded()) {
+        PlaceOfError place;
+        (void)json::sax_parse(text.begin(), text.end(), &place);
+        throw InputError(place.message());
     }
     if (!document.is_object()) {
         throw InputError("is no valid glTF: its JSON is no object");

@@ -16,7 +16,7 @@ namespace springdrive::scene::gltf {
 /// nothing but `[[[[…` would exhaust the stack.
 [[nodiscard]] std::size_t json_nesting_depth(std::string_view text);
 
-/// @throw InputError with line and column for what is no JSON, with the text of a number that no
+/// @throw InputError with line and column for what is no JSON, with the place for a number that no
 ///        double can hold, for a text that nests deeper than 100 levels, and for what is no object.
 [[nodiscard]] nlohmann::json parse_json(std::string_view text);
 

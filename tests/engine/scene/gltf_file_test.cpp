@@ -210,9 +210,10 @@ std::vector<Refused> refused_files() {
         R"(node 1: its children is {"b":1}; it must be an array of whole numbers)");
     add("a primitive that is none", R"("meshes": [{"primitives": [{"attributes": {}}, 7]}])",
         "mesh 0: primitive 1 is 7; it must be an object");
-    add("a number that no double holds",
-        R"("materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0, 1e999, 0, 1]}}])",
-        "is no valid glTF: number overflow parsing '1e999'");
+    add("an infinite colour",
+        R"("materials": [{}, {"pbrMetallicRoughness": {"baseColorFactor": [0, 1e999, 0, 1]}}])",
+        "materials[1].pbrMetallicRoughness.baseColorFactor[1] is 1e999; it must be a number that "
+        "is finite in double precision");
     add("no JSON", R"("nodes": [{]})",
         "is no valid glTF: parse error at line 1, column 42: syntax error while parsing object key "
         "- unexpected ']'; expected string literal");
@@ -243,6 +244,12 @@ std::vector<Refused> refused_files() {
     with_uri("too short a data URI", "data:,abc",
              "its data: URI has 3 bytes, but its byteLength is 36; copy or export it again");
     return files;
+}
+
+TEST(GltfJson, NumbersBeyondDoublesAreNamedByTheirPlace) {
+    EXPECT_EQ(
+        line_of_failure(R"({"asset": {"version": "2.0"}, "a": {"b": [1, [2], {"c": -1e400}]}})"),
+        "a.b[2].c is -1e400; it must be a number that is finite in double precision");
 }
 
 TEST(GltfFile, RefusedFilesAreToldWhatIsWrongAndWhere) {

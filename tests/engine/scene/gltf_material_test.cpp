@@ -286,6 +286,19 @@ TEST(GltfMaterial, ImagesThatCannotBeHadAreWarnedOfAndLeftOut) {
     EXPECT_TRUE(has_warning(load(webp), "extension 'EXT_texture_webp' is left out"));
 }
 
+TEST(GltfMaterial, ColoursBeyondSinglePrecisionAreRefused) {
+    GltfBuilder builder = textured(embedded_image());
+    builder.materials = {R"({"pbrMetallicRoughness": {"baseColorFactor": [1, 1e39, 1, 1]}})"};
+    EXPECT_EQ(line_of_failure(builder.gltf()),
+              "node 'picture': material 0: baseColorFactor is 1e+39; a colour is from 0 to 1, and "
+              "must be finite in single precision");
+    builder.materials = {R"({"emissiveFactor": [1, 1, 1], "extensions":
+                             {"KHR_materials_emissive_strength": {"emissiveStrength": 1e39}}})"};
+    EXPECT_EQ(line_of_failure(builder.gltf()),
+              "node 'picture': material 0: emissiveFactor is 1e+39; a colour is from 0 to 1, and "
+              "must be finite in single precision");
+}
+
 TEST(GltfMaterial, RefusesReferencesToWhatIsNotThere) {
     GltfBuilder builder = textured(embedded_image());
     builder.textures = {R"({"source": 1})"};

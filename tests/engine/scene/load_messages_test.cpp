@@ -1,5 +1,5 @@
-// Covers engine/scene/load_progress.cpp, warning_list.cpp and
-// scene_surface.cpp: what is said about loading.
+// Covers engine/scene/load_progress.cpp, warning_list.cpp and scene_surface.cpp: what is said about
+// loading; and how much memory gltf.cpp lets it take.
 #include "engine/scene/load_progress.h"
 #include "engine/scene/scene_surface.h"
 #include "engine/scene/warning_list.h"
@@ -8,6 +8,11 @@
 #include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
 
 namespace springdrive::scene {
 namespace {
@@ -38,7 +43,41 @@ TEST(LoadProgress, LoadingEndsWithEverythingPlaced) {
     EXPECT_EQ(scene.surface.triangles.size(), 1U);
 }
 
+/// A triangle takes 300 bytes and a vertex 220: of 8 GiB, 39,045,155.9 vertices beside one
+/// triangle.
+TEST(WorkBudget, EndsAtTheStatedMemory) {
+    const auto declaring = [](int vertices) {
+        GltfBuilder builder = one_triangle();
+        builder.add_accessor(std::vector<std::uint8_t>{0, 1, 2}, kUnsignedByte, "SCALAR");
+        builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]})"};
+        builder.accessors[0] = R"({"bufferView": 0, "componentType": 5126, "count": )" +
+                               std::to_string(vertices) + R"(, "type": "VEC3"})";
+        return builder;
+    };
+    expect_failure(
+        declaring(39'045'156),
+        "node 0: with it the scene has 1 triangles and 39045156 vertices, "
+        "for which loading needs about 8 GiB of memory; at most 8 GiB are allowed: simplify it");
+    // Just few enough to look inside.
+    expect_failure(declaring(39'045'155), "its 39045155 elements reach beyond buffer view 0");
+}
+
 using Lines = std::vector<std::string>;
+
+TEST(WarningList, EqualWarningsOnSeveralThingsAreOneLine) {
+    WarningList warnings;
+    warnings.add_of("node 'a'", nullptr, "is left out");
+    warnings.add("the scene stands still");
+    EXPECT_EQ(warnings.lines(), (Lines{"node 'a': is left out", "the scene stands still"}));
+    warnings.add_of("node 7", nullptr, "is left out");
+    warnings.add_of("image 'a'", nullptr, "is left out");
+    EXPECT_EQ(warnings.lines(), (Lines{"nodes 'a', 7: is left out", "the scene stands still",
+                                       "image 'a': is left out"}));
+    warnings.add_of("node 'b c'", nullptr, "is left out");
+    warnings.add_of("node 'd'", nullptr, "is left out");
+    warnings.add_of("node 'e'", nullptr, "is left out");
+    EXPECT_EQ(warnings.lines().front(), "nodes 'a', 7, 'b c' and 2 more: is left out");
+}
 
 TEST(WarningList, NumbersAreAddedUp) {
     WarningList warnings;
