@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -100,6 +101,23 @@ TEST(BoxTree, AlongFindsBoxesThatTheMotionSlidesAlong) {
                 << i;
         }
     }
+}
+
+/// Shrinking must save visits to be of use.
+TEST(BoxTree, AlongSkipsWhatLiesBehindTheFractionLeft) {
+    Boxes boxes;
+    for (int i = 0; i < 1000; ++i) {
+        boxes.push_back(testing::box_about({1e-3 * i, 0, 0}, Vector3::Constant(1e-4)));
+    }
+    const BoxTree tree(boxes, 1);
+    int visits = 0;
+    SearchBudget budget = unlimited();
+    tree.along({-1, 0, 0}, {1, 0, 0}, 0.0, budget, [&](std::uint32_t item, double last) {
+        ++visits;
+        return std::min(last, 0.5 + 0.5e-3 * tree.order()[item] + 1e-6);
+    });
+    EXPECT_LE(visits, 2);
+    EXPECT_LT(unlimited().effort_left - budget.effort_left, 20 * kNodeEffort);
 }
 
 TEST(BoxTree, AlongVisitsWhatTheMotionEntersWithinItsBudgetAndNothingElse) {
@@ -340,6 +358,22 @@ TEST(BoxTreeBuild, GivesTheSameTreeForAnyNumberOfThreads) {
     }
 }
 
+/// A search for a point costs a few nodes for each level of the tree, even where no plane divides
+/// the boxes well.
+TEST(BoxTreeBuild, KeepsPointSearchesShort) {
+    std::mt19937_64 random(3);
+    const Boxes boxes = testing::random_boxes(random, 20000, 0.1, 1e-4);
+    const BoxTree tree(boxes, 1);
+    int nodes = 0;
+    for (int i = 0; i < 1000; ++i) {
+        SearchBudget budget{1000};
+        EXPECT_TRUE(tree.within(boxes[random() % boxes.size()].center(), 0.0, budget,
+                                [](std::uint32_t, double) { return 0.0; }));
+        nodes += 1000 - budget.effort_left;
+    }
+    EXPECT_LT(nodes, 20 * 1000); // five levels hold 32,768
+}
+
 TEST(NumberedBox, EnclosesTheBoxTightly) {
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> exponent(-30.0, 3.0);
@@ -380,6 +414,28 @@ TEST(Float4, LaneBitsAreTheHighestBitsOfTheLanes) {
             EXPECT_EQ(lane_bits(mask), bits);
             EXPECT_EQ(lane_bits_portably(mask), bits);
         }
+    }
+}
+
+TEST(Float4, SmallerAndLargerTakeTheSecondWhereOneIsNotANumber) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const Float4 a{1.0F, -2.0F, NAN, 4.0F};
+    const Float4 b{2.0F, -kInfinity, 3.0F, NAN};
+    const Float4 smallest = smaller(a, b);
+    const Float4 largest = larger(a, b);
+    const Float4 smallest_portably = smaller_portably(a, b);
+    const Float4 largest_portably = larger_portably(a, b);
+    for (const Float4 &minimum : {smallest, smallest_portably}) {
+        EXPECT_EQ(minimum[0], 1.0F);
+        EXPECT_EQ(minimum[1], -kInfinity);
+        EXPECT_EQ(minimum[2], 3.0F);
+        EXPECT_TRUE(std::isnan(minimum[3]));
+    }
+    for (const Float4 &maximum : {largest, largest_portably}) {
+        EXPECT_EQ(maximum[0], 2.0F);
+        EXPECT_EQ(maximum[1], -2.0F);
+        EXPECT_EQ(maximum[2], 3.0F);
+        EXPECT_TRUE(std::isnan(maximum[3]));
     }
 }
 

@@ -40,6 +40,30 @@ TEST(NearestOnTriangle, IsNearerThanAnySampleAndOnTheTriangle) {
     }
 }
 
+TEST(SegmentDistance, IsTheMinimumOverAllPairsOfPoints) {
+    std::mt19937_64 random(2);
+    for (int i = 0; i < 3000; ++i) {
+        const Vector3 a = random_vector(random, 1.0);
+        const Vector3 c = random_vector(random, 1.0);
+        // Also parallel ones, and points.
+        const Vector3 b = i % 7 == 0 ? a : Vector3(a + random_vector(random, 1.0));
+        const Vector3 d = i % 5 == 0    ? Vector3(c + 0.7 * (b - a))
+                          : i % 11 == 0 ? c
+                                        : Vector3(c + random_vector(random, 1.0));
+        double minimum = INFINITY;
+        constexpr int kSamples = 40;
+        for (int u = 0; u <= kSamples; ++u) {
+            const Vector3 p = a + u * (b - a) / kSamples;
+            minimum = std::min(minimum, (d - c).norm() > 0.0 ? testing::distance_to_segment(p, c, d)
+                                                             : (p - c).norm());
+        }
+        const double distance = segment_distance_m(a, b, c, d);
+        ASSERT_LE(distance, minimum + 1e-12);
+        // Half a sample's step along a–b, at most.
+        ASSERT_GE(distance, minimum - 0.5 * (b - a).norm() / kSamples - 1e-12);
+    }
+}
+
 TEST(SegmentDistance, IsRightFarBelowTheLengthOfTheSegments) {
     // Two that cross, 1e-8 apart: distances that a proxy keeps.
     const double distance = segment_distance_m({-0.1, 0.0, 0.3}, {0.1, 0.0, 0.3},

@@ -9,12 +9,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <random>
 #include <set>
 #include <string>
 #include <tuple>
+#include <vector>
 
 namespace springdrive::contact {
 namespace {
@@ -278,6 +281,22 @@ TEST(TJunctionRemoval, DividesAllThreeSidesAndKeepsAreaAndWinding) {
     }
 }
 
+TEST(TJunctionRemoval, DividesALongEdgeByThousandsOfVertices) {
+    std::vector<Vector3> vertices_m = {{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.05, 0.05, 0.0}};
+    std::vector<VertexTriple> triples = {{0, 1, 2}};
+    constexpr std::uint32_t kCells = 5000;
+    vertices_m.emplace_back(0.05, -0.05, 0.0);
+    for (std::uint32_t i = 1; i < kCells; ++i) {
+        vertices_m.emplace_back(0.1 * i / kCells, 0.0, 0.0);
+    }
+    for (std::uint32_t i = 0; i < kCells; ++i) {
+        triples.push_back({i + 1 == kCells ? 1 : 4 + i, i == 0 ? 0 : 3 + i, 3});
+    }
+    const SplitOutcome outcome = after_splitting(triples, vertices_m, 2);
+    EXPECT_EQ(outcome.triangles.size(), 2U * kCells);
+    EXPECT_EQ(open_edges(outcome.triples).size(), 4U);
+}
+
 TEST(TJunctionRemoval, IsTheSameForAnyNumberOfThreads) {
     std::mt19937_64 random(1);
     const TriangleSoup soup = testing::random_soup(random, 500, 1e-4, 1e-4);
@@ -295,6 +314,65 @@ TEST(TJunctionRemoval, NeverMakesATriangleOfTwoCorners) {
             ASSERT_TRUE(a != b && b != c && c != a);
         }
     }
+}
+
+std::set<std::uint32_t> found_along(const PointTree &tree, const Vector3 &from_m,
+                                    const Vector3 &to_m, double reach_m) {
+    std::set<std::uint32_t> found;
+    std::ignore =
+        tree.visit_along(from_m, to_m, reach_m, [&](std::uint32_t point, double fraction, double) {
+            EXPECT_TRUE(found.insert(point).second);
+            EXPECT_GT(fraction, 0.0);
+            EXPECT_LT(fraction, 1.0);
+            return false;
+        });
+    return found;
+}
+
+/// Round-off may decide about points this near to the border [m].
+constexpr double kBorderRoundOff_m = 1e-14;
+
+TEST(PointTree, FindsWhatASearchOfAllFinds) {
+    std::mt19937_64 random(1);
+    std::size_t found_in_all = 0;
+    for (int round = 0; round < 200; ++round) {
+        std::vector<Vector3> points_m;
+        for (int i = 0; i < 200; ++i) {
+            points_m.push_back(random_vector(random, 0.1));
+            if (round % 2 == 0) { // all in a plane, many at the same height
+                points_m.back()[2] = 0.0;
+                points_m.back()[0] = std::round(100.0 * points_m.back()[0]) / 100.0;
+            }
+        }
+        const PointTree tree(points_m);
+        for (int i = 0; i < 20; ++i) {
+            const Vector3 from_m = random_vector(random, 0.1);
+            Vector3 to_m = random_vector(random, 0.1);
+            to_m[i % 3] = i % 2 == 0 ? from_m[i % 3] : to_m[i % 3];
+            const double reach_m = 0.02;
+            const std::set<std::uint32_t> found = found_along(tree, from_m, to_m, reach_m);
+            found_in_all += found.size();
+            const Vector3 way = to_m - from_m;
+            for (std::uint32_t point = 0; point < points_m.size(); ++point) {
+                const double along_m = (points_m[point] - from_m).dot(way.normalized());
+                const double beside_m = (points_m[point] - from_m).cross(way.normalized()).norm();
+                const double inside_m =
+                    std::min({along_m, way.norm() - along_m, reach_m - beside_m});
+                if (std::abs(inside_m) > kBorderRoundOff_m) {
+                    ASSERT_EQ(found.contains(point), inside_m > 0.0);
+                }
+            }
+        }
+    }
+    EXPECT_GT(found_in_all, 10000U);
+}
+
+TEST(PointTree, StopsWhenToldTo) {
+    const PointTree tree(std::vector<Vector3>(1000, Vector3(0.5, 0.0, 0.0)));
+    int visits = 0;
+    std::ignore = tree.visit_along(Vector3::Zero(), Vector3::UnitX(), 0.1,
+                                   [&](std::uint32_t, double, double) { return ++visits == 3; });
+    EXPECT_EQ(visits, 3);
 }
 
 TEST(PointTree, IsTheSameForAnyNumberOfThreads) {
@@ -409,6 +487,19 @@ TEST(PreparationAllowance, GrowsWithTheMeshUpToALimit) {
     EXPECT_FALSE(allows(1'000'000, 4'000'000'001));
     EXPECT_TRUE(allows(kMaxTriangles, 10'000'000'000));
     EXPECT_FALSE(allows(kMaxTriangles, 10'000'000'001));
+}
+
+TEST(PreparationAllowance, RefusesWithBothNumbers) {
+    const PreparationAllowance allowance(6000);
+    const auto error = [&allowance](double needed_steps) {
+        return error_text_of([&] { allowance.refuse("sort them", needed_steps); });
+    };
+    const std::string before = "preparing its 6000 triangles for touch needs ";
+    const std::string after = " million steps, most of them to sort them; at most 2012 million are "
+                              "allowed: ";
+    EXPECT_TRUE(error(54'321'000'000.0).starts_with(before + "about 54321" + after));
+    // An estimate below what is allowed would contradict the refusal.
+    EXPECT_TRUE(error(2'011'000'000.0).starts_with(before + "more than 2012" + after));
 }
 
 TEST(PreparationAllowance, IsTakenFromAlikeByAnyNumberOfThreads) {

@@ -1,15 +1,22 @@
-// Covers engine/contact/mesh/mesh_topology.cpp, mesh_repair.cpp and surface_facets.cpp.
+// Covers engine/contact/mesh/mesh_topology.cpp, mesh_repair.cpp and surface_facets.cpp, and what
+// they are made from: edge_table.cpp and triangle_sets.h.
+#include "engine/contact/mesh/edge_table.h"
 #include "engine/contact/mesh/mesh_repair.h"
 #include "engine/contact/mesh/mesh_topology.h"
 #include "engine/contact/mesh/surface_facets.h"
+#include "engine/contact/mesh/triangle_sets.h"
 #include "tests/engine/contact/mesh/meshes.h"
 #include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
+#include <random>
 #include <set>
+#include <tuple>
+#include <vector>
 
 namespace springdrive::contact {
 namespace {
@@ -18,6 +25,134 @@ using testing::box_soup;
 using testing::bumpy_sphere;
 using testing::edges_of;
 using testing::mesh_of;
+
+/// Three different vertices of `count`, at random.
+VertexTriple random_triple(std::mt19937_64 &random, std::uint32_t count) {
+    std::uniform_int_distribution<std::uint32_t> vertex(0, count - 1);
+    VertexTriple triple{};
+    do {
+        triple = {vertex(random), vertex(random), vertex(random)};
+    } while (triple[0] == triple[1] || triple[1] == triple[2] || triple[2] == triple[0]);
+    return triple;
+}
+
+std::vector<MeshTriangle> random_mesh(std::mt19937_64 &random, int triangles,
+                                      std::uint32_t vertices) {
+    std::vector<VertexTriple> triples;
+    triples.reserve(static_cast<std::size_t>(triangles));
+    for (int i = 0; i < triangles; ++i) {
+        triples.push_back(random_triple(random, vertices));
+    }
+    return mesh_of(triples);
+}
+
+TEST(EdgeTable, HoldsEveryUseOfEveryEdge) {
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 200; ++i) {
+        const std::uint32_t vertices = 3 + static_cast<std::uint32_t>(random() % 20);
+        const std::vector<MeshTriangle> mesh = random_mesh(random, 40, vertices);
+        std::vector<VertexTriple> triples;
+        triples.reserve(mesh.size());
+        for (const MeshTriangle &triangle : mesh) {
+            triples.push_back(triangle.vertices);
+        }
+        auto expected = testing::edge_counts(triples);
+        std::size_t open = 0;
+        const EdgeTable edges = edges_of(mesh);
+        edges.for_each([&](const Edge &edge) {
+            std::array<int, 2> counts{};
+            for (const EdgeUse &use : edge.uses) {
+                const VertexTriple &corners = mesh[use.triangle()].vertices;
+                const std::uint32_t from = corners[use.side()];
+                const std::uint32_t to = corners[(use.side() + 1) % 3];
+                ASSERT_EQ(std::min(from, to), edge.lower);
+                ASSERT_EQ(std::max(from, to), edge.upper());
+                ASSERT_EQ(from < to, use.is_forward());
+                ++counts[use.is_forward() ? 0 : 1];
+            }
+            ASSERT_EQ(counts, (expected.at({edge.lower, edge.upper()})));
+            ASSERT_EQ(edges.uses_of(edge.upper(), edge.lower).data(), edge.uses.data());
+            ASSERT_EQ(edges.uses_of(edge.lower, edge.upper()).size(), edge.uses.size());
+            expected.erase({edge.lower, edge.upper()});
+            open += edge.uses.size() == 1 ? 1 : 0;
+        });
+        EXPECT_TRUE(expected.empty());
+        EXPECT_EQ(count_open(edges), open);
+    }
+}
+
+TEST(EdgeTable, IsTheSameForAnyNumberOfThreads) {
+    std::mt19937_64 random(1);
+    const std::vector<MeshTriangle> mesh = random_mesh(random, 2000, 300);
+    using Use = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, bool>;
+    const auto listed = [&mesh](unsigned threads) {
+        std::vector<Use> uses;
+        edges_of(mesh, threads).for_each([&](const Edge &edge) {
+            for (const EdgeUse &use : edge.uses) {
+                uses.emplace_back(edge.lower, use.upper(), use.triangle(), use.side(),
+                                  use.is_forward());
+            }
+        });
+        return uses;
+    };
+    EXPECT_EQ(listed(2), listed(1));
+    EXPECT_EQ(listed(7), listed(1));
+}
+
+/// Sets and turns as plain labels, all of them rewritten at each union.
+class PlainSets {
+public:
+    explicit PlainSets(std::uint32_t count) {
+        for (std::uint32_t i = 0; i < count; ++i) {
+            label.push_back(i);
+            is_turned.push_back(false);
+        }
+    }
+
+    bool unite(std::uint32_t a, std::uint32_t b, bool are_opposite) {
+        const bool is_odd = (is_turned[a] != is_turned[b]) != are_opposite;
+        if (label[a] == label[b]) {
+            return !is_odd;
+        }
+        const std::uint32_t from = label[b];
+        for (std::uint32_t i = 0; i < label.size(); ++i) {
+            if (label[i] == from) {
+                label[i] = label[a];
+                is_turned[i] = is_turned[i] != is_odd;
+            }
+        }
+        return true;
+    }
+
+    std::vector<std::uint32_t> label;
+    std::vector<bool> is_turned;
+};
+
+TEST(TriangleSets, AgreesWithPlainLabels) {
+    std::mt19937_64 random(1);
+    for (int round = 0; round < 300; ++round) {
+        constexpr std::uint32_t kCount = 30;
+        TriangleSets sets(kCount);
+        PlainSets plain(kCount);
+        for (int i = 0; i < 40; ++i) {
+            const auto a = static_cast<std::uint32_t>(random() % kCount);
+            const auto b = static_cast<std::uint32_t>(random() % kCount);
+            const bool are_opposite = random() % 2 == 0;
+            ASSERT_EQ(sets.unite(a, b, are_opposite), plain.unite(a, b, are_opposite));
+        }
+        for (std::uint32_t a = 0; a < kCount; ++a) {
+            ASSERT_LE(sets.root_of(a), a);
+            for (std::uint32_t b = 0; b < kCount; ++b) {
+                const bool are_together = sets.root_of(a) == sets.root_of(b);
+                ASSERT_EQ(are_together, plain.label[a] == plain.label[b]);
+                if (are_together) {
+                    ASSERT_EQ(sets.place_of(a).is_opposite != sets.place_of(b).is_opposite,
+                              plain.is_turned[a] != plain.is_turned[b]);
+                }
+            }
+        }
+    }
+}
 
 using Closed = std::vector<bool>;
 

@@ -6,6 +6,7 @@
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/surfaces.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
@@ -184,6 +185,44 @@ TEST(Neighbourhood, MissesNothingThatStopsAMotionWithinIt) {
         }
     }
     EXPECT_GT(stopped, 100); // not vacuous
+}
+
+TEST(Neighbourhood, ReportsWhetherATipIsLessDeepBehindAnyOfItsFacets) {
+    std::mt19937_64 random(2);
+    int shallower = 0;
+    for (int i = 0; i < 200; ++i) {
+        const TriangleSoup soup = testing::random_soup(random, 10, 0.02, 0.02);
+        const HapticSurface surface(soup);
+        const Neighbourhood near = around(surface, Vector3::Zero(), 0.1);
+        const Vector3 tip = random_vector(random, 0.02);
+        double min_m = 1.0;
+        for (std::uint32_t index = 0; index < soup.triangles.size(); ++index) {
+            const Facet &facet = surface.facet(index);
+            const double height_m = facet.height_m(tip);
+            const bool is_behind = facet.sides() == FacetSides::two || height_m <= 0.0;
+            min_m = is_behind ? std::min(min_m, std::abs(height_m)) : min_m;
+        }
+        EXPECT_TRUE(near.has_shallower(tip, min_m + 1e-9));
+        EXPECT_FALSE(near.has_shallower(tip, min_m - 1e-9));
+        EXPECT_FALSE(near.has_only(0));
+        shallower += near.size() > 0 ? 1 : 0;
+    }
+    EXPECT_EQ(shallower, 200);
+}
+
+TEST(Neighbourhood, ReportsWhenItHoldsOnlyShapes) {
+    TriangleSoup soup;
+    soup.materials = {{"shapes", 0.0}};
+    Eigen::Isometry3d aside = Eigen::Isometry3d::Identity();
+    aside.translate(Vector3(0.05, 0.0, 0.0));
+    const HapticSurface surface(soup,
+                                {AnalyticShape(Sphere{0.01}, Eigen::Isometry3d::Identity(), 0),
+                                 AnalyticShape(Sphere{0.01}, aside, 0)});
+    EXPECT_TRUE(around(surface, {-0.02, 0.0, 0.0}, 0.005).has_only(0b00));
+    EXPECT_TRUE(around(surface, {-0.02, 0.0, 0.0}, 0.02).has_only(0b01));
+    EXPECT_TRUE(around(surface, {0.07, 0.0, 0.0}, 0.02).has_only(0b10));
+    EXPECT_TRUE(around(surface, {0.025, 0.0, 0.0}, 0.02).has_only(0b11));
+    EXPECT_FALSE(around(surface, {0.025, 0.0, 0.0}, 0.02).has_only(0b01));
 }
 
 TEST(Neighbourhood, CoversNothingWhereMoreMeetThanItCanHold) {

@@ -188,6 +188,18 @@ TEST(Proxy, SlipsRoundTheBorderOfAnOpenSheet) {
     expect_free_at(proxy.update(mesh, {0.0, -0.01, 0.0}), {0.0, -0.01, 0.0});
 }
 
+TEST(Proxy, ForgetsWhatHeldItOnAnotherSurface) {
+    const HapticSurface fine(testing::icosphere(4, 0.03));
+    const HapticSurface coarse(cube());
+    Proxy proxy;
+    proxy.reset({0.0, 0.05, 0.0});
+    EXPECT_TRUE(proxy.update(fine, {0.0, 0.028, 0.0}).touching);
+    const Contact contact = proxy.update(coarse, {0.001, 0.017, 0.0});
+    EXPECT_TRUE(contact.touching);
+    EXPECT_LT((contact.x0_m - Vector3(0.001, 0.02, 0.0)).norm(), kPlace_m);
+    EXPECT_FALSE(proxy.update(HapticSurface(), {0.001, 0.017, 0.0}).touching);
+}
+
 TEST(Proxy, SurvivesATipThatIsNotFinite) {
     const HapticSurface mesh(cube());
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();

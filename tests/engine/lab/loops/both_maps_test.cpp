@@ -283,6 +283,22 @@ TEST(StiffnessEllipse, ForcesFollowFromTorquesOfTheHeldMotors) {
     }
 }
 
+TEST(StiffnessEllipse, TheLargestErrorIsTheAngleBetweenTheLinks) {
+    // docs/design.md, "Linkage and motors", by going around: near its maximum the error is flat,
+    // and a normal 0.01° from it has an error of the square of that.
+    const device::DeviceDescription device = testing::phantom_1_0();
+    for (const double fold_deg : {-60.0, -45.0, -30.0, -15.0, 0.0, 20.0, 50.0}) {
+        const Vector3 q = kRadiansPerDegree * Vector3(0.0, 20.0, 20.0 + fold_deg);
+        const PlanarStiffness stiffness = planar_stiffness(device, control::Tuning{}, q);
+        double largest = 0.0;
+        for (int i = 0; i < 36'000; ++i) {
+            largest = std::max(largest, std::abs(inverse_direction_error_rad(
+                                            stiffness, 0.01 * kRadiansPerDegree * i)));
+        }
+        EXPECT_NEAR(largest / kRadiansPerDegree, std::abs(fold_deg), 1e-4);
+    }
+}
+
 TEST(StiffnessEllipse, RefusesCasesWithoutASolution) {
     const device::DeviceDescription device = testing::phantom_1_0();
     const Vector3 q = kRadiansPerDegree * Vector3(0.0, 20.0, -15.0);

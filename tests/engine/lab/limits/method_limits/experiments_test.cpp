@@ -222,6 +222,40 @@ TEST(LoopExperiments, ACountActsThroughBothGains) {
     EXPECT_NEAR(row->reading().value(), truth_mV, 1e-12 * truth_mV);
 }
 
+/// The cases that the rows name, built here anew: each is crossed at its row's limit.
+TEST(LoopExperiments, TheFilterAndAlphaFailForTheTuningsThatTheirRowsName) {
+    struct Case {
+        std::string_view parameter;
+        loops::StabilityCase which;
+        bool stable_below;
+    };
+    loops::StabilityCase filtered = testing::firm();
+    filtered.tuning.K_P_V_per_rad = 20.0;
+    filtered.tuning.K_D_Vs_per_rad = 0.03;
+    filtered.delay_periods = 1.0;
+    loops::StabilityCase three = testing::firm();
+    three.freedom = loops::Freedom::three_motors;
+    three.tuning.K_P_V_per_rad = 20.0;
+    loops::StabilityCase asked = testing::firm();
+    asked.tuning.K_P_V_per_rad *= 0.5; // each row has a tuning of its own
+    const std::vector<Experiment> all = experiments(asked);
+    for (const Case &one : std::vector<Case>{{"lambda", filtered, false}, {"alpha", three, true}}) {
+        SCOPED_TRACE(one.parameter);
+        const auto row = std::ranges::find_if(all, [&one](const Experiment &experiment) {
+            return experiment.loop && experiment.loop->parameter->name == one.parameter;
+        });
+        ASSERT_NE(row, all.end());
+        const std::vector<StabilityLimit> limits = limits_of(*row->loop);
+        ASSERT_EQ(limits.size(), 1U);
+        EXPECT_EQ(limits[0].stable_below, one.stable_below);
+        const double limit = limits[0].predicted;
+        EXPECT_EQ(loops::is_stable(with(one.which, one.parameter, 0.995 * limit)),
+                  one.stable_below);
+        EXPECT_EQ(loops::is_stable(with(one.which, one.parameter, 1.005 * limit)),
+                  !one.stable_below);
+    }
+}
+
 /// Resistance cancellation (6) fails at dR = 0: with the rotor held and without gains, the current
 /// decays or grows at the rate dR/L.
 TEST(LoopExperiments, AnOverCancelledWindingThatIsHeld) {
