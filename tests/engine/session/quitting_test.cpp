@@ -151,11 +151,17 @@ void poke(Session &session, unsigned which, const std::filesystem::path &folder)
     }
 }
 
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+constexpr int kRounds = 8; // some 4 s each
+#else
+constexpr int kRounds = 40;
+#endif
+
 TEST_F(Quitting, AtAnyMomentEndsCleanly) {
     setenv("XDG_CACHE_HOME", folder.c_str(), 1);
     std::mt19937 random(11);
     double longest_s = 0.0;
-    for (int round = 0; round < 40; ++round) {
+    for (int round = 0; round < kRounds; ++round) {
         SessionOptions options = testing::scripted(round % 2 == 0 ? "plate" : "organic");
         options.lockstep = round % 3 != 0;
         options.model.chooser = model_selection::cached_chooser();
