@@ -147,6 +147,7 @@ const std::vector<Refusal> kOthers{
     {"device sweep --dR nan", 1, "--dR"},
     {"device sweep --svg k.png", 1, "must be a file that ends in .svg"},
     {"device sweep --motors 4", 1, "--motors is 4"},
+    {"device sweep --motors 2,2", 1, "--motors must be"},
     // doctor: a mistyped value is no finding, so its status is that of every mistyped option
     {"doctor --device bus", 2, "--device"},
     {"doctor --device sim:1", 2, "--device"},

@@ -62,19 +62,21 @@ TEST(AssistantWalk, APictureThatMovesWronglyIsNamedAndNotPassed) {
         const char *shown; ///< beside the question
         const char *answer;
         const char *named;
+        bool has_moved; ///< the joint that was asked for, by its own encoder
     };
     for (const Case &one :
          {Case{"reversed-encoder:1", "the picture moved to the left", "no, the other way",
-               "channel 1 is mirrored"}, // it went right
+               "channel 1 is mirrored", true}, // it went right
           Case{"crossed-encoders:1:3", "moved another joint, the forearm (joint 3)",
-               "no, another joint", "exchange the plugs of encoders 1 and 3"}}) {
+               "no, another joint", "exchange the plugs of encoders 1 and 3", false}}) {
         SCOPED_TRACE(one.fault);
         Walker walker({one.fault});
         walker.walk_to(StepName::motion);
         walker.choose(Walker::kByHand);
         walker.run(2.0);
         EXPECT_TRUE(walker.says(one.shown)) << walker.text();
-        EXPECT_EQ(walker.offers("yes, the same way"), walker.offers("no, the other way"));
+        EXPECT_EQ(walker.offers("yes, the same way"), one.has_moved);
+        EXPECT_EQ(walker.offers("no, the other way"), one.has_moved);
         walker.choose(one.answer);
         walker.run(0.1);
         EXPECT_EQ(walker.verdict(), Verdict::bad);

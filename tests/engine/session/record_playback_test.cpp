@@ -418,6 +418,23 @@ TEST_F(Playback, AnswersArriveWhileASliderMoves) {
     EXPECT_TRUE(playback.error().empty());
 }
 
+TEST_F(Playback, AFileThatVanishesOrShrinksWhileItIsReadIsReadOrRefused) {
+    for (const bool shrinks : {false, true}) {
+        const std::filesystem::path file =
+            record_of(long_press(), shrinks ? "shrinks.rec" : "vanishes.rec");
+        playback.close();
+        playback.open(file);
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        if (shrinks) {
+            std::filesystem::resize_file(file, 200'000);
+        } else {
+            std::filesystem::remove(file);
+        }
+        ASSERT_TRUE(wait_until_loaded(playback));
+        EXPECT_TRUE(playback.is_open() || !playback.error().empty());
+    }
+}
+
 TEST_F(Playback, EndsSoonAtAnyMoment) {
     const std::filesystem::path file = record_of(long_press());
     std::mt19937_64 random(2);

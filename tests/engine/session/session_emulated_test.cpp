@@ -133,7 +133,8 @@ TEST(EmulatedSession, ComesBackAfterItsCableWasPulledInContact) {
     set_plugged(session, true);
     testing::run(session, 1.0);
     EXPECT_EQ(session.latest().health, device::DeviceHealth::ok);
-    EXPECT_TRUE(session.is_zeroed());                                 // the board kept its power
+    EXPECT_TRUE(session.is_zeroed()); // the board kept its power, and counted
+    EXPECT_LT((session.latest().tip_m - board_of(session).phantom().truth().tip_m).norm(), 1e-3);
     EXPECT_EQ(session.latest().safety.cause, TripCause::device_lost); // until a reset
     EXPECT_NE(board_of(session).board().loop().state(), usb::BoardState::driving);
     session.servo().reset_safety();
