@@ -6,6 +6,7 @@
 #include "engine/control/winding_observer.h"
 #include "tests/app/assistant/walker.h"
 #include "tests/support/calibrations.h"
+#include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
 
@@ -289,6 +290,21 @@ TEST(CalibrationStep, TooLittleMotionIsDoubtful) {
     EXPECT_FALSE(at.on_board());
     walker.assistant.continue_all_the_same(walker.session);
     EXPECT_EQ(walker.assistant.present(), StepName::touch);
+}
+
+TEST(CalibrationStep, AnotherMotorThanTheFilesIsNotPassed) {
+    SessionOptions options = sampled_device();
+    options.emulation.truth = testing::phantom_1_0();
+    options.emulation.truth->motor[1].resistance_Ohm *= 1.15; // of tolerances of 6 %
+    AtCalibration at(options);
+    Walker &walker = at.walker;
+    walker.calibrate();
+    EXPECT_EQ(walker.verdict(), Verdict::bad) << walker.text();
+    EXPECT_TRUE(walker.says("motor 2")) << walker.text();
+    EXPECT_FALSE(at.in_use());
+    EXPECT_FALSE(at.on_board());
+    walker.assistant.leave(walker.session);
+    EXPECT_TRUE(walker.session.is_kept_released());
 }
 
 TEST(CalibrationStep, OneOfTheDeviceFileIsShownAndComesBeforeTheBoards) {
