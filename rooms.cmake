@@ -57,10 +57,12 @@ function(room name)
 
     list(TRANSFORM ROOM_PLACES PREPEND ${PROJECT_SOURCE_DIR}/ OUTPUT_VARIABLE folders)
     list(TRANSFORM folders APPEND /*.cpp)
-    file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${folders})
+    # By their path from the top folder, so that no pattern matches where the project stands.
+    file(GLOB_RECURSE sources RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${folders})
     foreach(pattern IN LISTS ROOM_EXCEPT)
         list(FILTER sources EXCLUDE REGEX ${pattern})
     endforeach()
+    list(TRANSFORM sources PREPEND ${PROJECT_SOURCE_DIR}/)
 
     if(NOT sources)
         add_library(${name} INTERFACE)

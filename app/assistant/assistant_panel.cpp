@@ -262,7 +262,7 @@ void offer_assistant(session::Session &session, Assistant &assistant) {
     if (!assistant.holds_back().empty()) {
         ui::wrapped(kDanger,
                     "The device only brakes: the assistant found in \"{}\" why it must not be "
-                    "driven. Mend it, and do that step again.",
+                    "driven. Repair it, and do that step again.",
                     assistant.holds_back());
     }
 }

@@ -252,7 +252,7 @@ private:
         if (!is_safe) {
             report.verdict = Verdict::bad;
             report.to_do =
-                "The device must not be driven like this. Mend what is named below, then "
+                "The device must not be driven like this. Repair what is named below, then "
                 "press Again.";
         } else if (!result.findings.empty()) {
             report.verdict = Verdict::doubtful;
@@ -602,7 +602,7 @@ private:
             judge(result, report);
             report.to_do =
                 report.verdict == Verdict::bad
-                    ? "The device must not be driven like this. Mend what is named below."
+                    ? "The device must not be driven like this. Repair what is named below."
                     : "Not calibrated. It can be touched all the same; better, do it again.";
             report.unchecked = kUnchecked;
             report.see("{:.0f} s of motion", result.motion_s);

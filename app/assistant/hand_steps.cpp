@@ -318,7 +318,7 @@ public:
         }
         if (answer_ != Answer::none) {
             report.verdict = Verdict::bad;
-            report.to_do = "Mend what is named below, then press Again.";
+            report.to_do = "Repair what is named below, then press Again.";
             report.troubles.push_back(trouble_of(joint_, answer_, moved_instead()));
             return report;
         }

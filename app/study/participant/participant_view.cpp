@@ -21,7 +21,7 @@ constexpr ImU32 kInk = IM_COL32(236, 238, 241, 255);
 constexpr ImU32 kDimInk = IM_COL32(167, 173, 181, 255);
 constexpr ImU32 kAccent = IM_COL32(135, 196, 241, 255);
 constexpr ImU32 kCard = IM_COL32(43, 48, 54, 255);
-constexpr ImU32 kPlateRim = IM_COL32(76, 83, 92, 255);
+constexpr ImU32 kCardRim = IM_COL32(76, 83, 92, 255);
 constexpr ImU32 kTrough = IM_COL32(51, 56, 62, 255); // of bars
 constexpr ImU32 kBand = (kAccent & ~IM_COL32_A_MASK) | 41U << IM_COL32_A_SHIFT;
 constexpr ImU32 kDot = (kInk & ~IM_COL32_A_MASK) | 191U << IM_COL32_A_SHIFT;
@@ -130,8 +130,8 @@ void draw_curve(const CurveChart &chart, const OwnCurve &curve, ImDrawList &list
     }
     const float chance_y = chart.y_px(curve.guess);
     for (float x = plot.corner.x; x < right; x += 8.0F * line) { // dashes
-        list.AddLine({x, chance_y}, {std::min(x + 4.0F * line, right), chance_y},
-                     palette::kPlateRim, line);
+        list.AddLine({x, chance_y}, {std::min(x + 4.0F * line, right), chance_y}, palette::kCardRim,
+                     line);
     }
     for (const double level : curve.ticks) {
         const float x = chart.x_px(curve, level);
@@ -246,16 +246,16 @@ void ParticipantView::draw_page() {
     ImGui::NewFrame();
     ImDrawList &list = *ImGui::GetBackgroundDrawList();
     Page page(list, target_->height);
-    page.add_card(layout_.calm_plate, palette::kCard, palette::kPlateRim);
+    page.add_card(layout_.calm_plate, palette::kCard, palette::kCardRim);
     page.add_text(layout_.heading, palette::kInk);
     page.add_text(layout_.text, palette::kInk);
     page.add_bar(layout_.left_bar, picture_.left_share.value_or(0.0));
     page.add_text(layout_.left_text, palette::kDimInk);
-    page.add_card(layout_.field, palette::kCard, palette::kPlateRim);
+    page.add_card(layout_.field, palette::kCard, palette::kCardRim);
     page.add_text(layout_.typed, palette::kInk);
     list.AddRectFilled(layout_.cursor.corner, end_of(layout_.cursor), palette::kAccent);
     for (const PlacedChoice &choice : layout_.choices) {
-        page.add_card(choice.card, palette::kCard, palette::kPlateRim);
+        page.add_card(choice.card, palette::kCard, palette::kCardRim);
         page.add_card(choice.key, 0, palette::kAccent);
         page.add_text(choice.text, palette::kInk);
         page.add_text(choice.key_text, palette::kAccent);

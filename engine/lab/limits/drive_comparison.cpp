@@ -56,6 +56,10 @@ constexpr std::array<Quality, 7> kQualities{{
     {"count_N", "count", 1.0, false, loops::force_of_a_count_N},
 }};
 
+/// By which drives are equally quiet.
+constexpr std::size_t kCount = kQualities.size() - 1;
+static_assert(kQualities[kCount].measured == loops::force_of_a_count_N);
+
 DriveQualities qualities(loops::StabilityCase which) {
     which.hands = {loops::hand_of_firmness(0.5)};
     DriveQualities all;
@@ -131,7 +135,7 @@ DriveComparison compare_drives(const loops::StabilityCase &which, double margin,
     both.wall = tuned_wall(here, margin);
     both.current = walled(both.wall);
     if (!both.spring.empty()) {
-        both.quiet_wall = tuned_wall(here, margin, both.spring.back()); // its count
+        both.quiet_wall = tuned_wall(here, margin, both.spring[kCount]);
         both.quiet_current = walled(both.quiet_wall);
     }
     return both;
