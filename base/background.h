@@ -4,7 +4,6 @@
 #include "base/cancellation.h"
 
 #include <atomic>
-#include <chrono>
 #include <functional>
 #include <future>
 #include <memory>
@@ -21,6 +20,7 @@ namespace springdrive {
 struct BackgroundTalk {
     std::atomic<double> share{0.0};        ///< progress, 0 to 1
     std::atomic<bool> is_cancelled{false}; ///< the result is no longer needed
+    std::atomic<bool> has_ended{false};    ///< the work, and its thread has released what it owned
 
     [[nodiscard]] bool is_wanted() const { return !is_cancelled; }
 
@@ -70,11 +70,10 @@ public:
             return work(*talk);
         });
         result_ = task.get_future();
-        const auto has_ended = std::make_shared<std::atomic<bool>>(false);
-        threads_.push_back({has_ended, std::jthread([task = std::move(task), has_ended]() mutable {
+        threads_.push_back({talk_, std::jthread([task = std::move(task), talk = talk_]() mutable {
                                 task();
                                 task = {}; // releases what it owned on this thread
-                                *has_ended = true;
+                                talk->has_ended = true;
                             })});
     }
 
@@ -91,11 +90,10 @@ public:
         }
     }
 
-    /// The result, once, when it is ready. Throws what the work threw.
+    /// The result, once, when its thread no longer shares it. Throws what the work threw.
     [[nodiscard]] std::optional<Result> take() {
         join_ended();
-        if (!result_.valid() ||
-            result_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+        if (!result_.valid() || !talk_->has_ended) {
             return std::nullopt;
         }
         return std::exchange(result_, {}).get();
@@ -103,12 +101,12 @@ public:
 
 private:
     struct Thread {
-        std::shared_ptr<std::atomic<bool>> has_ended;
+        std::shared_ptr<const BackgroundTalk> talk;
         std::jthread thread; ///< joins on destruction
     };
 
     void join_ended() {
-        std::erase_if(threads_, [](const Thread &thread) { return thread.has_ended->load(); });
+        std::erase_if(threads_, [](const Thread &thread) { return thread.talk->has_ended.load(); });
     }
 
     std::shared_ptr<BackgroundTalk> talk_;
