@@ -238,9 +238,10 @@ void ParticipantView::draw_page() {
     }
     glBindTexture(GL_TEXTURE_2D,
                   static_cast<GLuint>(reinterpret_cast<std::uintptr_t>(io.Fonts->TexID)));
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+    for (const int filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
         // Exactly the letters' pixels, unless they are drawn smaller than they were made.
-        glTexParameteri(GL_TEXTURE_2D, filter, layout_.is_readable ? GL_NEAREST : GL_LINEAR);
+        glTexParameteri(GL_TEXTURE_2D, static_cast<GLenum>(filter),
+                        layout_.is_readable ? GL_NEAREST : GL_LINEAR);
     }
     io.DisplaySize = {static_cast<float>(target_->width), static_cast<float>(target_->height)};
     ImGui::NewFrame();
