@@ -148,10 +148,10 @@ build() {
     setpriv --pdeathsig TERM ninja -C "$build" -j "$(job_count)" "${targets[@]}"
 }
 
-# As many jobs as cores and available memory allow: a compiler may need 1.5 GiB.
+# As many jobs as cores and available memory allow: a compiler may need 2 GiB.
 job_count() {
     awk -v cores="$(nproc)" '/^MemAvailable:/ {
-        fit = int($2 / (1.5 * 1024 * 1024))
+        fit = int($2 / (2 * 1024 * 1024))
         print fit < 1 ? 1 : (fit < cores ? fit : cores)
     }' /proc/meminfo
 }
