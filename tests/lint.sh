@@ -5,9 +5,6 @@
 #   compile_each_alone GROUPS clang on all files
 # GROUPS are the package groups that a complete build needs.
 
-# What the build has to write before sources can be read.
-generated="generated/app/view/embedded_shaders.h generated/app/study/participant/embedded_shaders.h"
-
 # Source files of the project: tracked by git, or untracked and not ignored.
 own_files() {
     git -C "$project" ls-files --cached --others --exclude-standard -- '*.h' '*.cpp' |
@@ -81,7 +78,7 @@ lint() {
     local revision=${2-}
     [[ -n $revision ]] || revision=$(git -C "$project" rev-parse --verify --quiet origin/main ||
         git -C "$project" rev-parse --verify --quiet main || echo all)
-    prepare lint "$generated" "$groups lint" --lint "${@:2}"
+    prepare lint precompiled "$groups lint" --lint "${@:2}"
     cd "$project" || return
     check_format
     local -a units
@@ -97,7 +94,7 @@ lint() {
 
 # Compiles each file alone, without precompiled headers.
 compile_each_alone() {
-    prepare clang "$generated" "$1 lint" --clang "${@:2}"
+    prepare clang precompiled "$1 lint" --clang "${@:2}"
     cd "$build" || return
     grep -o '"command": ".*"' compile_commands.json | grep -v no_source.cpp |
         sed -E 's/^"command": "//; s/"$//; s/\\(["\\])/\1/g; s/ -o [^ ]+ -c / -fsyntax-only /' |

@@ -1,6 +1,6 @@
 #include "app/study/participant/participant_scene.h"
 
-#include "app/study/participant/embedded_shaders.h"
+#include "app/view/embedded_shaders.h"
 #include "app/view/gl_vector.h"
 
 #include <algorithm>
