@@ -1,20 +1,30 @@
-// Covers engine/lab/loops/stability_case.cpp and hand_family.h.
-#include "engine/lab/loops/stability_case.h"
-
+// Covers engine/lab/loops/{stability_case,stability_parameters,tuning_constraints}.cpp and
+// hand_family.h.
 #include "device/core/phantom/dynamics.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"
+#include "engine/control/tuning.h"
+#include "engine/lab/loops/stability_case.h"
+#include "engine/lab/loops/stability_parameters.h"
+#include "engine/lab/loops/tuning_constraints.h"
 #include "tests/support/configurations.h"
+#include "tests/support/devices.h"
 #include "tests/support/random_loops.h"
 #include "tests/support/sampled_loop.h"
+#include "tests/support/stability_cases.h"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <optional>
 #include <random>
+#include <set>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace springdrive::loops {
@@ -268,6 +278,178 @@ TEST(SampledLaw, OfACurrentDriveIsTheWallAtTheTip) {
     const Vector3 damping =
         driven_load(which, member).torque_Nm_per_A.cwiseProduct(law.per_velocity * theta);
     EXPECT_LT((damping - J.transpose() * (force_N * 3.0 / 400.0)).norm(), 1e-12);
+}
+
+TEST(StabilityParameters, HaveUniqueNamesAndSearchWithinTheirRange) {
+    std::set<std::string_view> names;
+    for (const StabilityParameter &parameter : stability_parameters()) {
+        SCOPED_TRACE(parameter.name);
+        EXPECT_TRUE(names.insert(parameter.name).second);
+        EXPECT_EQ(stability_parameter_named(parameter.name), &parameter);
+        EXPECT_NE(names_of_stability_parameters().find(parameter.name), std::string::npos);
+        EXPECT_FALSE(parameter.help.empty());
+        EXPECT_LT(parameter.from, parameter.to);
+        for (const double good :
+             {parameter.from, parameter.to, parameter.minimum, parameter.maximum}) {
+            EXPECT_EQ(validate(parameter, good), "");
+        }
+        const double infinity = std::numeric_limits<double>::infinity();
+        for (const double bad :
+             {std::nextafter(parameter.minimum, -infinity),
+              std::nextafter(parameter.maximum, infinity), std::nan(""), infinity, -infinity}) {
+            const std::string wrong = validate(parameter, bad);
+            EXPECT_EQ(wrong.find(parameter.name), 0U) << wrong;
+            EXPECT_NE(wrong.find(" from "), std::string::npos) << wrong;
+            EXPECT_EQ(wrong.find('\n'), std::string::npos);
+        }
+    }
+    EXPECT_EQ(stability_parameter_named("K_P"), nullptr);
+    EXPECT_EQ(stability_parameter_named(""), nullptr);
+    EXPECT_NE(validate(testing::named("dR"), 0.0).find("not 0"), std::string::npos);
+    EXPECT_EQ(validate(testing::named("d"), 1.5), "");
+    EXPECT_NE(validate(testing::named("d"), 8.5).find("0 to 8 periods"), std::string::npos);
+}
+
+TEST(StabilityParameters, GetWhatWasSetAndLeaveTheOthersAlone) {
+    for (const StabilityParameter &parameter : stability_parameters()) {
+        for (const double share : {0.0, 0.3, 1.0}) {
+            const double value = parameter.from + share * (parameter.to - parameter.from);
+            StabilityCase which = testing::firm();
+            parameter.set(which, value);
+            EXPECT_EQ(parameter.get(which), value) << parameter.name;
+            for (const StabilityParameter &other : stability_parameters()) {
+                if (&other != &parameter) {
+                    EXPECT_EQ(other.get(which), other.get(testing::firm()))
+                        << parameter.name << " moves " << other.name;
+                }
+            }
+        }
+    }
+}
+
+/// So that a limit that is found can also be set, in a file and by a slider.
+TEST(StabilityParameters, AreSearchedNoFurtherThanGainsCanBeSet) {
+    for (const control::Parameter &parameter : control::kParameters) {
+        if (parameter.value == &control::Tuning::K_P_V_per_rad ||
+            parameter.value == &control::Tuning::K_D_Vs_per_rad) {
+            EXPECT_GE(parameter.maximum, stability_parameter_named(parameter.option)->to)
+                << parameter.name;
+        }
+    }
+}
+
+TEST(StabilityParameters, AnInertiaOfItsOwnStartsAsTheSecondMotors) {
+    StabilityCase which = testing::firm();
+    const double damping = stability_parameter_named("damping")->get(which);
+    const DrivenLoad load = driven_load(which, {1, no_hand()});
+    EXPECT_EQ(damping, load.damping_Nms_per_rad(0, 0));
+    stability_parameter_named("inertia")->set(which, 3e-5);
+    ASSERT_TRUE(which.rotor);
+    EXPECT_EQ(which.rotor->damping_Nms_per_rad, damping);
+    EXPECT_EQ(driven_load(which, {1, no_hand()}).inertia_kg_m2(0, 0), 3e-5);
+}
+
+TEST(TuningConstraints, HasEveryHandAndEta) {
+    const TuningConstraints loops(testing::firm());
+    std::set<std::string> hands;
+    std::set<double> etas;
+    int together = 0;
+    for (std::size_t i = 0; i < loops.count(); ++i) {
+        hands.insert(loops[i].hand);
+        etas.insert(loops[i].eta);
+        together += loops[i].share.rows() == 3 ? 1 : 0;
+    }
+    for (const Hand &hand : hand_family()) {
+        EXPECT_EQ(hands.count(hand.name), 1U) << hand.name;
+    }
+    EXPECT_EQ(*etas.begin(), 0.0);
+    EXPECT_EQ(*etas.rbegin(), 1.0);
+    EXPECT_GE(etas.size(), 5U);
+    EXPECT_GT(together, 0);
+    EXPECT_GT(static_cast<int>(loops.count()) - together, 0);
+}
+
+/// The loops of one motor at a time are those of the case, and of the whole at its configuration.
+TEST(TuningConstraints, AgreesWithTheCase) {
+    std::mt19937_64 random(41);
+    for (int i = 0; i < 20; ++i) {
+        testing::Draw draw(random);
+        StabilityCase which = testing::firm();
+        which.period_s = draw.by_ratio(5e-4, 2e-3);
+        which.delay_periods = 0.4 * (i % 6); // 0 and 2 among them
+        const TuningConstraints loops(which);
+        which.tuning.K_P_V_per_rad = draw.by_ratio(1.0, 100.0);
+        which.tuning.K_D_Vs_per_rad = draw.even(0.0, 0.05);
+        which.tuning.lambda_rad_per_s = draw.by_ratio(100.0, 5000.0);
+        const Gains gains = gains_of(which.tuning);
+        for (const Freedom freedom : {Freedom::one_motor, Freedom::three_motors}) {
+            which.freedom = freedom;
+            for (const double eta : {0.0, 0.5, 1.0}) {
+                which.tuning.eta = eta;
+                const Eigen::Index size = freedom == Freedom::one_motor ? 1 : 3;
+                // The case's own configuration comes first, with this subdivision of hands.
+                which.hands = hand_family(size == 1 ? 41 : 9);
+                const std::size_t wanted = members(which).size();
+                std::size_t seen = 0;
+                bool all = true;
+                for (std::size_t k = 0; k < loops.count() && seen < wanted; ++k) {
+                    if (loops[k].share.rows() == size && loops[k].eta == eta) {
+                        ++seen;
+                        all = loops.is_stable(k, gains) && all;
+                    }
+                }
+                EXPECT_EQ(seen, wanted);
+                EXPECT_EQ(all, is_stable(which)) << i << ", η " << eta;
+            }
+        }
+    }
+}
+
+TEST(TuningConstraints, FindsAnUnstableOneWhereThereIsOne) {
+    TuningConstraints loops(testing::firm());
+    std::vector<std::size_t> all(loops.count());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    for (const double K_P : {5.0, 20.0, 25.0, 28.0, 31.0, 60.0, 500.0}) {
+        const Gains gains{K_P, 0.01, 1000.0};
+        const std::size_t failed = loops.first_unstable(gains);
+        EXPECT_EQ(failed == loops.count(), loops.are_stable(all, gains)) << K_P;
+        if (failed != loops.count()) {
+            EXPECT_FALSE(loops.is_stable(failed, gains));
+            EXPECT_EQ(loops.first_unstable(gains), failed) << "tried first, as it failed lately";
+        }
+    }
+    EXPECT_TRUE(loops.are_stable({}, {1e9, 1e9, 1e3}));
+}
+
+TEST(TuningConstraints, LieWithinTheWorkspace) {
+    // Every configuration beyond the case's own is where the device can be.
+    const TuningConstraints loops(testing::firm());
+    std::size_t three = 0;
+    for (std::size_t i = 0; i < loops.count(); ++i) {
+        three += loops[i].share.rows() == 3 ? 1 : 0;
+    }
+    const std::size_t of_one = hand_family(9).size() * 8;
+    EXPECT_EQ(three % of_one, 0U);
+    const device::DeviceDescription device = testing::phantom_1_0();
+    std::size_t reachable = 1;
+    for (int i = 0; i < 27; ++i) {
+        const int layer = i / 9 - 1;
+        const Vector3 share(layer, i / 3 % 3 - 1, i % 3 - 1);
+        const Vector3 point_m =
+            device.workspace.centre_m + 0.5 * share.cwiseProduct(device.workspace.size_m);
+        reachable += device::can_reach(device, point_m) ? 1 : 0;
+    }
+    EXPECT_EQ(three / of_one, reachable);
+}
+
+TEST(TuningConstraints, OfASeparateRotorAreOnlyItsOwn) {
+    StabilityCase which = testing::firm();
+    which.rotor = device::RotorLoad{1e-5, 1e-4, 0.0};
+    const TuningConstraints loops(which);
+    EXPECT_EQ(loops.count(), hand_family(41).size() * 8);
+    for (std::size_t i = 0; i < loops.count(); ++i) {
+        EXPECT_EQ(loops[i].share.rows(), 1);
+    }
 }
 
 } // namespace
