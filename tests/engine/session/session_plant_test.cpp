@@ -1,13 +1,26 @@
-// Covers engine/session/session_plant.cpp: changes of the simulated device while it runs.
+// Covers engine/session/session_plant.cpp: changes of the simulated device while it runs, and its
+// hand; scene_loader.cpp; and the scene of the wrong direction, touched by that hand: what the
+// window measures there.
+#include "base/degrees.h"
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "engine/lab/loops/hand_family.h"
+#include "engine/session/session.h"
+#include "engine/session/telemetry_history.h"
 #include "tests/engine/session/session_fixture.h"
+#include "tests/support/devices.h"
+#include "tests/support/files.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace springdrive::session {
@@ -238,6 +251,173 @@ TEST(SessionPlant, AHandThatLagsBehindBeginsItsPathWhereItIs) {
     run(session, 0.5);
     EXPECT_FALSE(session.hand().follows_path());
     EXPECT_LT((session.latest().tip_m - session.hand().target_m()).norm(), 2e-3);
+}
+
+std::filesystem::path file_of(const std::string &name) {
+    return testing::assets() / "scenes" / (name + ".gltf");
+}
+
+std::unique_ptr<LoadedScene> loaded(const std::string &name) {
+    scene::LoadProgress progress;
+    return load_scene(file_of(name), testing::phantom_1_0().workspace, progress);
+}
+
+const LoadedScene *wait_for(Scenes &scenes) {
+    const LoadedScene *before = nullptr;
+    while (before == nullptr && scenes.is_loading()) {
+        before = scenes.take_loaded();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return before;
+}
+
+TEST(Scenes, ThePreviousSceneStaysUntilTheServoReleasesIt) {
+    Scenes scenes(testing::phantom_1_0().workspace, loaded("plate"));
+    const LoadedScene *const plate = &scenes.now();
+    scenes.request(file_of("sphere"));
+    EXPECT_EQ(wait_for(scenes), plate);
+    EXPECT_EQ(scenes.id(), 2U);
+    EXPECT_EQ(scenes.now().scene.file.filename(), "sphere.gltf");
+    EXPECT_EQ(plate->scene.file.filename(), "plate.gltf");
+    scenes.note_in_use(1); // the servo still is on the plate
+    EXPECT_EQ(scenes.retired(), 1U);
+    scenes.note_in_use(2);
+    EXPECT_EQ(scenes.retired(), 0U);
+}
+
+TEST(Scenes, TheLastOfSeveralRequestsCounts) {
+    Scenes scenes(testing::phantom_1_0().workspace, loaded("plate"));
+    for (const char *name : {"sphere", "compliance", "organic", "profile"}) {
+        scenes.request(file_of(name));
+    }
+    wait_for(scenes);
+    EXPECT_EQ(scenes.now().scene.file.filename(), "profile.gltf");
+    EXPECT_EQ(scenes.id(), 2U);
+    EXPECT_EQ(scenes.error(), "");
+}
+
+TEST(Scenes, AFailedSceneLeavesTheCurrentOne) {
+    const std::filesystem::path folder = testing::fresh_folder("scenes");
+    std::ofstream(folder / "broken.glb") << "no glTF";
+    Scenes scenes(testing::phantom_1_0().workspace, loaded("plate"));
+    scenes.request(folder / "broken.glb");
+    EXPECT_EQ(wait_for(scenes), nullptr);
+    EXPECT_NE(scenes.error().find("broken.glb"), std::string::npos);
+    EXPECT_EQ(scenes.id(), 1U);
+    EXPECT_EQ(scenes.now().scene.file.filename(), "plate.gltf");
+    scenes.request(file_of("sphere"));
+    EXPECT_NE(wait_for(scenes), nullptr);
+    EXPECT_EQ(scenes.error(), "");
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Scenes, LoadingOfACancelledSceneStops) {
+    scene::LoadProgress progress;
+    progress.give_up();
+    EXPECT_THROW(static_cast<void>(
+                     load_scene(file_of("organic"), testing::phantom_1_0().workspace, progress)),
+                 Cancelled);
+}
+
+TEST(SimulatedHand, StaysWithinWorkspaceAndReachAndFollowsItsPath) {
+    const device::DeviceDescription device = testing::phantom_1_0();
+    SimulatedHand hand;
+    hand.take_hold(nullptr, device, std::nullopt, Vector3::Zero());
+    hand.move_to(Vector3(5.0, 5.0, 5.0));
+    const Vector3 from_centre_m = hand.target_m() - device.workspace.centre_m;
+    EXPECT_TRUE(
+        (from_centre_m.cwiseAbs().array() <= 0.5 * device.workspace.size_m.array() + 1e-12).all());
+    EXPECT_TRUE(device::can_reach(device, hand.target_m()));
+    EXPECT_FALSE(hand.follows_path());
+    hand.advance(3.0);
+    EXPECT_EQ(hand.target_m() - device.workspace.centre_m, from_centre_m);
+    const simulated::HandPath path({{0.0, Vector3::Zero()}, {1.0, Vector3(0.01, 0.0, 0.0)}});
+    hand.take_hold(nullptr, device, path, Vector3::Zero());
+    EXPECT_TRUE(hand.follows_path());
+    hand.advance(1.0);
+    EXPECT_EQ(hand.target_m(), Vector3(0.01, 0.0, 0.0));
+    EXPECT_TRUE(hand.follows_path());
+    hand.advance(1.001);
+    EXPECT_EQ(hand.target_m(), Vector3(0.01, 0.0, 0.0));
+    EXPECT_FALSE(hand.follows_path());
+    hand.move_to(Vector3(0.0, 0.01, 0.0));
+    hand.advance(1.002);
+    EXPECT_EQ(hand.target_m(), Vector3(0.0, 0.01, 0.0));
+}
+
+constexpr double kDepth_m = 0.006; // of the hand's target; presses with 1.3 to 1.8 N
+constexpr double kSettles_s = 1.5;
+
+/// A session whose hand presses on the scene's spot.
+class PressedSpot {
+public:
+    /// @param seed  which device of its kind
+    explicit PressedSpot(std::uint64_t seed) : session_(options(seed)) {
+        session_.start();
+        testing::run(session_, 1.2); // the gains rise
+        const scene::TouchSpot &spot = *session_.scenes().now().scene.lesson.spot;
+        session_.hand().move_to(spot.point_m + 0.012 * spot.normal);
+        testing::run(session_, 1.0);
+        EXPECT_FALSE(session_.latest().contact.touching);
+        session_.hand().move_to(spot.point_m - kDepth_m * spot.normal);
+        testing::run(session_, kSettles_s);
+    }
+
+    void use(control::MotionMap map) {
+        control::Tuning tuning = session_.latest().tuning;
+        tuning.map = map;
+        session_.tuning().change(tuning, session_.plot_time_s());
+        testing::run(session_, kSettles_s);
+    }
+
+    /// Of the last second, the least and the largest value of a channel.
+    struct Range {
+        double min_deg = 180.0;
+        double largest_deg = 0.0;
+    };
+    [[nodiscard]] Range measured(const std::string &channel) const {
+        const record::ChannelStore &store = session_.servo().history().store();
+        const std::size_t number = *channel_named(channel);
+        Range range;
+        for (std::uint64_t row = store.end() - 1000; row < store.end(); ++row) {
+            const double deg = kDegreesPerRadian * store.value(number, row);
+            EXPECT_TRUE(std::isfinite(deg)) << channel; // it touches, with that map
+            range.min_deg = std::min(range.min_deg, deg);
+            range.largest_deg = std::max(range.largest_deg, deg);
+        }
+        return range;
+    }
+
+    void expect_well() const {
+        const servo::ServoSample &now = session_.latest();
+        EXPECT_EQ(now.safety.state, servo::SafetyState::running);
+        EXPECT_FALSE(now.active_limits.holds_force());
+        EXPECT_GT(now.tip_force_N.norm(), 1.0);
+        EXPECT_LT(now.tip_force_N.norm(), 3.0);
+    }
+
+private:
+    static SessionOptions options(std::uint64_t seed) {
+        SessionOptions options = testing::scripted("wrong_direction");
+        options.plays_script = false;
+        options.device_seed = seed;
+        return options;
+    }
+
+    Session session_;
+};
+
+TEST(WrongDirectionSession, TheInverseMapIsBeyond25DegreesAndTheTransposeMapBelow5) {
+    for (const std::uint64_t seed : {0, 3, 7, 11}) { // the file's own device, and drawn ones
+        SCOPED_TRACE(seed);
+        PressedSpot pressed(seed);
+        pressed.use(control::MotionMap::inverse);
+        pressed.expect_well();
+        EXPECT_GT(pressed.measured("inverse_measured_rad").min_deg, 25.0);
+        pressed.use(control::MotionMap::transpose);
+        pressed.expect_well();
+        EXPECT_LT(pressed.measured("transpose_measured_rad").largest_deg, 5.0);
+    }
 }
 
 } // namespace
