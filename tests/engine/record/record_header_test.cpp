@@ -200,15 +200,6 @@ TEST(RowCodec, WritesNumbersAtTheColumnsOffsets) {
     EXPECT_EQ(load<double>(at("force_y_N")), -2.5);
 }
 
-TEST(RowCodec, RoundTripsEveryBit) {
-    std::mt19937_64 random(1);
-    const RowDecoder decoder(record_header(1000.0));
-    for (int i = 0; i < 300; ++i) {
-        const std::string row = row_of(random_sample(random, random()));
-        EXPECT_EQ(row_of(decoder.decode(bytes_of_text(row))), row);
-    }
-}
-
 TEST(RowCodec, FindsColumnsInAnotherOrderAmongOthers) {
     RecordHeader header = record_header(1000.0);
     std::mt19937_64 random(2);

@@ -406,8 +406,7 @@ SafetyState state(const Session &session) { return session.latest().safety.state
 /// Above the plate.
 void expect_runs(Session &session) {
     session.hand().move_to({0.0, 0.03, 0.0});
-    EXPECT_TRUE(testing::run_until(
-        session, [&] { return state(session) == SafetyState::running; }, 8.0))
+    EXPECT_TRUE(testing::run_until_state(session, servo::SafetyState::running, 8.0))
         << servo::description(session.latest().safety);
 }
 
@@ -513,8 +512,7 @@ TEST(HeldStop, OfASwitchThatIsStillPressedHoldsAnew) {
     Session session(at_rest({"stop@4-6"}));
     session.start();
     expect_runs(session);
-    ASSERT_TRUE(testing::run_until(
-        session, [&] { return state(session) == SafetyState::tripped; }, 4.0));
+    ASSERT_TRUE(testing::run_until_state(session, servo::SafetyState::tripped, 4.0));
     for (int i = 0; i < 5; ++i) {
         testing::run(session, 0.2);
         session.servo().let_go_on();
@@ -525,50 +523,39 @@ TEST(HeldStop, OfASwitchThatIsStillPressedHoldsAnew) {
     expect_goes_on(session);
 }
 
+/// A stop by a key that no tick has seen yet, one by the switch, and what any trip becomes.
 TEST(HeldStop, OutlastsAnExchangeOfTheDevice) {
-    for (const bool by_switch : {false, true}) {
-        Session session(at_rest({by_switch ? "stop@4-4.5" : "stop@1000-1001"}));
+    struct Case {
+        const char *fault;
+        bool is_by_key;
+    };
+    for (const Case &one :
+         {Case{"stop@1000-1001", true}, Case{"stop@4-4.5", false}, Case{"unplug@4-6", false}}) {
+        SCOPED_TRACE(one.fault);
+        Session session(at_rest({one.fault}));
         session.start();
         expect_runs(session);
-        if (by_switch) {
-            ASSERT_TRUE(testing::run_until(
-                session, [&] { return state(session) == SafetyState::tripped; }, 4.0));
+        if (one.is_by_key) {
+            session.servo().emergency_stop();
         } else {
-            session.servo().emergency_stop(); // not yet seen by any tick
+            ASSERT_TRUE(testing::run_until_state(session, SafetyState::tripped, 4.0));
         }
         session.exchange_device(testing::premium());
-        ASSERT_TRUE(testing::run_until(
-            session, [&] { return !session.is_exchanging(); }, 2.0));
+        ASSERT_TRUE(testing::run_until_exchanged(session, 2.0));
         testing::run(session, 0.1);
         expect_stays_stopped(session, 1.0);
         expect_goes_on(session);
         session.exchange_device(testing::premium()); // and what was let go does not come back
-        ASSERT_TRUE(testing::run_until(
-            session, [&] { return !session.is_exchanging(); }, 2.0));
+        ASSERT_TRUE(testing::run_until_exchanged(session, 2.0));
         expect_runs(session);
     }
-}
-
-TEST(HeldStop, IsWhatATripBecomesByAnExchangeOfTheDevice) {
-    Session session(at_rest({"unplug@4-6"}));
-    session.start();
-    expect_runs(session);
-    ASSERT_TRUE(testing::run_until(
-        session, [&] { return state(session) == SafetyState::tripped; }, 4.0));
-    session.exchange_device(testing::premium());
-    ASSERT_TRUE(testing::run_until(
-        session, [&] { return !session.is_exchanging(); }, 2.0));
-    testing::run(session, 0.1);
-    expect_stays_stopped(session, 1.0);
-    expect_goes_on(session);
 }
 
 TEST(HeldStop, OutlastsALostCable) {
     Session session(at_rest({"unplug@4-6"}));
     session.start();
     expect_runs(session);
-    ASSERT_TRUE(testing::run_until(
-        session, [&] { return state(session) == SafetyState::tripped; }, 4.0));
+    ASSERT_TRUE(testing::run_until_state(session, servo::SafetyState::tripped, 4.0));
     EXPECT_EQ(session.latest().safety.cause, servo::TripCause::device_lost);
     session.servo().emergency_stop();
     session.advance(testing::kFrame_s);

@@ -224,8 +224,7 @@ public:
         return board().phantom().truth();
     }
     [[nodiscard]] bool run_until_state(SafetyState state) {
-        return testing::run_until(
-            session, [&] { return session.latest().safety.state == state; }, 6.0);
+        return testing::run_until_state(session, state, 6.0);
     }
     /// In frames of one tick.
     void expect_no_motor_until(double time_s) {

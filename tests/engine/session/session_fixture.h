@@ -74,6 +74,16 @@ inline bool run_until(session::Session &session, const std::function<bool()> &is
     return is_so();
 }
 
+inline bool run_until_state(session::Session &session, servo::SafetyState state, double at_most_s) {
+    return run_until(
+        session, [&] { return session.latest().safety.state == state; }, at_most_s);
+}
+
+inline bool run_until_exchanged(session::Session &session, double at_most_s = 5.0) {
+    return run_until(
+        session, [&] { return !session.is_exchanging(); }, at_most_s);
+}
+
 inline bool run_into_contact(session::Session &session) {
     return run_until(
         session,

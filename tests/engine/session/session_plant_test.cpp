@@ -97,8 +97,7 @@ TEST(SessionPlant, TolerancesOfASampledDeviceTakeAnExchange) {
     effects.motor_tolerances = false;
     session.set_effects(effects);
     EXPECT_TRUE(session.is_exchanging());
-    ASSERT_TRUE(run_until(
-        session, [&] { return !session.is_exchanging(); }, 5.0));
+    ASSERT_TRUE(testing::run_until_exchanged(session));
     EXPECT_EQ(session.description().motor[0].resistance_tolerance, 0.0);
     EXPECT_FALSE(session.simulation().effects.gravity);
 }
@@ -209,8 +208,7 @@ TEST(SessionPlant, AnEffectDoesNotCancelAnExchange) {
     simulated::PlantEffects effects = session.simulation().effects;
     effects.motor_tolerances = false;
     session.set_effects(effects);
-    ASSERT_TRUE(run_until(
-        session, [&] { return !session.is_exchanging(); }, 5.0));
+    ASSERT_TRUE(testing::run_until_exchanged(session));
     EXPECT_EQ(session.description().name, device::read_device_file(testing::premium().file).name);
     EXPECT_FALSE(session.simulation().effects.motor_tolerances);
 }

@@ -186,8 +186,7 @@ TEST(Session, ForgetsWhatWasNotedOfTicksThatAreGone) {
 
 bool exchange_to_the_end(Session &session, const DeviceChoice &choice) {
     session.exchange_device(choice);
-    return run_until(
-        session, [&] { return !session.is_exchanging(); }, 5.0);
+    return testing::run_until_exchanged(session);
 }
 
 TEST(SessionDevice, AnotherDeviceStartsAsUsual) {
@@ -200,8 +199,7 @@ TEST(SessionDevice, AnotherDeviceStartsAsUsual) {
     run(session, 0.5);
     EXPECT_EQ(session.latest().safety.state, servo::SafetyState::releasing); // half-way down
     EXPECT_NEAR(session.latest().safety.ramp, 0.5, 0.02);
-    ASSERT_TRUE(run_until(
-        session, [&] { return !session.is_exchanging(); }, 1.0));
+    ASSERT_TRUE(testing::run_until_exchanged(session, 1.0));
     EXPECT_NEAR(static_cast<double>(session.latest().tick - tick), 1000.0, 20.0);
     EXPECT_EQ(session.description().name, device::read_device_file(premium().file).name);
     session.advance(0.002);

@@ -67,9 +67,7 @@ struct OnBoard {
     /// Above the plate until it runs, then into it.
     [[nodiscard]] bool press(double time_s) {
         board.phantom().set_hand_target({0.0, 0.03, 0.0});
-        const bool runs = testing::run_until(
-            session, [&] { return session.latest().safety.state == servo::SafetyState::running; },
-            6.0);
+        const bool runs = testing::run_until_state(session, servo::SafetyState::running, 6.0);
         board.phantom().set_hand_target({0.0, -0.02, 0.0});
         testing::run(session, time_s);
         return runs;

@@ -363,20 +363,6 @@ std::vector<PastBlockTrial> whole_run(const Block &block, double marked_share = 
     return past;
 }
 
-TEST(Blocks, ResumedAtAnyTrialGoOnAsAnUndisturbedRun) {
-    const Block block = mixed_block();
-    const std::vector<PastBlockTrial> past = whole_run(block);
-    for (std::size_t i = 0; i <= past.size(); ++i) {
-        BlockRun resumed(block, kBlockKey);
-        for (std::size_t before = 0; before < i; ++before) {
-            resumed.add(past[before]);
-        }
-        EXPECT_EQ(resumed.next(), i < past.size() ? std::optional(past[i].presented) : std::nullopt)
-            << i;
-    }
-    EXPECT_NE(BlockRun(block, {1}).next(), past.front().presented);
-}
-
 TEST(Blocks, PresentEachSeriesToItsEndWithPracticeBeforeAndCatchTrialsBetween) {
     const Block block = mixed_block();
     const std::vector<PastBlockTrial> past = whole_run(block);
@@ -484,18 +470,6 @@ TEST(Blocks, PracticeEndsWhenItIsUnderstood) {
     EXPECT_EQ(practised([](int) { return false; }), 20);
     block.practice = {};
     EXPECT_EQ(practised([](int) { return true; }), 0);
-}
-
-TEST(Blocks, EndUnfinishedAfterTooManyMarkedTrials) {
-    Block block = mixed_block();
-    block.max_marked = 3;
-    BlockRun run(block, kBlockKey);
-    for (int i = 0; i < 4; ++i) {
-        EXPECT_EQ(run.state(), BlockState::running);
-        run.add({run.next().value(), {false, 0.0, true}});
-    }
-    EXPECT_EQ(run.state(), BlockState::too_many_marked);
-    EXPECT_FALSE(run.next().has_value());
 }
 
 TEST(Blocks, SayWhatIsWrongWithThem) {

@@ -48,10 +48,14 @@ ProtocolFindings limits_of(const Protocol &protocol, const StudySetting &setting
     return check_limits(protocol, setting, all_presented(protocol));
 }
 
+void expect_errors(const ProtocolFindings &findings, const std::string &part, long many) {
+    EXPECT_EQ(count(findings, Severity::error, part), many) << part << '\n' << all_texts(findings);
+}
+
 /// No such error on one side of a line, so many on the other.
 void expect_line(const ProtocolFindings &within, const ProtocolFindings &beyond,
                  const std::string &part, long many) {
-    EXPECT_EQ(count(within, Severity::error, part), 0) << all_texts(within);
+    expect_errors(within, part, 0);
     EXPECT_EQ(count(beyond, Severity::error, part), many) << all_texts(beyond);
 }
 
@@ -94,13 +98,11 @@ TEST(ProtocolCheck, FindsTheFirstUnstableGainOfAnyHand) {
     }
     protocol.conditions[0].tuning.K_P_V_per_rad = stable;
     const ProtocolFindings below = check_stability(protocol, setting, all_presented(protocol));
-    EXPECT_EQ(count(below, Severity::error, ""), 0) << all_texts(below);
+    expect_errors(below, "", 0);
     EXPECT_EQ(count(below, Severity::warning, "within a factor 1.1"), 1) << all_texts(below);
     protocol.conditions[0].tuning.K_P_V_per_rad = unstable;
     const ProtocolFindings above = check_stability(protocol, setting, all_presented(protocol));
-    EXPECT_EQ(
-        count(above, Severity::error, "condition \"a\", the standard: is unstable in contact"), 1)
-        << all_texts(above);
+    expect_errors(above, "condition \"a\", the standard: is unstable in contact", 1);
     protocol.conditions[0].tuning.K_P_V_per_rad = stable / 1.2;
     EXPECT_TRUE(check_stability(protocol, setting, all_presented(protocol)).empty());
 }
@@ -125,12 +127,10 @@ TEST(ProtocolCheck, FindsAGlideThatBeginsUnstable) {
     }
     const StudySetting setting = setting_of(protocol);
     protocol.free_space.reset();
-    EXPECT_EQ(
-        count(check_stability(protocol, setting, all_presented(protocol)), Severity::error, ""), 0);
+    expect_errors(check_stability(protocol, setting, all_presented(protocol)), "", 0);
     protocol.free_space = {0.2, 1000.0};
-    EXPECT_EQ(count(check_stability(protocol, setting, all_presented(protocol)), Severity::error,
-                    "before it glides"),
-              2);
+    expect_errors(check_stability(protocol, setting, all_presented(protocol)), "before it glides",
+                  2);
 }
 
 /// D² = l₁² + l₂² + 2 l₁ l₂ sin(q₃ − q₂) is the tip's distance from the shoulder, so the soft edge,
@@ -153,8 +153,8 @@ TEST(ProtocolCheck, FindsStrokesBeyondTheSoftEdgeOfTheWorkspace) {
         return check_spots(protocol, setting_of(protocol));
     };
     EXPECT_TRUE(findings_at(farthest_m(50.0) - 1e-4).empty());
-    EXPECT_EQ(count(findings_at(farthest_m(50.0) + 1e-4), Severity::error, "soft edge"), 2);
-    EXPECT_EQ(count(findings_at(farthest_m(55.0) + 1e-4), Severity::error, "out of the device"), 2);
+    expect_errors(findings_at(farthest_m(50.0) + 1e-4), "soft edge", 2);
+    expect_errors(findings_at(farthest_m(55.0) + 1e-4), "out of the device", 2);
 }
 
 TEST(ProtocolCheck, FindsSpotsThatAreNotOnTheSurface) {
@@ -166,11 +166,9 @@ TEST(ProtocolCheck, FindsSpotsThatAreNotOnTheSurface) {
     const std::string up = "[0.0, 1.0, 0.0]";
     // The plate's upper side is at y = −5 mm.
     EXPECT_TRUE(findings_of_spot("[0.0, -0.0045, -0.015]", up).empty());
-    EXPECT_EQ(count(findings_of_spot("[0.0, -0.0035, -0.015]", up), Severity::error,
-                    "not on the surface"),
-              2);
+    expect_errors(findings_of_spot("[0.0, -0.0035, -0.015]", up), "not on the surface", 2);
     EXPECT_TRUE(findings_of_spot("[0.0, -0.0059, -0.015]", up).empty());
-    EXPECT_EQ(count(findings_of_spot("[0.0, -0.0061, -0.015]", up), Severity::error, "off it"), 2);
+    expect_errors(findings_of_spot("[0.0, -0.0061, -0.015]", up), "off it", 2);
     EXPECT_EQ(count(findings_of_spot("[0.08, -0.005, -0.015]", up), Severity::error, "not on"), 2)
         << "beside the plate";
     const auto leaning = [](double degrees) {
@@ -179,23 +177,19 @@ TEST(ProtocolCheck, FindsSpotsThatAreNotOnTheSurface) {
                ", 0.0]";
     };
     EXPECT_TRUE(findings_of_spot("[0.0, -0.005, -0.015]", leaning(4.9)).empty());
-    EXPECT_EQ(count(findings_of_spot("[0.0, -0.005, -0.015]", leaning(5.1)), Severity::error,
-                    "off the surface's"),
-              2);
+    expect_errors(findings_of_spot("[0.0, -0.005, -0.015]", leaning(5.1)), "off the surface's", 2);
 }
 
 TEST(ProtocolCheck, FindsScenesThatAreNotThere) {
     const Protocol protocol = protocol_of(with(kPlainProtocol, "\"plate\"", "\"plat\""));
-    EXPECT_EQ(
-        count(check_protocol(protocol, testing::folders()).findings, Severity::error, "plat.gltf"),
-        2);
+    expect_errors(check_protocol(protocol, testing::folders()).findings, "plat.gltf", 2);
 }
 
 TEST(ProtocolCheck, FindsScenesWithoutASpotAndTakesThatOfALesson) {
     const std::string without = with(with(kPlainProtocol, "point_m = [0.0, -0.005, -0.015]\n", ""),
                                      "normal = [0.0, 1.0, 0.0]\n", "");
     const Protocol plate = protocol_of(without);
-    EXPECT_EQ(count(check_spots(plate, setting_of(plate)), Severity::error, "marks no spot"), 2);
+    expect_errors(check_spots(plate, setting_of(plate)), "marks no spot", 2);
     const Protocol lesson = protocol_of(with(without, "\"plate\"", "\"wrong_direction\""));
     EXPECT_TRUE(check_spots(lesson, setting_of(lesson)).empty());
 }
@@ -336,7 +330,7 @@ TEST(ProtocolCheck, FindsHandsThatSlideFromATurnedForce) {
     const double edge_deg = std::atan(0.9) * kDegreesPerRadian;
     expect_line(findings_with(edge_deg - 0.1, Hold::surface),
                 findings_with(edge_deg + 0.1, Hold::surface), "slides", 2);
-    EXPECT_EQ(count(findings_with(edge_deg + 0.1, Hold::cup), Severity::error, "slides"), 0);
+    expect_errors(findings_with(edge_deg + 0.1, Hold::cup), "slides", 0);
 }
 
 TEST(ProtocolCheck, FindsConditionsThatDifferInFreeSpace) {
@@ -391,8 +385,8 @@ TEST(ProtocolCheck, FindsServoRatesThatCannotHaveTheSharedLag) {
     };
     // The lag is 1.58198 ms: T above 632.12 Hz. With λ = 5000 rad/s, the largest, T at 632.35 Hz.
     EXPECT_TRUE(findings_with(632.4).empty());
-    EXPECT_EQ(count(findings_with(632.2), Severity::error, "needs lambda"), 1);
-    EXPECT_EQ(count(findings_with(632.0), Severity::error, "no filter"), 1);
+    expect_errors(findings_with(632.2), "needs lambda", 1);
+    expect_errors(findings_with(632.0), "no filter", 1);
 }
 
 TEST(ProtocolCheck, FindsSessionsThatAreTooLong) {
@@ -401,14 +395,12 @@ TEST(ProtocolCheck, FindsSessionsThatAreTooLong) {
     const double trials_s = session_length(protocol).min_s;
     ASSERT_LT(trials_s, 3599.0);
     protocol.breaks.between_blocks_s = 3600.0 - trials_s - 0.5;
-    EXPECT_EQ(count(check_session(protocol, session_length(protocol)), Severity::error, "session"),
-              0);
+    expect_errors(check_session(protocol, session_length(protocol)), "session", 0);
     EXPECT_EQ(
         count(check_session(protocol, session_length(protocol)), Severity::warning, "session"), 1)
         << "at its longest it is longer";
     protocol.breaks.between_blocks_s = 3600.0 - trials_s + 0.5;
-    EXPECT_EQ(count(check_session(protocol, session_length(protocol)), Severity::error, "60 min"),
-              1);
+    expect_errors(check_session(protocol, session_length(protocol)), "60 min", 1);
 }
 
 /// Of the plain protocol: a choice, a scale and a free text.
@@ -582,9 +574,8 @@ TEST(ProtocolCheck, TheWarmUpCountsInTheSession) {
     EXPECT_DOUBLE_EQ(check_protocol(protocol, testing::folders(), options).length.warm_up_s,
                      warm_up_s);
     protocol.windings = {15.0, 88.0, 90.0};
-    EXPECT_EQ(count(check_protocol(protocol, testing::folders(), options).findings, Severity::error,
-                    "cannot be warmed"),
-              1);
+    expect_errors(check_protocol(protocol, testing::folders(), options).findings,
+                  "cannot be warmed", 1);
 }
 
 /// A press without a pause, until winding and housing are in balance with the air:
@@ -627,9 +618,7 @@ TEST(ProtocolCheck, PredictsTheWarmthOfALongPress) {
     for (device::MotorParameters &motor : setting.device.motor) {
         motor.thermal.max_winding_C = warmth.hottest_C - 0.1;
     }
-    EXPECT_EQ(count(check_warmth(protocol, setting, presented, length).findings, Severity::error,
-                    "the limit"),
-              1);
+    expect_errors(check_warmth(protocol, setting, presented, length).findings, "the limit", 1);
 }
 
 TEST(ProtocolCheck, TellsOfOneConditionOnceAndOfHowManyLevels) {
