@@ -4,7 +4,6 @@
 #include "engine/record/record_export.h"
 
 #include "engine/record/record_format.h"
-#include "tests/engine/record/record_bytes.h"
 #include "tests/engine/record/samples.h"
 #include "tests/support/full_disk.h"
 

@@ -3,7 +3,6 @@
 #include "engine/session/record_playback.h"
 
 #include "engine/session/telemetry_history.h"
-#include "tests/engine/record/record_bytes.h"
 #include "tests/engine/record/samples.h"
 #include "tests/engine/session/record_fixture.h"
 
