@@ -179,9 +179,6 @@ TEST(ServoRun, InLockstepADeviceIsSlowedDownStandsStillAndIsSteppedToo) {
 
 class RecordingTest : public ::testing::Test {
 protected:
-    RecordingTest() : folder(testing::fresh_folder("recording")) {}
-    ~RecordingTest() override { std::filesystem::remove_all(folder); }
-
     void tick(int ticks) {
         run.advance(1e-3 * ticks);
         recording.pump();
@@ -192,7 +189,7 @@ protected:
         run.renew(next);
     }
 
-    std::filesystem::path folder;
+    std::filesystem::path folder = testing::fresh_folder("recording");
     simulated::SimulatedPhantom phantom{testing::phantom_1_0(), {}, kStart_m};
     simulated::SimulatedPhantom another{testing::phantom_1_0(), {}, kStart_m};
     ServoRun run{phantom, {1000.0, true, std::nullopt}};

@@ -315,7 +315,6 @@ TEST(CalibratedSession, GoesOnWithANewCalibrationInAFileOfItsOwn) {
     EXPECT_TRUE(stands_over_plate(session));
     EXPECT_TRUE(presses(session));
     session.stop();
-    std::filesystem::remove_all(folder);
 }
 
 TEST(CalibratedSession, IsRefusedWhileDrivenOrStoppedAndForAnotherDevice) {

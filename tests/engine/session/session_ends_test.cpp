@@ -144,7 +144,6 @@ TEST(SessionAssertion, TheWindowContinuesAndTheRecordNamesTheFailure) {
         << notes;
     EXPECT_TRUE(replay.is_identical());
     EXPECT_EQ(replay.replayed(), reader.ending().rows - failed);
-    std::filesystem::remove_all(folder);
 }
 
 TEST(SessionAssertion, RecordsStartedLaterOrEndedEarlyNameTheFailure) {
@@ -162,7 +161,6 @@ TEST(SessionAssertion, RecordsStartedLaterOrEndedEarlyNameTheFailure) {
     session.advance(testing::kFrame_s);
     session.stop();
     EXPECT_NE(testing::notes_in(folder / "after.rec").find("assertion_failed"), std::string::npos);
-    std::filesystem::remove_all(folder);
 }
 
 TEST(SessionAssertion, AnotherDeviceIsNotStarted) {
@@ -450,10 +448,7 @@ std::filesystem::path write_square(const std::filesystem::path &file, std::uint3
 
 class Quitting : public ::testing::Test {
 protected:
-    Quitting() : folder(testing::fresh_folder("quitting")) {}
-    ~Quitting() override { std::filesystem::remove_all(folder); }
-
-    std::filesystem::path folder;
+    std::filesystem::path folder = testing::fresh_folder("quitting");
 };
 
 /// Half a million triangles take some seconds. This is how long the end of a session may wait for a

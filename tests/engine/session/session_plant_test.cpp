@@ -65,7 +65,6 @@ TEST(SessionPlant, ADelayIsTheDevicesAndTheObservers) {
     const nlohmann::json note = nlohmann::json::parse(testing::notes_in(options.record)); // one
     EXPECT_EQ(note.at("delay_periods"), 1.5);
     EXPECT_EQ(note.at("from_tick"), next);
-    std::filesystem::remove_all(folder);
 }
 
 TEST(SessionPlant, WithoutGravityTheHandHoldsNoWeight) {
@@ -195,7 +194,6 @@ TEST(SessionPlant, WhatCannotBeChangedChangesNothing) {
     run(session, 0.05);
     EXPECT_THROW(session.set_effects(effects), InputError);
     EXPECT_EQ(session.latest().safety.state, servo::SafetyState::tripped);
-    std::filesystem::remove_all(folder);
 }
 
 TEST(SessionPlant, AnEffectDoesNotCancelAnExchange) {
@@ -306,7 +304,6 @@ TEST(Scenes, AFailedSceneLeavesTheCurrentOne) {
     scenes.request(file_of("sphere"));
     EXPECT_NE(wait_for(scenes), nullptr);
     EXPECT_EQ(scenes.error(), "");
-    std::filesystem::remove_all(folder);
 }
 
 TEST(Scenes, LoadingOfACancelledSceneStops) {

@@ -238,7 +238,6 @@ TEST_F(RealTimeSession, NoActionMakesTheServoAllocateLockOrCall) {
         testing::end_this_child();
     });
     EXPECT_TRUE(holds);
-    std::filesystem::remove_all(folder);
 }
 
 TEST_F(RealTimeSession, NeitherDoesAHandOnAPathAtTheMaximumRate) {
@@ -258,7 +257,6 @@ TEST_F(RealTimeSession, NeitherDoesAHandOnAPathAtTheMaximumRate) {
         testing::end_this_child();
     });
     EXPECT_TRUE(holds);
-    std::filesystem::remove_all(folder);
 }
 
 /// With packets that are lost, repeated and damaged. Nothing may pause the servo: a watched thread

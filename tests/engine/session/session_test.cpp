@@ -93,7 +93,6 @@ TEST(Session, ARecordHoldsEveryTickAndEveryScene) {
     EXPECT_NE(notes.find("sphere.gltf"), std::string::npos);
     EXPECT_NE(notes.find(sha256_of_file(testing::assets() / "scenes/sphere.gltf")),
               std::string::npos);
-    std::filesystem::remove_all(folder);
 }
 
 TEST(Session, ARecordHoldsTheDeviceIndependentlyOfItsFile) {
@@ -109,7 +108,6 @@ TEST(Session, ARecordHoldsTheDeviceIndependentlyOfItsFile) {
     testing::run(session, 0.1);
     session.stop();
     EXPECT_EQ(record::RecordReader(folder / "after.rec").header().device_toml, text);
-    std::filesystem::remove_all(folder);
 }
 
 TEST(Session, ARecordThatCannotBeCreatedIsReported) {
@@ -129,7 +127,6 @@ TEST(Session, ARecordThatCannotBeCreatedIsReported) {
     EXPECT_EQ(session.recording().status().rows, 100U);
     EXPECT_THROW(session.start_recording(folder / "is.rec"), InputError); // nothing is overwritten
     session.stop();
-    std::filesystem::remove_all(folder);
 }
 
 TEST(Session, TheSimulationWaitsWhileTheWindowIsSilent) {
@@ -229,7 +226,6 @@ TEST(SessionDevice, AFailedExchangeKeepsTheOldDevice) {
         EXPECT_EQ(session.latest().safety.state, servo::SafetyState::running);
         EXPECT_EQ(session.device().state(), factory::DeviceState::zeroed);
     }
-    std::filesystem::remove_all(folder);
 }
 
 TEST(SessionDevice, TheRecordContinuesInANewFileForTheOtherDevice) {
@@ -260,7 +256,6 @@ TEST(SessionDevice, TheRecordContinuesInANewFileForTheOtherDevice) {
     }
     EXPECT_NE(warnings.find("touch-3.rec"), std::string::npos);
     EXPECT_EQ(testing::contents_of(folder / "touch-2.rec"), "of somebody else");
-    std::filesystem::remove_all(folder);
 }
 
 TEST(SessionDevice, AReconnectedDeviceStaysTrippedUntilAReset) {
@@ -309,7 +304,6 @@ TEST(SessionDevice, AnotherRateContinuesInTheSameFileWithANote) {
     const nlohmann::json note = nlohmann::json::parse(notes);
     EXPECT_EQ(note.at("servo_hz"), 4000.0);
     EXPECT_EQ(note.at("from_tick"), next);
-    std::filesystem::remove_all(folder);
 }
 
 TEST(SessionDevice, AnotherRateDoesNotClearATrip) {
@@ -459,7 +453,6 @@ Sum exchange_in_contact(SessionOptions options, std::span<const Exchange> exchan
     if (together == 1) {
         EXPECT_EQ(sum.parts, 1 + requested.devices);
     }
-    std::filesystem::remove_all(folder);
     return sum;
 }
 

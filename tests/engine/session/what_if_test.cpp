@@ -407,7 +407,6 @@ TEST(WhatIf, FollowsDelayAndSceneThatChangeWithinARecord) {
         difference_A(record.store, what_if(record, first.tuning, record.rows), from_tick);
     EXPECT_LT(followed_A, current_of_a_count_A(record.device));
     EXPECT_LT(followed_A, 0.8 * ignored_A);
-    std::filesystem::remove_all(folder);
 }
 
 } // namespace
