@@ -389,8 +389,6 @@ TEST(LentDevice, IsUsedOnAThreadAndComesBack) {
     session.stop();
 }
 
-using servo::SafetyState;
-
 SessionOptions at_rest(const std::vector<const char *> &faults = {}) {
     SessionOptions options = testing::emulated(true, faults);
     if (faults.empty()) {

@@ -457,7 +457,6 @@ constexpr double kSoon_s = 3.0;
 
 TEST_F(Quitting, WhileASceneLoadsEndsQuicklyInEveryStage) {
     const std::filesystem::path large = write_square(folder / "large.glb", 500);
-    double longest_s = 0.0;
     for (const char *stage : {"reading", "gathering", "placing", "preparing"}) {
         Clock::time_point start;
         {
@@ -470,11 +469,9 @@ TEST_F(Quitting, WhileASceneLoadsEndsQuicklyInEveryStage) {
             }
             start = Clock::now();
         }
-        longest_s =
-            std::max(longest_s, std::chrono::duration<double>(Clock::now() - start).count());
+        const std::chrono::duration<double> took = Clock::now() - start;
+        EXPECT_LT(took.count(), kSoon_s) << stage;
     }
-    RecordProperty("longest_s", std::to_string(longest_s));
-    EXPECT_LT(longest_s, kSoon_s);
 }
 
 TEST_F(Quitting, AnotherSceneDoesNotWaitForTheLargeOne) {
@@ -531,7 +528,6 @@ constexpr int kRounds = 40;
 TEST_F(Quitting, AtAnyMomentEndsCleanly) {
     setenv("XDG_CACHE_HOME", folder.c_str(), 1);
     std::mt19937 random(11);
-    double longest_s = 0.0;
     for (int round = 0; round < kRounds; ++round) {
         SessionOptions options = testing::scripted(round % 2 == 0 ? "plate" : "organic");
         options.lockstep = round % 3 != 0;
@@ -551,12 +547,10 @@ TEST_F(Quitting, AtAnyMomentEndsCleanly) {
             }
             start = Clock::now();
         }
-        const double took_s = std::chrono::duration<double>(Clock::now() - start).count();
-        EXPECT_LT(took_s, kSoon_s) << "after" << done;
-        longest_s = std::max(longest_s, took_s);
+        const std::chrono::duration<double> took = Clock::now() - start;
+        EXPECT_LT(took.count(), kSoon_s) << "after" << done;
     }
     unsetenv("XDG_CACHE_HOME");
-    RecordProperty("longest_s", std::to_string(longest_s));
 }
 
 } // namespace

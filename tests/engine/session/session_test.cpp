@@ -341,7 +341,6 @@ TEST(SessionDevice, TheReportNamesTheDeviceAndThePauses) {
 }
 
 using testing::press;
-using testing::run_until;
 
 enum class Exchange : std::uint8_t { scene, rate, device };
 constexpr std::array kExchanges{Exchange::scene, Exchange::rate, Exchange::device};
@@ -402,8 +401,6 @@ struct Sum {
         worst.felt += part.felt;
         worst.scenes += part.scenes;
         worst.rates += part.rates;
-        worst.max_share = std::max(worst.max_share, part.max_share);
-        worst.max_step_V = std::max(worst.max_step_V, part.max_step_V);
         worst.max_transfer_offset_V =
             std::max(worst.max_transfer_offset_V, part.max_transfer_offset_V);
     }
@@ -456,17 +453,6 @@ Sum exchange_in_contact(SessionOptions options, std::span<const Exchange> exchan
     return sum;
 }
 
-void note(const Sum &all) {
-    ::testing::Test::RecordProperty("rows", std::to_string(all.worst.rows));
-    ::testing::Test::RecordProperty("felt", std::to_string(all.worst.felt));
-    ::testing::Test::RecordProperty("scenes", std::to_string(all.worst.scenes));
-    ::testing::Test::RecordProperty("rates", std::to_string(all.worst.rates));
-    ::testing::Test::RecordProperty("parts", std::to_string(all.parts));
-    ::testing::Test::RecordProperty("step_V", std::to_string(all.worst.max_step_V));
-    ::testing::Test::RecordProperty("share", std::to_string(all.worst.max_share));
-    ::testing::Test::RecordProperty("carried_V", std::to_string(all.worst.max_transfer_offset_V));
-}
-
 /// In three sessions, so that their records stay short.
 void exchange_in_every_order(std::span<const Exchange> exchanges, std::size_t in_a_session,
                              std::size_t together) {
@@ -476,7 +462,6 @@ void exchange_in_every_order(std::span<const Exchange> exchanges, std::size_t in
                                     together)
                     .worst);
     }
-    note(all);
     EXPECT_GT(all.worst.felt, 5'000U); // not vacuous
     EXPECT_GE(all.worst.scenes, 9U);
     EXPECT_GE(all.worst.rates, 9U);
@@ -501,7 +486,6 @@ TEST(Exchange, OnTheRealThreadTheSameHolds) {
     options.lockstep = false;
     const std::array order{Exchange::rate, Exchange::scene, Exchange::device};
     const Sum sum = exchange_in_contact(options, order, 1);
-    note(sum);
     EXPECT_GT(sum.worst.felt, 100U);
     EXPECT_EQ(sum.parts, 2U);
 }

@@ -180,8 +180,6 @@ TEST(SessionWindings, TheNextStartKnowsHowHotTheyMayBe) {
     EXPECT_EQ(count(), 0);
 }
 
-using device::kColdestAir_C;
-using device::kWarmestAir_C;
 using device::MotorTemperature;
 using device::WindingGuard;
 using device::WindingTemperature;
@@ -416,8 +414,6 @@ TEST(WindingsFile, NothingKnownStillPermitsWork) {
     EXPECT_EQ(holds_s(1.1, 1.1), 100.0); // the servo's start takes as long
     for (const double rest_s : {1.1, 10.0, 60.0, 600.0}) {
         const double at_4_A_s = holds_s(rest_s, 4.0);
-        RecordProperty("rest_" + std::to_string(static_cast<int>(rest_s)) + "_s_holds_4_A_ms",
-                       static_cast<int>(1e3 * at_4_A_s));
         // Its heat capacity alone takes (100 °C − T) 3.87 J/K of 16 A² R, and more is lost.
         const MotorTemperature rested =
             cooled(device::hottest_motors(motors())[0], kWarmestAir_C, rest_s);

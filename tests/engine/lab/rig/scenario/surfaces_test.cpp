@@ -8,7 +8,7 @@
 #include "engine/lab/rig/scenario/scanned_surface.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 
-#include "base/input_error.h"
+#include "base/error_text.h"
 #include "engine/contact/mesh/nearest.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "tests/support/random_vector.h"
@@ -220,14 +220,10 @@ TEST(TestSurfaces, AreFoundByName) {
           Case{"scan:", "from 1000 to 2000000"}, Case{"scan:999", "from 1000 to 2000000"},
           Case{"scan:2000001", "from 1000 to 2000000"}, Case{"cad:1e6", "from 1000 to 2000000"},
           Case{"cad:99999999999999999999", "from 1000 to 2000000"}}) {
-        try {
-            static_cast<void>(test_surface_named(one.name));
-            FAIL() << one.name;
-        } catch (const InputError &error) {
-            const std::string text = error.what();
-            EXPECT_TRUE(text.starts_with(std::string(one.name) + ": ")) << text;
-            EXPECT_TRUE(text.ends_with(one.said)) << text;
-        }
+        const std::string text =
+            error_text_of([&one] { static_cast<void>(test_surface_named(one.name)); });
+        EXPECT_TRUE(text.starts_with(std::string(one.name) + ": ")) << text;
+        EXPECT_TRUE(text.ends_with(one.said)) << text;
     }
 }
 
