@@ -5,6 +5,7 @@
 
 #include "engine/record/record_format.h"
 #include "tests/engine/record/samples.h"
+#include "tests/support/csv.h"
 #include "tests/support/full_disk.h"
 
 #include <gtest/gtest.h>
@@ -116,18 +117,6 @@ TEST(SelectedRows, ReportIfThereIsNoTimeAtAll) {
     EXPECT_NE(said.find("neither time_s nor tick"), std::string::npos) << said;
 }
 
-std::vector<std::string> cells_of(const std::string &line) {
-    std::vector<std::string> cells(1);
-    for (const char c : line) {
-        if (c == ',') {
-            cells.emplace_back();
-        } else {
-            cells.back() += c;
-        }
-    }
-    return cells;
-}
-
 /// Expects a cell to read back as the same number, by the C library.
 void expect_cell(const std::string &cell, ColumnType type, const char *from) {
     const auto *const bytes = reinterpret_cast<const std::byte *>(from);
@@ -159,23 +148,19 @@ TEST(ExportCsv, PreservesEveryNumber) {
     EXPECT_EQ(summary.rows, samples.size());
     EXPECT_EQ(summary.columns, reader.header().columns.size());
     EXPECT_EQ(summary.ending.text(), "57 rows");
-    std::istringstream lines(out.str());
-    std::string line;
-    std::getline(lines, line);
-    const auto names = cells_of(line);
-    ASSERT_EQ(names.size(), reader.header().columns.size());
-    for (const servo::ServoSample &sample : samples) {
-        ASSERT_TRUE(std::getline(lines, line));
-        const auto cells = cells_of(line);
-        ASSERT_EQ(cells.size(), names.size());
-        const std::string row = testing::row_of(sample);
+    const auto lines = testing::parsed_csv(out.str());
+    ASSERT_EQ(lines.size(), samples.size() + 1);
+    ASSERT_EQ(lines[0].size(), reader.header().columns.size());
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        const std::vector<std::string> &cells = lines[k + 1];
+        ASSERT_EQ(cells.size(), lines[0].size());
+        const std::string row = testing::row_of(samples[k]);
         for (std::size_t i = 0; i < cells.size(); ++i) {
             const RecordColumn &column = reader.header().columns[i];
-            EXPECT_EQ(names[i], column.name);
+            EXPECT_EQ(lines[0][i], column.name);
             expect_cell(cells[i], column.type, row.data() + column.offset);
         }
     }
-    EXPECT_FALSE(std::getline(lines, line));
 }
 
 TEST(ExportCsv, UsesTheFewestDigits) {
