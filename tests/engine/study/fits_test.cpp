@@ -405,10 +405,7 @@ TEST(Precision, SaysWhatIsWrongWithTheQuestion) {
     using Q = PrecisionQuestion;
     testing::expect_refusals({
         {error([](Q &) {}), ""},
-        {error([](Q &q) {
-             q.trials = {50, 50};
-         }),
-         "trials has 50 after 50"},
+        {error([](Q &q) { q.trials.assign(2, 50); }), "trials has 50 after 50"},
         {error([](Q &q) { q.trials = {1}; }), "trials (each) is 1; it must be from 2 to 10000"},
         {error([](Q &q) { q.analysis.slope.minimum = 0.0; }), "slope.minimum is 0; it must be"},
     });

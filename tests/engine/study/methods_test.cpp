@@ -284,15 +284,11 @@ TEST(Methods, SayWhatIsWrongWithThem) {
         {staircases([](S &s) { s.start_levels = {9.0}; }),
          "start_levels (each) is 9; it must be from 0.125 to 8"},
         {quest([](Q &q) { q.levels.clear(); }), "levels has 0 levels; it must have at least 2"},
-        {quest([](Q &q) {
-             q.guess = {known(0.25), 1};
-         }),
+        {quest([](Q &q) { q.guess.prior = known(0.25); }),
          "guess is from 0.25 to 0.25; in this task it must be from 0.5 to 0.5"},
-        {validate(Method(testing::spoilt(quest_of_two(),
-                                         [](Q &q) {
-                                             q.guess = {known(0.25), 1};
-                                         })),
-                  Task{TaskKind::forced_choice_by_place, 4, 0.5}),
+        {validate(
+             Method(testing::spoilt(quest_of_two(), [](Q &q) { q.guess.prior = known(0.25); })),
+             Task{TaskKind::forced_choice_by_place, 4, 0.5}),
          ""},
         {quest([](Q &q) { q.slope.points = 1001; }), "slope.points is 1001; it must be from 1"},
         {quest([](Q &q) {

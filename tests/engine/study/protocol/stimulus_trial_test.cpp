@@ -83,30 +83,6 @@ TEST(StimulusTrial, APressHasTheStiffnessOf27AndTheDirectionThatWasAskedFor) {
     }
 }
 
-/// What is measured is what the plant has: the force of its true currents, mean over the same time.
-TEST(StimulusTrial, TheDirectionIsThatOfTheForceOnTheHand) {
-    const Protocol protocol = cup_protocol(30.0, 90.0);
-    Vector3 sum_N = Vector3::Zero();
-    StimulusCircumstances circumstances;
-    double touched_s = -1.0;
-    circumstances.watch = [&](const servo::ServoSample &sample, StimulusPhase phase) {
-        touched_s =
-            phase == StimulusPhase::presenting && touched_s < 0.0 ? sample.time_s : touched_s;
-        if (phase == StimulusPhase::presenting && sample.time_s - touched_s > 0.5) {
-            // The seed's device has ideal sensors: measured currents are the true ones.
-            const device::DeviceDescription device = testing::phantom_1_0();
-            const Matrix3 J = device::motor_jacobian(
-                device.geometry, device::joint_from_motor(device.geometry, sample.theta_rad));
-            sum_N += J.transpose().inverse() *
-                     (device.motor[0].torque_constant_Nm_per_A * sample.current_A);
-        }
-    };
-    static_cast<void>(presentation_to_a_hand(protocol, circumstances));
-    // About an axis that points away from the user, z to −z, the force leans to the right.
-    EXPECT_NEAR(std::atan2(sum_N.x(), sum_N.y()) * kDegreesPerRadian, 30.0, 1.0);
-    EXPECT_NEAR(std::atan2(sum_N.z(), sum_N.norm()) * kDegreesPerRadian, 0.0, 1.0);
-}
-
 /// The work that a turned force does on a relaxed hand is what its spring takes: ½ F_s²/k.
 TEST(StimulusTrial, ATurnedForceDoesTheWorkThatAHandsSpringTakes) {
     const StimulusTrial trial = presentation_to_a_hand(cup_protocol(50.0, 0.0));
