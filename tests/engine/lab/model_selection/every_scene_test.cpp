@@ -92,9 +92,9 @@ const std::vector<std::string> kOwnScenes = {
     "organic", "thin_plate", "sphere",          "spheres",    "blow"};
 
 /// The error of a model of the scene against the fullest, measured again.
-class Trial {
+class AgainstFullest {
 public:
-    explicit Trial(const scene::Scene &scene)
+    explicit AgainstFullest(const scene::Scene &scene)
         : scene_(scene), given_(haptic_surface_of(scene, {})) {
         rig::Exploration how;
         how.planar = scene.planar;
@@ -123,8 +123,8 @@ class OwnScenesModel : public ::testing::TestWithParam<std::string> {};
 TEST_P(OwnScenesModel, IsWithinTheToleranceAndTheNextCheaperIsNot) {
     const scene::Scene scene = testing::own_scene(GetParam());
     const ModelSelection choice = choose_scene_model({&scene, testing::phantom_1_0(), {}, 1e-3, 0});
-    const Trial trial(scene);
-    EXPECT_TRUE(meets(trial.error_of(choice), scene.tolerance));
+    const AgainstFullest measured(scene);
+    EXPECT_TRUE(meets(measured.error_of(choice), scene.tolerance));
     std::size_t cheaper_ones = 0;
     for (std::size_t axis = 0; axis < choice.axes.size(); ++axis) {
         for (const CheaperTrial &cheaper : choice.axes[axis].cheaper) {
@@ -133,7 +133,7 @@ TEST_P(OwnScenesModel, IsWithinTheToleranceAndTheNextCheaperIsNot) {
                       candidates[choice.axes[axis].chosen].cost.min_ns);
             ModelSelection instead = choice;
             instead.axes[axis].chosen = cheaper.candidate;
-            EXPECT_FALSE(meets(trial.error_of(instead), scene.tolerance))
+            EXPECT_FALSE(meets(measured.error_of(instead), scene.tolerance))
                 << choice.axes[axis].name << ' ' << candidates[cheaper.candidate].name;
             ++cheaper_ones;
         }
