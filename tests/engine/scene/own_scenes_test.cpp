@@ -5,7 +5,7 @@
 #include "assets/scenes/gltf_writer.h"
 #include "assets/scenes/shapes.h"
 #include "engine/scene/gltf.h"
-#include "tests/engine/contact/mesh/meshes.h"
+#include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/scene/gltf_builder.h"
 
 #include <Eigen/Geometry>
@@ -34,17 +34,17 @@ Scene load_own(const std::string &name) {
 }
 
 /// Corners as values that compare: vertices at the same place are one.
-std::vector<std::array<testing::Place, 3>> places_of(const contact::TriangleSoup &surface) {
-    std::vector<std::array<testing::Place, 3>> places;
+std::vector<std::array<testing::PlaceKey, 3>> places_of(const contact::TriangleSoup &surface) {
+    std::vector<std::array<testing::PlaceKey, 3>> places;
     for (const auto &[a, b, c] : corners_of(surface)) {
-        places.push_back({testing::place(a), testing::place(b), testing::place(c)});
+        places.push_back({testing::place_key(a), testing::place_key(b), testing::place_key(c)});
     }
     return places;
 }
 
 /// V − E + F of the welded surface: 2 for each closed surface without handles.
-long euler_characteristic(const std::vector<std::array<testing::Place, 3>> &triangles) {
-    std::set<testing::Place> points;
+long euler_characteristic(const std::vector<std::array<testing::PlaceKey, 3>> &triangles) {
+    std::set<testing::PlaceKey> points;
     for (const auto &triangle : triangles) {
         points.insert(triangle.begin(), triangle.end());
     }

@@ -2,25 +2,144 @@
 #include "engine/contact/bvh/box_node.h"
 #include "engine/contact/bvh/box_tree.h"
 #include "engine/contact/bvh/box_tree_build.h"
-#include "tests/engine/contact/bvh/box_sets.h"
+#include "tests/engine/contact/mesh/soups.h"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <random>
+#include <string>
 #include <vector>
 
 namespace springdrive::contact {
 namespace {
 
-using testing::Boxes;
-using testing::BoxSet;
-using testing::entry_fraction;
-using testing::Motion;
-using testing::random_motion;
 using testing::random_vector;
+
+using Boxes = std::vector<Eigen::AlignedBox3d>;
+
+struct BoxSet {
+    std::string name;
+    Boxes boxes;
+    Vector3 centre_m = Vector3::Zero();
+    double half_m = 0.1; ///< most boxes lie within so much of the centre
+};
+
+Eigen::AlignedBox3d box_about(const Vector3 &centre_m, const Vector3 &half_m) {
+    return {Vector3(centre_m - half_m), Vector3(centre_m + half_m)};
+}
+
+Boxes random_boxes(std::mt19937_64 &random, int count, double half_m, double size_m,
+                   const Vector3 &centre_m = Vector3::Zero()) {
+    Boxes boxes;
+    for (int i = 0; i < count; ++i) {
+        const Vector3 at = centre_m + random_vector(random, half_m);
+        boxes.push_back(box_about(at, random_vector(random, size_m).cwiseAbs()));
+    }
+    return boxes;
+}
+
+Boxes triangle_boxes(const contact::TriangleSoup &soup) {
+    Boxes boxes(soup.triangles.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        for (const Vector3 &corner : testing::corners(soup, i)) {
+            boxes[i].extend(corner);
+        }
+    }
+    return boxes;
+}
+
+/// Nested about one corner, each half as large again as the last, which makes a tree deep.
+Boxes growing_boxes(int count) {
+    Boxes boxes;
+    for (int i = 0; i < count; ++i) {
+        boxes.emplace_back(Vector3::Zero(), Vector3::Constant(1e-12 * std::pow(1.5, i)));
+    }
+    return boxes;
+}
+
+std::vector<BoxSet> box_sets(std::mt19937_64 &random) {
+    const Vector3 far(1000.0, -999.9, 998.7);
+    std::vector<BoxSet> sets{
+        {"one", random_boxes(random, 1, 0.01, 0.05)},
+        {"two", random_boxes(random, 2, 0.05, 0.05)},
+        {"nine", random_boxes(random, 9, 0.1, 0.05)},
+        {"scattered", random_boxes(random, 700, 0.1, 0.005)},
+        {"overlapping", random_boxes(random, 300, 0.1, 0.08)},
+        {"sphere", triangle_boxes(testing::bumpy_sphere(3, 0.08))},
+        {"points", random_boxes(random, 500, 0.1, 0.0)},
+        {"identical", Boxes(1000, box_about({0.01, 0.02, 0.03}, {0.02, 0.03, 0.01}))},
+        {"identical points", Boxes(1000, box_about({0.01, 0.02, 0.03}, Vector3::Zero()))},
+        {"growing", growing_boxes(64)},
+        {"far", random_boxes(random, 500, 0.1, 0.005, far), far},
+        {"large", random_boxes(random, 500, 1000.0, 40.0), Vector3::Zero(), 1000.0},
+        {"line", random_boxes(random, 500, 0.1, 0.001)},
+        {"plane", random_boxes(random, 500, 0.1, 0.01)},
+    };
+    for (Eigen::AlignedBox3d &box : (sets.end() - 2)->boxes) {
+        box.min().tail<2>().setConstant(0.02);
+        box.max().tail<2>().setConstant(0.02);
+    }
+    for (Eigen::AlignedBox3d &box : sets.back().boxes) {
+        box.min().y() = box.max().y() = -0.01;
+    }
+    return sets;
+}
+
+/// The fraction at which a motion enters a box grown by `reach_m`, or infinity if it never does.
+double entry_fraction(const Eigen::AlignedBox3d &box, const Vector3 &from_m, const Vector3 &to_m,
+                      double reach_m) {
+    double enters = 0.0;
+    double leaves = 1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double lower = box.min()[axis] - reach_m - from_m[axis];
+        const double upper = box.max()[axis] + reach_m - from_m[axis];
+        const double length = to_m[axis] - from_m[axis];
+        if (length == 0.0) {
+            leaves = lower <= 0.0 && upper >= 0.0 ? leaves : -1.0;
+        } else {
+            enters = std::max(enters, std::min(lower / length, upper / length));
+            leaves = std::min(leaves, std::max(lower / length, upper / length));
+        }
+    }
+    return enters <= leaves ? enters : INFINITY;
+}
+
+struct Motion {
+    Vector3 from_m;
+    Vector3 to_m;
+    double reach_m = 0.0;
+};
+
+/// Of all lengths, zero among them; some along an axis or in a plane of two, some that start in
+/// the middle of a box or on its corner.
+Motion random_motion(std::mt19937_64 &random, const BoxSet &set) {
+    std::uniform_real_distribution<double> exponent(-7.0, 0.0);
+    Motion motion;
+    motion.from_m = set.centre_m + random_vector(random, 1.2 * set.half_m);
+    const Eigen::AlignedBox3d &box = set.boxes[random() % set.boxes.size()];
+    switch (random() % 4) {
+    case 0:
+        motion.from_m = box.center();
+        break;
+    case 1:
+        motion.from_m = random() % 2 == 0 ? box.min() : box.max();
+        break;
+    default:
+        break;
+    }
+    Vector3 step = std::pow(10.0, exponent(random)) * random_vector(random, 3.0 * set.half_m);
+    for (int axis = 0; axis < 3; ++axis) {
+        step[axis] = random() % 4 == 0 ? 0.0 : step[axis];
+    }
+    motion.to_m = motion.from_m + step;
+    motion.reach_m = random() % 3 == 0 ? 0.0 : set.half_m * std::pow(10.0, exponent(random));
+    return motion;
+}
 
 SearchBudget unlimited() { return {1 << 30}; }
 
@@ -51,7 +170,7 @@ private:
 
 TEST(BoxTree, AlongFindsTheFirstEntryWhileTheMotionShrinks) {
     std::mt19937_64 random(2);
-    for (const BoxSet &set : testing::box_sets(random)) {
+    for (const BoxSet &set : box_sets(random)) {
         const BoxTree tree(set.boxes, 1);
         for (int i = 0; i < 300; ++i) {
             const Motion motion = random_motion(random, set);
@@ -107,7 +226,7 @@ TEST(BoxTree, AlongFindsBoxesThatTheMotionSlidesAlong) {
 TEST(BoxTree, AlongSkipsWhatLiesBehindTheFractionLeft) {
     Boxes boxes;
     for (int i = 0; i < 1000; ++i) {
-        boxes.push_back(testing::box_about({1e-3 * i, 0, 0}, Vector3::Constant(1e-4)));
+        boxes.push_back(box_about({1e-3 * i, 0, 0}, Vector3::Constant(1e-4)));
     }
     const BoxTree tree(boxes, 1);
     int visits = 0;
@@ -122,7 +241,7 @@ TEST(BoxTree, AlongSkipsWhatLiesBehindTheFractionLeft) {
 
 TEST(BoxTree, AlongVisitsWhatTheMotionEntersWithinItsBudgetAndNothingElse) {
     std::mt19937_64 random(3);
-    for (const BoxSet &set : testing::box_sets(random)) {
+    for (const BoxSet &set : box_sets(random)) {
         const BoxTree tree(set.boxes, 1);
         int entered = 0;
         int cut_short = 0;
@@ -162,7 +281,7 @@ TEST(BoxTree, AlongVisitsWhatTheMotionEntersWithinItsBudgetAndNothingElse) {
 
 TEST(BoxTree, AlongSearchesFartherWithALargerBudget) {
     std::mt19937_64 random(4);
-    const Boxes boxes = testing::random_boxes(random, 5000, 0.1, 0.003);
+    const Boxes boxes = random_boxes(random, 5000, 0.1, 0.003);
     const BoxTree tree(boxes, 1);
     const Vector3 from = Vector3::Constant(-0.11);
     const auto searched_with = [&](int nodes) {
@@ -179,7 +298,7 @@ TEST(BoxTree, AlongSearchesFartherWithALargerBudget) {
 TEST(BoxTree, WithinVisitsWhatIsNearAndNothingElse) {
     std::mt19937_64 random(5);
     std::uniform_real_distribution<double> exponent(-6.0, 0.0);
-    for (const BoxSet &set : testing::box_sets(random)) {
+    for (const BoxSet &set : box_sets(random)) {
         const BoxTree tree(set.boxes, 1);
         for (int i = 0; i < 300; ++i) {
             const Vector3 centre = random_motion(random, set).from_m;
@@ -213,7 +332,7 @@ TEST(BoxTree, WithinVisitsWhatIsNearAndNothingElse) {
 
 TEST(BoxTree, WithinFindsTheNearestWhileTheBallShrinks) {
     std::mt19937_64 random(6);
-    for (const BoxSet &set : testing::box_sets(random)) {
+    for (const BoxSet &set : box_sets(random)) {
         const BoxTree tree(set.boxes, 1);
         for (int i = 0; i < 300; ++i) {
             const Vector3 centre = set.centre_m + random_vector(random, 1.5 * set.half_m);
@@ -236,7 +355,7 @@ TEST(BoxTree, WithinFindsTheNearestWhileTheBallShrinks) {
 
 TEST(BoxTree, WithinKeepsItsBudgetAndReportsWhetherItSufficed) {
     std::mt19937_64 random(7);
-    const Boxes boxes = testing::random_boxes(random, 3000, 0.1, 0.003);
+    const Boxes boxes = random_boxes(random, 3000, 0.1, 0.003);
     const BoxTree tree(boxes, 1);
     const auto nothing = [](std::uint32_t, double) { return 0.03 * 0.03; };
     SearchBudget whole = unlimited();
@@ -269,7 +388,7 @@ TEST(BoxTree, VisitsNothingWhenEmpty) {
 TEST(BoxTree, TerminatesForAnyQuery) {
     std::mt19937_64 random(8);
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const Boxes boxes = testing::random_boxes(random, 1001, 0.1, 0.003);
+    const Boxes boxes = random_boxes(random, 1001, 0.1, 0.003);
     const BoxTree tree(boxes, 1);
     const std::vector<double> extreme_values{NAN,    kInfinity, -kInfinity, 1e300,
                                              -1e300, 1e39,      1e-320};
@@ -295,14 +414,9 @@ TEST(BoxTree, TerminatesForAnyQuery) {
     }
 }
 
-using testing::Boxes;
-using testing::BoxSet;
-
-SearchBudget no_limit() { return {1 << 30}; }
-
 TEST(BoxTreeBuild, NumbersEveryBoxOnce) {
     std::mt19937_64 random(1);
-    for (const BoxSet &set : testing::box_sets(random)) {
+    for (const BoxSet &set : box_sets(random)) {
         std::vector<std::uint32_t> numbers = BoxTree(set.boxes, 1).order();
         std::ranges::sort(numbers);
         std::vector<std::uint32_t> expected(set.boxes.size());
@@ -314,7 +428,7 @@ TEST(BoxTreeBuild, NumbersEveryBoxOnce) {
 /// Exactly: the rounding to float may not cut off a corner, nor may that of the search.
 TEST(BoxTreeBuild, FindsEachBoxAtEachOfItsCorners) {
     std::mt19937_64 random(2);
-    for (const BoxSet &set : testing::box_sets(random)) {
+    for (const BoxSet &set : box_sets(random)) {
         const BoxTree tree(set.boxes, 1);
         for (std::uint32_t item = 0; item < set.boxes.size(); ++item) {
             const Eigen::AlignedBox3d &box = set.boxes[tree.order()[item]];
@@ -322,7 +436,7 @@ TEST(BoxTreeBuild, FindsEachBoxAtEachOfItsCorners) {
             const Vector3 corner = box.corner(corner_type);
             bool found_within = false;
             bool found_along = false;
-            SearchBudget budget = no_limit();
+            SearchBudget budget = unlimited();
             tree.within(corner, 0.0, budget, [&](std::uint32_t visited, double squared) {
                 found_within |= visited == item;
                 return squared;
@@ -337,10 +451,10 @@ TEST(BoxTreeBuild, FindsEachBoxAtEachOfItsCorners) {
 }
 
 TEST(BoxTreeBuild, GivesTheSameTreeForAnyNumberOfThreads) {
-    const Boxes boxes = testing::boxes_of(testing::bumpy_sphere(5, 0.05));
+    const Boxes boxes = triangle_boxes(testing::bumpy_sphere(5, 0.05));
     const auto walk = [&](const BoxTree &tree) {
         std::vector<std::uint32_t> visits;
-        SearchBudget budget = no_limit();
+        SearchBudget budget = unlimited();
         tree.within({0.03, 0.01, -0.02}, 0.06, budget, [&](std::uint32_t item, double) {
             visits.push_back(item);
             return 0.06 * 0.06;
@@ -362,7 +476,7 @@ TEST(BoxTreeBuild, GivesTheSameTreeForAnyNumberOfThreads) {
 /// the boxes well.
 TEST(BoxTreeBuild, KeepsPointSearchesShort) {
     std::mt19937_64 random(3);
-    const Boxes boxes = testing::random_boxes(random, 20000, 0.1, 1e-4);
+    const Boxes boxes = random_boxes(random, 20000, 0.1, 1e-4);
     const BoxTree tree(boxes, 1);
     int nodes = 0;
     for (int i = 0; i < 1000; ++i) {

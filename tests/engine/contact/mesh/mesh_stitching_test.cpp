@@ -3,7 +3,6 @@
 #include "engine/contact/mesh/mesh_stitching.h"
 #include "engine/contact/mesh/point_tree.h"
 #include "engine/contact/mesh/preparation_allowance.h"
-#include "tests/engine/contact/mesh/meshes.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/error_text.h"
 

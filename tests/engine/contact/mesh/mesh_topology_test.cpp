@@ -5,7 +5,7 @@
 #include "engine/contact/mesh/mesh_topology.h"
 #include "engine/contact/mesh/surface_facets.h"
 #include "engine/contact/mesh/triangle_sets.h"
-#include "tests/engine/contact/mesh/meshes.h"
+#include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,9 @@
-// Covers engine/servo/deadlines.h.
+// Covers engine/servo/deadlines.h, duration_histogram.h and servo_statistics.h: when ticks are due,
+// and what is told of their times.
 #include "engine/servo/deadlines.h"
+
+#include "engine/servo/duration_histogram.h"
+#include "engine/servo/servo_statistics.h"
 
 #include <gtest/gtest.h>
 
@@ -167,6 +171,87 @@ TEST(Deadlines, ARowEndsWithATickThatMissedNone) {
     deadlines.end(deadlines.next_ns() + 100'000);
     tick(1000, 100'000);
     EXPECT_EQ(deadlines.missed_in_a_row(), 0U);
+}
+
+TEST(DurationHistogram, QuantilesAreWithinABinOfTheTrueOnes) {
+    std::mt19937_64 random(10);
+    std::lognormal_distribution<double> duration(-11.0, 1.5);
+    std::vector<double> all;
+    DurationHistogram histogram;
+    for (int i = 0; i < 20'000; ++i) {
+        all.push_back(duration(random));
+        histogram.add(all.back());
+    }
+    std::sort(all.begin(), all.end());
+    for (const double fraction : {0.01, 0.5, 0.99, 0.999}) {
+        const double truth = all[static_cast<std::size_t>(std::ceil(fraction * 20'000.0)) - 1];
+        EXPECT_NEAR(std::log2(histogram.quantile_s(fraction) / truth), 0.0, 1.0 / 64.0);
+    }
+    EXPECT_EQ(histogram.longest_s(), all.back());
+    EXPECT_EQ(histogram.quantile_s(1.0), all.back());
+    EXPECT_EQ(histogram.count(), 20'000U);
+}
+
+TEST(DurationHistogram, HandlesEmptyZeroAndInfinite) {
+    DurationHistogram histogram;
+    EXPECT_EQ(histogram.quantile_s(0.99), 0.0);
+    EXPECT_EQ(histogram.mean_s(), 0.0);
+    histogram.add(0.0);
+    histogram.add(1e9);
+    EXPECT_EQ(histogram.count(), 2U);
+    EXPECT_EQ(histogram.quantile_s(1.0), 1e9);
+}
+
+TEST(ServoStatistics, AccumulatesTheSamples) {
+    std::mt19937_64 random(11);
+    std::uniform_real_distribution<double> duration_s(1e-6, 1e-3);
+    ServoStatistics statistics;
+    std::vector<double> period_s;
+    std::vector<double> lateness_s;
+    double read_s = 0.0;
+    double longest_compute_s = 0.0;
+    std::uint64_t missed = 0;
+    constexpr int kTicks = 2000;
+    for (int tick = 0; tick < kTicks; ++tick) {
+        ServoSample sample;
+        sample.missed_deadlines = static_cast<std::uint32_t>(random() % 3);
+        missed += sample.missed_deadlines;
+        if (tick > 0) { // the first has no predecessor
+            sample.period_s = duration_s(random);
+            period_s.push_back(sample.period_s);
+        }
+        sample.lateness_s = duration_s(random);
+        lateness_s.push_back(sample.lateness_s);
+        sample.read_s = duration_s(random);
+        read_s += sample.read_s;
+        sample.compute_s = duration_s(random);
+        longest_compute_s = std::max(longest_compute_s, sample.compute_s);
+        statistics.add(sample);
+    }
+    EXPECT_EQ(statistics.ticks(), kTicks);
+    EXPECT_EQ(statistics.missed_deadlines(), missed);
+    EXPECT_EQ(statistics.period().count(), kTicks - 1);
+    EXPECT_EQ(statistics.period().longest_s(), *std::max_element(period_s.begin(), period_s.end()));
+    EXPECT_EQ(statistics.lateness().longest_s(),
+              *std::max_element(lateness_s.begin(), lateness_s.end()));
+    EXPECT_NEAR(statistics.read().mean_s(), read_s / kTicks, 1e-12);
+    EXPECT_EQ(statistics.compute().longest_s(), longest_compute_s);
+    std::sort(lateness_s.begin(), lateness_s.end());
+    EXPECT_NEAR(std::log2(statistics.lateness().quantile_s(0.5) / lateness_s[kTicks / 2 - 1]), 0.0,
+                1.0 / 64.0);
+}
+
+TEST(ServoStatistics, HaveNoTimesInLockstep) {
+    ServoStatistics statistics;
+    for (int tick = 0; tick < 10; ++tick) {
+        statistics.add(ServoSample{});
+    }
+    EXPECT_EQ(statistics.ticks(), 10U);
+    EXPECT_EQ(statistics.missed_deadlines(), 0U);
+    EXPECT_EQ(statistics.period().count(), 0U);
+    EXPECT_EQ(statistics.lateness().count(), 0U);
+    EXPECT_EQ(statistics.read().count(), 0U);
+    EXPECT_EQ(statistics.compute().count(), 0U);
 }
 
 } // namespace
