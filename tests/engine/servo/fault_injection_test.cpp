@@ -22,12 +22,23 @@
 namespace springdrive::servo {
 namespace {
 
-TEST(FaultInjection, EmergencyStop) {
-    RecordProperty("faults", testing::kFaultsOfACause);
-    std::mt19937 random(11);
-    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
+using testing::Place;
+using Rig = testing::FaultTrial;
+using Random = std::mt19937;
+
+/// Random cases at a place, up to the first failure: to each its number.
+template <typename Expect> void for_each_case(unsigned seed, Place place, Expect &&expect) {
+    ::testing::Test::RecordProperty("faults", testing::kFaultsOfACause);
+    Random random(seed);
+    for (int i = 0; i < testing::kFaultsOfACause && !::testing::Test::HasFailure(); ++i) {
+        Rig rig(testing::random_case(random, i, place));
         SCOPED_TRACE(rig.what.description());
+        expect(rig, random, i);
+    }
+}
+
+TEST(FaultInjection, EmergencyStop) {
+    for_each_case(11, Place::anywhere, [](Rig &rig, Random & /*random*/, int /*i*/) {
         rig.run_to_fault();
         rig.inputs.requested_stop = 1;
         rig.step();
@@ -38,15 +49,11 @@ TEST(FaultInjection, EmergencyStop) {
         rig.inputs.released_stop = 1;
         rig.expect_latched();
         rig.expect_recovery();
-    }
+    });
 }
 
 TEST(FaultInjection, MissedDeadlines) {
-    RecordProperty("faults", testing::kFaultsOfACause);
-    std::mt19937 random(13);
-    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
-        SCOPED_TRACE(rig.what.description());
+    for_each_case(13, Place::anywhere, [](Rig &rig, Random &random, int /*i*/) {
         rig.run_to_fault();
         rig.force_is_bounded = false; // the servo is not running to bound it
         const double maximum = testing::log_uniform(random, 1.0, 70.0);
@@ -67,15 +74,11 @@ TEST(FaultInjection, MissedDeadlines) {
         rig.timing = nullptr;
         rig.expect_latched();
         rig.expect_recovery();
-    }
+    });
 }
 
 TEST(FaultInjection, WindowSilent) {
-    RecordProperty("faults", testing::kFaultsOfACause);
-    std::mt19937 random(14);
-    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
-        SCOPED_TRACE(rig.what.description());
+    for_each_case(14, Place::anywhere, [](Rig &rig, Random &random, int i) {
         const double limit_s = i % 6 == 0 ? 2.0 : testing::log_uniform(random, 0.05, 1.0);
         rig.inputs.limits.window_silence_s = limit_s;
         rig.run_to_fault();
@@ -91,7 +94,7 @@ TEST(FaultInjection, WindowSilent) {
         rig.window_responds = true;
         rig.expect_latched();
         rig.expect_recovery();
-    }
+    });
 }
 
 /// One or several motors, each with −1, 0 or 1, not all zero.
@@ -121,22 +124,14 @@ void see_through(testing::FaultTrial &rig, device::FaultKind kind, const Vector3
 }
 
 TEST(FaultInjection, DeviceLost) {
-    RecordProperty("faults", testing::kFaultsOfACause);
-    std::mt19937 random(21);
-    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
-        SCOPED_TRACE(rig.what.description());
+    for_each_case(21, Place::anywhere, [](Rig &rig, Random & /*random*/, int /*i*/) {
         see_through(rig, device::FaultKind::unplug, Vector3::Zero(), TripCause::device_lost);
-    }
+    });
 }
 
 /// Missing, repeated or corrupt measurements are tolerated for the limit's time.
 TEST(FaultInjection, StaleMeasurements) {
-    RecordProperty("faults", testing::kFaultsOfACause);
-    std::mt19937 random(24);
-    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
-        SCOPED_TRACE(rig.what.description());
+    for_each_case(24, Place::anywhere, [](Rig &rig, Random & /*random*/, int i) {
         constexpr std::array<device::FaultKind, 3> kKinds{
             device::FaultKind::drop, device::FaultKind::corrupt, device::FaultKind::repeat};
         rig.run_to_fault();
@@ -151,48 +146,36 @@ TEST(FaultInjection, StaleMeasurements) {
         rig.device().clear_fault();
         rig.expect_latched();
         rig.expect_recovery();
-    }
+    });
 }
 
 TEST(FaultInjection, BoardFault) {
-    RecordProperty("faults", testing::kFaultsOfACause);
-    std::mt19937 random(25);
-    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
-        SCOPED_TRACE(rig.what.description());
+    for_each_case(25, Place::anywhere, [](Rig &rig, Random &random, int /*i*/) {
         // An amplifier's own fault opens the windings, where no brake bounds the hand.
         const double bits =
             static_cast<double>(2 * std::uniform_int_distribution<int>(1, 31)(random));
         see_through(rig, device::FaultKind::board, Vector3(bits, 0.0, 0.0), TripCause::board_fault);
-    }
+    });
 }
 
 TEST(FaultInjection, NotFinite) {
-    RecordProperty("faults", testing::kFaultsOfACause);
-    std::mt19937 random(22);
-    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
-        SCOPED_TRACE(rig.what.description());
+    for_each_case(22, Place::anywhere, [](Rig &rig, Random &random, int /*i*/) {
         const double wrong_A = random() % 2 == 0 ? std::numeric_limits<double>::quiet_NaN()
                                                  : std::numeric_limits<double>::infinity();
         const Vector3 signs = some_motors(random);
         see_through(rig, device::FaultKind::current_reading,
                     (signs.array() == 0.0).select(0.0, wrong_A * signs), TripCause::not_finite);
-    }
+    });
 }
 
 TEST(FaultInjection, CurrentReading) {
-    RecordProperty("faults", testing::kFaultsOfACause);
-    std::mt19937 random(23);
-    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
-        SCOPED_TRACE(rig.what.description());
+    for_each_case(23, Place::anywhere, [](Rig &rig, Random &random, int /*i*/) {
         const double peak_A = rig.device().description().motor[0].peak_current_A;
         const double read_A = peak_A * (1.0 + testing::log_uniform(random, 1e-4, 0.5));
         see_through(rig, device::FaultKind::current_reading, read_A * some_motors(random),
                     TripCause::current);
         EXPECT_DOUBLE_EQ(rig.inputs.limits.current_A, unlowered().current_A);
-    }
+    });
 }
 
 /// Counts that move the tip by a given distance, with motor directions as in `signs`.
@@ -213,11 +196,7 @@ double surely_a_jump_m(const testing::FaultTrial &rig) {
 }
 
 TEST(FaultInjection, EncoderJump) {
-    RecordProperty("faults", testing::kFaultsOfACause);
-    std::mt19937 random(24);
-    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::anywhere));
-        SCOPED_TRACE(rig.what.description());
+    for_each_case(24, Place::anywhere, [](Rig &rig, Random &random, int i) {
         rig.run_to_fault();
         const double way_m = testing::log_uniform(random, 1.3 * surely_a_jump_m(rig), 0.06);
         const bool flickers = i % 2 == 0;
@@ -231,7 +210,7 @@ TEST(FaultInjection, EncoderJump) {
         rig.expect_reset_waits(); // an offset that stays looks like any other position
         rig.device().clear_fault();
         rig.expect_recovery();
-    }
+    });
 }
 
 /// The hand's path before the fault, and from then on with another speed and target.
@@ -370,11 +349,7 @@ TEST(FaultInjection, BeyondStopsByDriftingCounts) {
 }
 
 TEST(FaultInjection, WindingTemperature) {
-    RecordProperty("faults", testing::kFaultsOfACause);
-    std::mt19937 random(33);
-    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::running_on_plate));
-        SCOPED_TRACE(rig.what.description());
+    for_each_case(33, Place::running_on_plate, [](Rig &rig, Random &random, int /*i*/) {
         rig.run_to_fault();
         // As if the motor were hotter: the remaining margin is exhausted soon.
         rig.inputs.limits.winding_C =
@@ -388,15 +363,11 @@ TEST(FaultInjection, WindingTemperature) {
         rig.inputs.limits = unlowered();
         rig.expect_latched();
         rig.expect_recovery();
-    }
+    });
 }
 
 TEST(FaultInjection, SustainedVoltage) {
-    RecordProperty("faults", testing::kFaultsOfACause);
-    std::mt19937 random(34);
-    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::running_on_plate));
-        SCOPED_TRACE(rig.what.description());
+    for_each_case(34, Place::running_on_plate, [](Rig &rig, Random &random, int /*i*/) {
         rig.run_to_fault();
         // With stiff tunings a single tick may be far above the mean: a count moves e_W by 0.3 V.
         const int ticks = rig.ticks_in(0.05);
@@ -414,16 +385,12 @@ TEST(FaultInjection, SustainedVoltage) {
         rig.expect_reset_waits();
         rig.inputs.limits = unlowered();
         rig.expect_recovery();
-    }
+    });
 }
 
 TEST(FaultInjection, TipForce) {
-    RecordProperty("faults", testing::kFaultsOfACause);
-    std::mt19937 random(41);
     int by_force = 0;
-    for (int i = 0; i < testing::kFaultsOfACause && !HasFailure(); ++i) {
-        testing::FaultTrial rig(testing::random_case(random, i, testing::Place::running_on_plate));
-        SCOPED_TRACE(rig.what.description());
+    for_each_case(41, Place::running_on_plate, [&](Rig &rig, Random &random, int i) {
         // The device's own limit, or one that was lowered while no motor was driven.
         const double limit_N = i % 2 == 0 ? 8.5 : testing::uniform(random, 6.0, 8.0);
         rig.inputs.limits.tip_force_N = limit_N;
@@ -446,7 +413,7 @@ TEST(FaultInjection, TipForce) {
         rig.device().clear_fault();
         rig.inputs.limits = unlowered();
         rig.expect_recovery();
-    }
+    });
     EXPECT_GT(by_force, testing::kFaultsOfACause / 2);
 }
 

@@ -35,11 +35,15 @@ protected:
         return monitor.pass(wanted, seen, orders);
     }
 
-    /// From waiting or starting to running, in free space.
-    void start_up() {
-        for (int i = 0; i < 1110; ++i) {
+    void pass_calm(int ticks) {
+        for (int i = 0; i < ticks; ++i) {
             pass(calm());
         }
+    }
+
+    /// From waiting or starting to running, in free space.
+    void start_up() {
+        pass_calm(1110);
         ASSERT_EQ(monitor.status().state, servo::SafetyState::running)
             << servo::description(monitor.status());
     }

@@ -61,9 +61,7 @@ TEST_F(SafetyMonitorTest, NeverStartsInContact) {
         pass(calm());
         ASSERT_EQ(monitor.status().state, SafetyState::waiting);
     }
-    for (int i = 0; i < 3; ++i) {
-        pass(calm());
-    }
+    pass_calm(3);
     EXPECT_EQ(monitor.status().state, SafetyState::starting);
 }
 
@@ -81,9 +79,7 @@ TEST_F(SafetyMonitorTest, NeverStartsWhileTheTipMoves) {
 }
 
 TEST_F(SafetyMonitorTest, MayMoveAndTouchOnceStarting) {
-    for (int i = 0; i < 110; ++i) {
-        pass(calm());
-    }
+    pass_calm(110);
     ASSERT_EQ(monitor.status().state, SafetyState::starting);
     Observation seen = calm();
     seen.touching = true;
@@ -222,9 +218,7 @@ TEST_F(SafetyMonitorTest, TripsOnAWindingThatMayBeTooHot) {
     monitor.reset();
     expect_braking(pass(calm()));
     EXPECT_EQ(monitor.status().state, SafetyState::tripped);
-    for (int i = 0; i < 1000; ++i) {
-        pass(calm());
-    }
+    pass_calm(1000);
     monitor.reset();
     start_up();
     EXPECT_GT(pass(calm()).e_W_V[0], 0.0);
@@ -305,18 +299,14 @@ TEST_F(SafetyMonitorTest, DoesNotStartAgainWhileReleaseIsRequested) {
 }
 
 TEST_F(SafetyMonitorTest, ReleasesFromThePresentRampAndReturnsFromThere) {
-    for (int tick = 0; tick < 600; ++tick) { // half-way up
-        pass(calm());
-    }
+    pass_calm(600); // half-way up
     ASSERT_EQ(monitor.status().state, SafetyState::starting);
     const double top = monitor.status().ramp;
     for (int tick = 0; tick < 100; ++tick) {
         pass(calm(), to_release());
     }
     EXPECT_NEAR(monitor.status().ramp, top - 0.1, 1e-9);
-    for (int tick = 0; tick < 100; ++tick) {
-        pass(calm());
-    }
+    pass_calm(100);
     EXPECT_NEAR(monitor.status().ramp, top, 1e-9);
     EXPECT_EQ(monitor.status().state, SafetyState::starting);
 }

@@ -34,6 +34,19 @@ protected:
         return pass(tick.seen, tick.orders, tick.wanted);
     }
 
+    void pass_ticks(const Tick &tick, int count) {
+        for (int i = 0; i < count; ++i) {
+            pass_tick(tick);
+        }
+    }
+    /// The same; the monitor is in this state after each of them.
+    void pass_ticks_in(SafetyState state, const Tick &tick, int count) {
+        for (int i = 0; i < count; ++i) {
+            pass_tick(tick);
+            ASSERT_EQ(monitor.status().state, state) << i << ": " << description(monitor.status());
+        }
+    }
+
     [[nodiscard]] Tick with_speed(double speed_m_per_s) const {
         Tick tick = fine();
         tick.seen.now.theta_rate_rad_per_s =
@@ -57,11 +70,7 @@ protected:
     /// again after a reset while the cause persists, and starts after a reset once it is gone.
     void expect_line(const Tick &within, const Tick &beyond, TripCause cause) {
         start_up();
-        for (int i = 0; i < 100; ++i) {
-            pass_tick(within);
-            ASSERT_EQ(monitor.status().state, SafetyState::running)
-                << description(monitor.status());
-        }
+        pass_ticks_in(SafetyState::running, within, 100);
         expect_tripped(pass_tick(beyond), cause);
         monitor.reset();
         expect_tripped(pass_tick(beyond), cause);
@@ -214,10 +223,7 @@ TEST_F(SafetyTrips, AWindowWithoutHeartbeat) {
     EXPECT_EQ(monitor.status().state, SafetyState::running);
     tick.orders.heartbeat = 1000;
     pass_tick(tick);
-    for (int i = 0; i < 1999; ++i) {
-        pass_tick(tick);
-        ASSERT_EQ(monitor.status().state, SafetyState::running) << i;
-    }
+    pass_ticks_in(SafetyState::running, tick, 1999);
     pass_tick(tick);
     pass_tick(tick); // a sum of 2000 periods may be on either side of 2 s
     EXPECT_EQ(monitor.status().cause, TripCause::window_silent);
@@ -226,13 +232,9 @@ TEST_F(SafetyTrips, AWindowWithoutHeartbeat) {
     expect_tripped(pass_tick(tick), TripCause::window_silent);
     // A reset restarts the time since the last heartbeat.
     monitor.reset();
-    for (int i = 0; i < 1998; ++i) {
-        pass_tick(tick);
-    }
+    pass_ticks(tick, 1998);
     EXPECT_NE(monitor.status().state, SafetyState::tripped);
-    for (int i = 0; i < 4; ++i) {
-        pass_tick(tick);
-    }
+    pass_ticks(tick, 4);
     EXPECT_EQ(monitor.status().cause, TripCause::window_silent);
 }
 
@@ -242,10 +244,7 @@ TEST_F(SafetyTrips, MissedTicksCountAsSilenceToo) {
     tick.orders.heartbeat = 1;
     pass_tick(tick);
     tick.seen.missed_periods = 9; // ten periods each
-    for (int i = 0; i < 199; ++i) {
-        pass_tick(tick);
-        ASSERT_EQ(monitor.status().state, SafetyState::running) << i;
-    }
+    pass_ticks_in(SafetyState::running, tick, 199);
     pass_tick(tick);
     pass_tick(tick);
     EXPECT_EQ(monitor.status().cause, TripCause::window_silent);
@@ -253,9 +252,7 @@ TEST_F(SafetyTrips, MissedTicksCountAsSilenceToo) {
 
 TEST_F(SafetyTrips, AHeartbeatOfZeroDisablesTheCheck) {
     start_up();
-    for (int i = 0; i < 10'000; ++i) {
-        pass(calm());
-    }
+    pass_calm(10'000);
     EXPECT_EQ(monitor.status().state, SafetyState::running);
 }
 
@@ -348,31 +345,18 @@ TEST_F(SafetyTrips, SustainedVoltage) {
     start_up();
     const int tolerated = static_cast<int>(std::lround(kVoltageTolerated_s / kPeriod_s));
     for (int times = 0; times < 3; ++times) { // short peaks, with a tick in between
-        for (int i = 0; i < tolerated; ++i) {
-            pass_tick(beyond);
-            ASSERT_EQ(monitor.status().state, SafetyState::running);
-        }
+        pass_ticks_in(SafetyState::running, beyond, tolerated);
         pass_tick(within);
     }
-    for (int i = 0; i < 100; ++i) {
-        pass_tick(within);
-        ASSERT_EQ(monitor.status().state, SafetyState::running);
-    }
-    for (int i = 0; i < tolerated; ++i) {
-        pass_tick(beyond);
-    }
+    pass_ticks_in(SafetyState::running, within, 100);
+    pass_ticks(beyond, tolerated);
     const device::DeviceCommand command = pass_tick(beyond);
     EXPECT_NEAR(monitor.status().measured, 1.001 * limit, 1e-9);
     EXPECT_EQ(monitor.status().limit, limit);
     expect_tripped(command, TripCause::voltage);
     monitor.reset(); // while waiting the tip may be deep in a surface: the motors are not driven
-    for (int i = 0; i < 90; ++i) {
-        pass_tick(beyond);
-        ASSERT_EQ(monitor.status().state, SafetyState::waiting);
-    }
-    for (int i = 0; i < 1200; ++i) {
-        pass_tick(beyond);
-    }
+    pass_ticks_in(SafetyState::waiting, beyond, 90);
+    pass_ticks(beyond, 1200);
     EXPECT_EQ(monitor.status().cause, TripCause::voltage); // trips again once the gains have ramped
                                                            // up
 }
@@ -458,9 +442,7 @@ TEST_F(SafetyTrips, ReportsTheFirstInTheListOfSimultaneousCauses) {
         Tick tick = fine();
         tick.orders.heartbeat = 7;
         causes.back().second(tick); // 20 ms of too much voltage are tolerated
-        for (int i = 0; i < 20; ++i) {
-            pass_tick(tick);
-        }
+        pass_ticks(tick, 20);
         ASSERT_EQ(monitor.status().state, SafetyState::running);
         for (std::size_t i = first; i < causes.size(); ++i) {
             causes[i].second(tick);
@@ -564,9 +546,7 @@ TEST_F(SafetyTrips, AReleaseIsOfTheStopsUpToItsNumber) {
     }
     tick.orders.released_stop = 3;
     EXPECT_TRUE(monitor.reset(3));
-    for (int i = 0; i < 1200; ++i) {
-        pass_tick(tick);
-    }
+    pass_ticks(tick, 1200);
     EXPECT_EQ(monitor.status().state, SafetyState::running);
 }
 
