@@ -52,11 +52,6 @@ Vector3 random_configuration(std::mt19937_64 &random) {
     }
 }
 
-Vector3 random_unit(std::mt19937_64 &random) {
-    std::normal_distribution<double> normal;
-    return Vector3(normal(random), normal(random), normal(random)).normalized();
-}
-
 /// Largest angle between the static force and the surface's normal over all surfaces in the plane
 /// of the two joints that remain when the base is locked.
 struct PlanarError {
@@ -122,39 +117,6 @@ TEST(MotionControl, AlphaBoundHasItsClosedFormWithTheBaseLocked) {
     }
 }
 
-TEST(MotionControl, FreeSpaceGivesNoForce) {
-    // (16): x_Sd = x and ẋ_Sd = ẋ leave only e_W = k_T θ̇_f, with either map.
-    const device::DeviceDescription device = testing::phantom_1_0();
-    const Vector3 k_T = torque_constants(device);
-    std::mt19937_64 random(8);
-    for (int i = 0; i < 200; ++i) {
-        Configuration now = at(device, random_configuration(random));
-        now.theta_rate_rad_per_s = 5.0 * random_unit(random);
-        contact::Contact free;
-        free.x0_m = now.tip_m;
-        const TipSetPoint target =
-            contact_set_point(now.tip_m, now.tip_velocity_m_per_s(), free, free.eta);
-        const MotorSetPoint inverse = inverse_map(device.geometry, now, target).value();
-        const MotorSetPoint transpose = transpose_map(now, target, 5000.0, Vector3::Ones());
-        const Vector3 expected = k_T.cwiseProduct(now.theta_rate_rad_per_s);
-        // Round-off of invkin and J⁻¹, times the gains.
-        ASSERT_LT((drift_compensation_V(k_T, {}, now, inverse) - expected).norm(), 1e-11);
-        ASSERT_LT((drift_compensation_V(k_T, {}, now, transpose) - expected).norm(), 1e-12);
-    }
-}
-
-TEST(MotionControl, SlidingIsNotResisted) {
-    // On a frictionless face the set-point moves along: no force resists tangential motion.
-    const device::DeviceDescription device = testing::phantom_1_0();
-    Configuration now = at(device, Vector3(0.2, 0.1, -0.3));
-    const Vector3 normal = Vector3(1.0, 2.0, 3.0).normalized();
-    const Vector3 tangent = normal.cross(Vector3::UnitX()).normalized();
-    now.theta_rate_rad_per_s = now.J.inverse() * (0.1 * tangent - 0.05 * normal);
-    const TipSetPoint target =
-        contact_set_point(now.tip_m, now.tip_velocity_m_per_s(), wall(now.tip_m, normal), 0.25);
-    EXPECT_LT((target.x_Sd_rate_m_per_s - (0.1 * tangent - 0.25 * 0.05 * normal)).norm(), 1e-15);
-}
-
 TEST(MotionControl, StiffnessFractionsOfSurfaceAndTuningMultiply) {
     EXPECT_EQ(combined_eta(0.0, 0.0), 0.0);
     EXPECT_EQ(combined_eta(1.0, 0.3), 1.0);
@@ -179,21 +141,6 @@ TEST(MotionControl, TheInverseMapHasNoSolutionWhereTheLinksAlign) {
     moving.theta_rate_rad_per_s = Vector3(1.0, -2.0, 3.0);
     EXPECT_EQ(drift_compensation_V(k_T, {}, moving, no_force(moving)),
               k_T.cwiseProduct(moving.theta_rate_rad_per_s));
-}
-
-TEST(DriftCompensation, IsTheSumOfItsThreeTerms) {
-    // (10) with numbers that keep the terms apart.
-    Configuration now;
-    now.theta_rad = Vector3(1.0, 2.0, 3.0);
-    now.theta_rate_rad_per_s = Vector3(10.0, 20.0, 30.0);
-    Tuning tuning;
-    tuning.K_P_V_per_rad = 1000.0;
-    tuning.K_D_Vs_per_rad = 1.0;
-    const MotorSetPoint set_point{Vector3(1.5, 2.0, 2.0), Vector3(11.0, 18.0, 30.0)};
-    const Vector3 e_W = drift_compensation_V(Vector3(0.01, 0.02, 0.03), tuning, now, set_point);
-    EXPECT_DOUBLE_EQ(e_W[0], 0.11 + 1.0 + 500.0);
-    EXPECT_DOUBLE_EQ(e_W[1], 0.36 - 2.0 + 0.0);
-    EXPECT_DOUBLE_EQ(e_W[2], 0.90 + 0.0 - 1000.0);
 }
 
 TEST(ForceDirection, IsExactForSmallAnglesAndNaNWithoutForce) {

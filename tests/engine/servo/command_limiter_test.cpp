@@ -418,24 +418,6 @@ TEST_F(WorkspaceEdgeTest, IsZeroWithinAtAnySpeed) {
     EXPECT_GT(tried, 500);
 }
 
-TEST_F(WorkspaceEdgeTest, IsContinuousAtRest) {
-    // Along straight lines through all angles no step is larger than that of the springs: one at
-    // the joint and two, each by both angles, at the fold.
-    for (int run = 0; run < 50; ++run) {
-        const Vector3 from_rad = any_angles(random);
-        const Vector3 to_rad = any_angles(random);
-        constexpr int kSteps = 1000;
-        const double step_rad = (to_rad - from_rad).norm() / kSteps;
-        Vector3 before_Nm = torque_Nm(from_rad);
-        for (int i = 1; i <= kSteps; ++i) {
-            const Vector3 now_Nm = torque_Nm(from_rad + (to_rad - from_rad) * i / kSteps);
-            ASSERT_LE((now_Nm - before_Nm).norm(),
-                      3.0 * device.edge.stiffness_Nm_per_rad * step_rad * (1 + 1e-9));
-            before_Nm = now_Nm;
-        }
-    }
-}
-
 TEST_F(WorkspaceEdgeTest, OnlyPushesBack) {
     // Each joint alone, at any speed: its torque points inwards or is zero; when moving outwards it
     // is larger than at rest, when moving back smaller.

@@ -298,21 +298,6 @@ TEST(ServoLoop, ATransparentSurfaceHasNoForceDirection) {
     EXPECT_TRUE(std::isnan(sample.transpose_error_rad));
 }
 
-TEST(ServoLoop, ANewSceneAroundTheTipStartsFree) {
-    Rig rig(following({{0.0, kStart_m}, {0.5, Vector3(0.0, -0.008, 0.0)}}), plate());
-    rig.run(kStartUp_s + 1.5);
-    ASSERT_TRUE(rig.tick().contact.touching);
-    const contact::HapticSurface block(
-        testing::box_soup(Vector3(-0.05, -0.05, -0.05), Vector3(0.05, 0.05, 0.05)));
-    rig.inputs.surface = &block;
-    ++rig.inputs.scene_id;
-    for (int i = 0; i < 500; ++i) {
-        const ServoSample sample = rig.tick();
-        ASSERT_FALSE(sample.contact.touching);
-        ASSERT_EQ(sample.scene_id, rig.inputs.scene_id);
-    }
-}
-
 TEST(ServoLoop, KeepsItsTuningForAnInvalidOne) {
     Rig rig({}, plate());
     rig.run(kStartUp_s);
@@ -324,61 +309,6 @@ TEST(ServoLoop, KeepsItsTuningForAnInvalidOne) {
     rig.inputs.tuning.dR_Ohm = 1.0;
     rig.run(1.0);
     EXPECT_DOUBLE_EQ(rig.tick().command.cancelled_resistance_Ohm[0], 1.18);
-}
-
-TEST(ServoLoop, AChangeOfTuningInContactCausesNoForceStep) {
-    // A switch from one tuning to another while the hand presses: the rendered force stays between
-    // the two steady forces, except for the overshoot of the hand's own spring, here well below a
-    // newton.
-    const auto tuning = [](const char *name) {
-        return control::read_tuning_file(testing::assets() / "tunings" /
-                                         (std::string(name) + ".toml"));
-    };
-    for (const auto &[from, to] : {std::pair("soft", "stiffest_1kHz"),
-                                   std::pair("stiffest_1kHz", "soft"), std::pair("soft", "firm")}) {
-        Rig rig(following({{0.0, kStart_m}, {1.0, Vector3(0.0, -0.01, 0.0)}}), plate());
-        rig.inputs.tuning = tuning(from);
-        rig.run(kStartUp_s + 2.0);
-        const double before_N = rig.tick().tip_force_N.norm();
-        rig.inputs.tuning = tuning(to);
-        double max_N = 0.0;
-        for (int i = 0; i < 1000; ++i) {
-            max_N = std::max(max_N, rig.tick().tip_force_N.norm());
-        }
-        const double after_N = rig.tick().tip_force_N.norm();
-        EXPECT_GT(before_N, 1.0);
-        EXPECT_LT(max_N, std::max(before_N, after_N) + 1.0) << from << " to " << to;
-    }
-}
-
-TEST(ServoLoop, EveryTuningHoldsAContact) {
-    // Pressed, slid over an edge and released, with a light and a firm hand: no trip, all values
-    // finite.
-    for (const device::HandParameters &hand :
-         {device::HandParameters{0.03, 1.0, 60.0, 5.0, 0.4},
-          device::HandParameters{0.3, 12.0, 900.0, 5.0, 0.4}}) {
-        for (const double eta : {0.0, 0.5, 0.9}) {
-            for (const char *name : {"soft", "firm", "stiffest_1kHz"}) {
-                simulated::SimulationOptions options =
-                    following({{0.0, kStart_m},
-                               {0.9, Vector3(0.0, -0.006, 0.0)},
-                               {1.5, Vector3(0.05, -0.006, 0.03)},
-                               {2.0, kStart_m}});
-                options.hand = hand;
-                Rig rig(options, plate());
-                rig.inputs.tuning = control::read_tuning_file(testing::assets() / "tunings" /
-                                                              (std::string(name) + ".toml"));
-                rig.inputs.tuning.eta = eta;
-                rig.run(kStartUp_s);
-                for (int i = 0; i < 2500; ++i) {
-                    const ServoSample sample = rig.tick();
-                    ASSERT_NE(sample.safety.state, SafetyState::tripped)
-                        << name << " η " << eta << " hand " << hand.mass_kg
-                        << " kg: " << description(sample.safety);
-                }
-            }
-        }
-    }
 }
 
 /// N invkin(x₀) of (18).

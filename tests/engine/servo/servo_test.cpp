@@ -119,22 +119,6 @@ TEST(Servo, LockstepIsReproducibleBitForBit) {
     EXPECT_EQ(first, run());
 }
 
-TEST(Servo, EveryTickGivesOneSampleInOrder) {
-    RecordingDevice device;
-    Servo servo(device, 2000.0);
-    servo.start();
-    std::uint64_t next = 0;
-    while (next < 1000) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        servo.drain([&next](const ServoSample &sample) {
-            EXPECT_EQ(sample.tick, next);
-            ++next;
-        });
-    }
-    servo.stop();
-    EXPECT_EQ(servo.lost_samples(), 0U);
-}
-
 TEST(Servo, CountsLostSamples) {
     RecordingDevice device;
     Servo servo(device, 1000.0);
@@ -164,75 +148,6 @@ TEST(Servo, TuningFromAnotherThreadArrivesIntact) {
         });
     }
     servo.stop();
-}
-
-/// Simulates a host that blocks the servo once, in a given tick.
-class StalledHost final : public device::ForwardingDevice {
-public:
-    StalledHost(device::HapticDevice &device, std::chrono::milliseconds stall, int at_tick)
-        : device::ForwardingDevice(device), stall_(stall), at_tick_(at_tick) {}
-
-    [[nodiscard]] device::Measurement read() noexcept override {
-        if (++ticks_ == at_tick_) {
-            std::this_thread::sleep_for(stall_);
-        }
-        return device::ForwardingDevice::read();
-    }
-
-private:
-    std::chrono::milliseconds stall_;
-    int at_tick_;
-    int ticks_ = 0;
-};
-
-constexpr int kStalledTick = 1500;
-constexpr std::chrono::milliseconds kStall{300};
-
-/// Runs until some ticks after the stall, or a trip.
-std::vector<ServoSample> through_a_stall(device::HapticDevice &device) {
-    StalledHost host(device, kStall, kStalledTick);
-    Servo servo(host, 1000.0);
-    servo.publish({});
-    servo.start();
-    std::vector<ServoSample> samples;
-    while (samples.size() < kStalledTick + 200 &&
-           (samples.empty() || samples.back().safety.state != SafetyState::tripped)) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        servo.drain([&samples](const ServoSample &sample) { samples.push_back(sample); });
-    }
-    servo.stop();
-    return samples;
-}
-
-TEST(Servo, ASimulatedDeviceWaitsForAStalledHost) {
-    simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
-    const std::vector<ServoSample> samples = through_a_stall(device);
-    std::uint64_t missed = 0;
-    for (const ServoSample &sample : samples) {
-        EXPECT_NE(sample.safety.state, SafetyState::tripped) << description(sample.safety);
-        EXPECT_EQ(sample.missed_periods, 0U);
-        EXPECT_DOUBLE_EQ(sample.since_last_s, 1e-3);
-        EXPECT_NEAR(sample.measured_s, (static_cast<double>(sample.tick) + 1.0) * 1e-3, 1e-9);
-        missed += sample.missed_deadlines;
-    }
-    EXPECT_GE(missed, 290U); // counted nevertheless
-    EXPECT_EQ(samples.back().safety.state, SafetyState::running);
-}
-
-TEST(Servo, ADeviceWithItsOwnClockDoesNotWait) {
-    simulated::SimulatedPhantom device(testing::phantom_1_0(), {}, kStart_m);
-    testing::OwnClockDevice hardware(device, 1e-3);
-    const std::vector<ServoSample> samples = through_a_stall(hardware);
-    const auto trip = std::find_if(samples.begin(), samples.end(), [](const ServoSample &sample) {
-        return sample.safety.state == SafetyState::tripped;
-    });
-    ASSERT_NE(trip, samples.end());
-    EXPECT_EQ(trip->safety.cause, TripCause::missed_deadlines);
-    EXPECT_TRUE(trip->command.e_W_V.isZero(0.0));
-    // In the first tick that is late by more than the limit, unless a busy host made an earlier one
-    // late.
-    EXPECT_GT(trip->missed_in_a_row, 50U);
-    EXPECT_LE(trip->tick, static_cast<std::uint64_t>(kStalledTick));
 }
 
 /// Sends heartbeats for a while, pauses for longer than the monitor tolerates, then sends them
@@ -349,6 +264,7 @@ TEST(Servo, AnotherRateOnItsThreadKeepsSamplesAndState) {
         EXPECT_EQ(state, SafetyState::running);
     }
     servo.stop();
+    EXPECT_EQ(servo.lost_samples(), 0U);
 }
 
 TEST(Servo, RejectsUnsupportedRates) {
