@@ -164,12 +164,7 @@ std::vector<device::DeviceDescription> devices_and_unequal_ones() {
 }
 
 Configuration random_place(const device::DeviceDescription &device, std::mt19937_64 &random) {
-    const Vector3 q_rad = testing::random_workspace_angles(device, random);
-    Configuration now;
-    now.theta_rad = device::motor_from_joint(device.geometry, q_rad);
-    now.tip_m = device::tip_position_m(device.geometry, q_rad);
-    now.J = device::motor_jacobian(device.geometry, q_rad);
-    return now;
+    return at(device, testing::random_workspace_angles(device, random));
 }
 
 /// K_trans (27) over k̄, column by column: the static force (22) for a gap along each axis.

@@ -63,18 +63,15 @@ Scene load_indexed(const std::vector<Index> &indices, int component_type, int mo
                           builder);
 }
 
-TEST(GltfPrimitive, StripIsTheListThatTheSpecificationSpellsOut) {
-    // glTF 2.0, 3.7.2.1: p_i = {v_i, v_(i + 1 + i%2), v_(i + 2 − i%2)}, written out for 7 vertices.
-    const std::vector<std::uint8_t> list = {0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4, 4, 5, 6};
-    const Scene expected = load_indexed(list, kUnsignedByte, 4);
-    expect_same_surface(load_primitive(zigzag(7), R"(, "mode": 5)").surface, expected.surface);
-}
-
-TEST(GltfPrimitive, FanIsTheListThatTheSpecificationSpellsOut) {
-    // p_i = {v_(i+1), v_(i+2), v_0}
-    const std::vector<std::uint8_t> list = {1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 6, 0};
-    const Scene expected = load_indexed(list, kUnsignedByte, 4);
-    expect_same_surface(load_primitive(zigzag(7), R"(, "mode": 6)").surface, expected.surface);
+TEST(GltfPrimitive, StripAndFanAreTheListsThatTheSpecificationSpellsOut) {
+    // glTF 2.0, 3.7.2.1: p_i = {v_i, v_(i + 1 + i%2), v_(i + 2 − i%2)} of a strip, and
+    // {v_(i+1), v_(i+2), v_0} of a fan, written out for 7 vertices.
+    const std::vector<std::uint8_t> strip = {0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4, 4, 5, 6};
+    const std::vector<std::uint8_t> fan = {1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 6, 0};
+    expect_same_surface(load_primitive(zigzag(7), R"(, "mode": 5)").surface,
+                        load_indexed(strip, kUnsignedByte, 4).surface);
+    expect_same_surface(load_primitive(zigzag(7), R"(, "mode": 6)").surface,
+                        load_indexed(fan, kUnsignedByte, 4).surface);
 }
 
 TEST(GltfPrimitive, EveryIndexWidthGivesTheSameSurface) {

@@ -231,11 +231,15 @@ template <typename Path> int ticks_to_rest(RestDetector &watch, Path tip_m, doub
     return -1;
 }
 
+int ticks_to_rest_in_place(RestDetector &watch, double period_s = kWatchPeriod_s) {
+    return ticks_to_rest(
+        watch, [](int) { return kPlace_m; }, period_s);
+}
+
 TEST(RestDetector, NeedsATenthOfASecondInOnePlaceAtAnyRate) {
     for (const double rate_hz : {250.0, 1000.0, 3000.0, 10'000.0}) {
         RestDetector watch(1.0 / rate_hz);
-        const int ticks = ticks_to_rest(
-            watch, [](int) { return kPlace_m; }, 1.0 / rate_hz);
+        const int ticks = ticks_to_rest_in_place(watch, 1.0 / rate_hz);
         // The first tick sets the position; round-off in a sum of a thousand periods may require
         // one more.
         EXPECT_GE(ticks, 0.1 * rate_hz);
@@ -274,9 +278,7 @@ TEST(RestDetector, ATouchingTipIsNeverAtRest) {
         ASSERT_FALSE(watch.is_at_rest());
     }
     // A touch shortly before the end restarts the time.
-    EXPECT_GT(ticks_to_rest(
-                  watch, [](int) { return kPlace_m; }, kWatchPeriod_s),
-              99);
+    EXPECT_GT(ticks_to_rest_in_place(watch), 99);
     for (int tick = 0; tick < 99; ++tick) {
         watch.update(kPlace_m, tick == 0);
         ASSERT_FALSE(watch.is_at_rest()) << tick;
@@ -291,22 +293,17 @@ TEST(RestDetector, ANonFiniteTipIsNotAtRest) {
         EXPECT_EQ(ticks_to_rest(
                       watch, [&](int) { return nowhere_m; }, kWatchPeriod_s),
                   -1);
-        EXPECT_GT(ticks_to_rest(
-                      watch, [](int) { return kPlace_m; }, kWatchPeriod_s),
+        EXPECT_GT(ticks_to_rest_in_place(watch),
                   0); // it recovers
     }
 }
 
 TEST(RestDetector, AResetRestartsTheTime) {
     RestDetector watch(kWatchPeriod_s);
-    ASSERT_GT(ticks_to_rest(
-                  watch, [](int) { return kPlace_m; }, kWatchPeriod_s),
-              0);
+    ASSERT_GT(ticks_to_rest_in_place(watch), 0);
     watch.reset();
     EXPECT_FALSE(watch.is_at_rest());
-    EXPECT_GE(ticks_to_rest(
-                  watch, [](int) { return kPlace_m; }, kWatchPeriod_s),
-              100);
+    EXPECT_GE(ticks_to_rest_in_place(watch), 100);
 }
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

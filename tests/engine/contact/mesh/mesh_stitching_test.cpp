@@ -80,16 +80,11 @@ TEST(VertexWelding, LeavesVerticesThatAreNotFiniteOrJustTooFarAlone) {
 
 constexpr double kCrackTolerance_m = 5e-6;
 
-ClosedCracks closed_cracks(const TriangleSoup &soup, PreparationAllowance &allowance,
-                           unsigned threads = 1) {
+ClosedCracks closed_cracks(const TriangleSoup &soup) {
+    PreparationAllowance allowance(soup.triangles.size());
     const std::vector<MeshTriangle> triangles = mesh_of(soup.triangles);
     return close_cracks(triangles, edges_of(triangles), soup.vertices_m, kCrackTolerance_m,
-                        allowance, threads);
-}
-
-ClosedCracks closed_cracks(const TriangleSoup &soup, unsigned threads = 1) {
-    PreparationAllowance allowance(soup.triangles.size());
-    return closed_cracks(soup, allowance, threads);
+                        allowance, 1);
 }
 
 std::vector<VertexTriple> welded(const TriangleSoup &soup, const ClosedCracks &closed) {
@@ -294,15 +289,6 @@ TEST(TJunctionRemoval, DividesALongEdgeByThousandsOfVertices) {
     const SplitOutcome outcome = after_splitting(triples, vertices_m, 2);
     EXPECT_EQ(outcome.triangles.size(), 2U * kCells);
     EXPECT_EQ(open_edges(outcome.triples).size(), 4U);
-}
-
-TEST(TJunctionRemoval, IsTheSameForAnyNumberOfThreads) {
-    std::mt19937_64 random(1);
-    const TriangleSoup soup = testing::random_soup(random, 500, 1e-4, 1e-4);
-    const SplitOutcome one = after_splitting(soup.triangles, soup.vertices_m, 1);
-    EXPECT_GT(one.split.split_triangles, 0U);
-    EXPECT_EQ(after_splitting(soup.triangles, soup.vertices_m, 2).triples, one.triples);
-    EXPECT_EQ(after_splitting(soup.triangles, soup.vertices_m, 3).triples, one.triples);
 }
 
 TEST(TJunctionRemoval, NeverMakesATriangleOfTwoCorners) {

@@ -15,7 +15,6 @@
 #include <map>
 #include <random>
 #include <set>
-#include <tuple>
 #include <vector>
 
 namespace springdrive::contact {
@@ -79,24 +78,6 @@ TEST(EdgeTable, HoldsEveryUseOfEveryEdge) {
         EXPECT_TRUE(expected.empty());
         EXPECT_EQ(count_open(edges), open);
     }
-}
-
-TEST(EdgeTable, IsTheSameForAnyNumberOfThreads) {
-    std::mt19937_64 random(1);
-    const std::vector<MeshTriangle> mesh = random_mesh(random, 2000, 300);
-    using Use = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, bool>;
-    const auto listed = [&mesh](unsigned threads) {
-        std::vector<Use> uses;
-        edges_of(mesh, threads).for_each([&](const Edge &edge) {
-            for (const EdgeUse &use : edge.uses) {
-                uses.emplace_back(edge.lower, use.upper(), use.triangle(), use.side(),
-                                  use.is_forward());
-            }
-        });
-        return uses;
-    };
-    EXPECT_EQ(listed(2), listed(1));
-    EXPECT_EQ(listed(7), listed(1));
 }
 
 /// Sets and turns as plain labels, all of them rewritten at each union.
@@ -489,9 +470,9 @@ TEST(RepeatedTriangles, HandlesAHundredThousandCopies) {
     EXPECT_EQ(outcome.repeated.same_winding.size(), 99999U);
 }
 
-std::vector<std::uint32_t> slivers(const TriangleSoup &soup, unsigned threads = 1) {
+std::vector<std::uint32_t> slivers(const TriangleSoup &soup) {
     const std::vector<MeshTriangle> triangles = mesh_of(soup.triangles);
-    return slivers_to_leave_out(triangles, edges_of(triangles), soup.vertices_m, threads);
+    return slivers_to_leave_out(triangles, edges_of(triangles), soup.vertices_m, 1);
 }
 
 std::vector<FacetSource> facets(TriangleSoup soup, TouchSides sides) {
@@ -552,18 +533,6 @@ TEST(SurfaceFacets, LeavesOutOneOfABookOfSlivers) {
     // One without a normal leaves the gap first.
     soup.vertices_m.back().y() = 0.0;
     EXPECT_EQ(slivers(soup), std::vector<std::uint32_t>{kLeaves - 1});
-}
-
-TEST(SurfaceFacets, LeavesTheSameOutInAnyNumberOfThreads) {
-    std::vector<double> heights_m;
-    std::mt19937_64 random(1);
-    std::uniform_real_distribution<double> exponent(-10.0, -5.0);
-    heights_m.reserve(300);
-    for (int i = 0; i < 300; ++i) {
-        heights_m.push_back(std::pow(10.0, exponent(random)));
-    }
-    EXPECT_EQ(slivers(rows(heights_m), 2), slivers(rows(heights_m), 1));
-    EXPECT_EQ(slivers(rows(heights_m), 3), slivers(rows(heights_m), 1));
 }
 
 TEST(SurfaceFacets, HaveTheSidesThatTheirMaterialSpecifies) {

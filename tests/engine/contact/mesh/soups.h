@@ -301,13 +301,12 @@ mesh_of(const std::vector<contact::VertexTriple> &triples) {
     return triangles;
 }
 
-inline contact::EdgeTable edges_of(const std::vector<contact::MeshTriangle> &triangles,
-                                   unsigned threads = 1) {
+inline contact::EdgeTable edges_of(const std::vector<contact::MeshTriangle> &triangles) {
     std::uint32_t vertices = 0;
     for (const contact::MeshTriangle &triangle : triangles) {
         vertices = std::max(vertices, std::ranges::max(triangle.vertices) + 1);
     }
-    return {triangles, vertices, threads};
+    return {triangles, vertices, 1};
 }
 
 /// How often each edge is traversed from its lower vertex to its upper, and back.

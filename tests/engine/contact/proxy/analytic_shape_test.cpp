@@ -315,9 +315,6 @@ TEST(AnalyticShape, RefusesInvalidSizes) {
 using testing::random_direction;
 using testing::random_vector;
 
-/// A few roundings of places within 0.5 m.
-constexpr double kSlideRounding_m = 1e-15;
-
 /// The descent ends 1e-11 m from its goal on the last tangent plane, and on a curved face that goal
 /// is itself off by up to ten times as much.
 constexpr double kSolverTolerance_m = 1e-10;
@@ -434,13 +431,12 @@ TEST_P(ShapeSlides, NeverComeTooNearAndRestWithinReachStraightAboveTheTip) {
                 continue;
             }
             along(scene.rest.point_m, *slide, [&](const Vector3 &point_m) {
-                EXPECT_GT(scene.shape().nearest(point_m).distance_m, reach_m - kSlideRounding_m)
-                    << i;
+                EXPECT_GT(scene.shape().nearest(point_m).distance_m, reach_m - kRounding_m) << i;
             });
             const NearestOnShape under = scene.shape().nearest(slide->rest_m);
-            EXPECT_NEAR(under.distance_m, reach_m, kSlideRounding_m) << i;
+            EXPECT_NEAR(under.distance_m, reach_m, kRounding_m) << i;
             EXPECT_LT((under.point_m + slide->depth_m * -slide->normal - scene.tip_m).norm(),
-                      kSlideRounding_m);
+                      kRounding_m);
             EXPECT_NEAR(slide->normal.norm(), 1.0, 1e-15);
             EXPECT_TRUE(!slide->is_flat || slide->over_m == slide->rest_m);
         }
