@@ -2,10 +2,10 @@
 // base/strict_toml.cpp may be left out.
 #include "engine/control/tuning.h"
 
-#include "base/input_error.h"
 #include "engine/control/tuning_difference.h"
 #include "engine/control/tuning_file.h"
 #include "tests/support/devices.h"
+#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,6 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <random>
 #include <sstream>
@@ -24,20 +23,19 @@
 namespace springdrive::control {
 namespace {
 
-std::string error(const std::string &from, const std::string &to) {
-    std::ifstream good(testing::assets() / "tunings/firm.toml");
-    std::string text{std::istreambuf_iterator<char>(good), {}};
-    const std::size_t at = text.find(from);
+/// The error for a file of this text, in which the first `from` behind `begin` is replaced by `to`.
+std::string error_in(std::string text, const std::string &begin, const std::string &from,
+                     const std::string &to) {
+    const std::size_t at = text.find(from, text.find(begin));
     EXPECT_NE(at, std::string::npos) << from;
     text.replace(at, from.size(), to);
     const auto file = testing::fresh_folder("tuning_file") / "bad.toml";
     std::ofstream(file) << text;
-    try {
-        static_cast<void>(read_tuning_file(file));
-    } catch (const InputError &error) {
-        return error.what();
-    }
-    return "";
+    return testing::error_text_of([&file] { static_cast<void>(read_whole_tuning_file(file)); });
+}
+
+std::string error(const std::string &from, const std::string &to) {
+    return error_in(testing::contents_of(testing::assets() / "tunings/firm.toml"), "", from, to);
 }
 
 TEST(TuningFile, TheShippedTuningsAreValidAndGrowStiffer) {
@@ -191,18 +189,7 @@ std::string error_about_margins(const std::string &from, const std::string &to) 
     file.margins = TuningMargins{1000.0, 1, 1.5, 2, 0.25, 0.5, "firm", 0.75};
     std::ostringstream out;
     write_tuning_file(out, file);
-    std::string text = out.str();
-    const std::size_t at = text.find(from, text.find("[margins]"));
-    EXPECT_NE(at, std::string::npos) << from;
-    text.replace(at, from.size(), to);
-    const auto path = testing::fresh_folder("tuning_file") / "bad_margins.toml";
-    std::ofstream(path) << text;
-    try {
-        static_cast<void>(read_whole_tuning_file(path));
-    } catch (const InputError &error) {
-        return error.what();
-    }
-    return "";
+    return error_in(out.str(), "[margins]", from, to);
 }
 
 TEST(TuningFile, RefusesInvalidMarginsWithTheirLine) {

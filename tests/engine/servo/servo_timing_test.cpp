@@ -151,28 +151,6 @@ TEST(Deadlines, ATickMayTakeAtMostItsWholePeriod) {
     EXPECT_EQ(missed_after(2'000'002), 2U);
 }
 
-TEST(Deadlines, ARowEndsWithATickThatMissedNone) {
-    Deadlines deadlines(1000.0);
-    const auto tick = [&](Nanoseconds delay_ns, Nanoseconds duration_ns) {
-        const Nanoseconds start_ns = deadlines.next_ns() + delay_ns;
-        deadlines.begin(start_ns);
-        deadlines.end(start_ns + duration_ns);
-    };
-    tick(1000, 100'000);
-    EXPECT_EQ(deadlines.missed_in_a_row(), 0U);
-    tick(2'500'000, 100'000); // woken late: two passed
-    EXPECT_EQ(deadlines.missed_in_a_row(), 2U);
-    tick(1'500'000, 100'000); // and one more
-    EXPECT_EQ(deadlines.missed_in_a_row(), 3U);
-    tick(1000, 3'500'000); // itself in time, but it takes three more
-    deadlines.begin(deadlines.next_ns());
-    EXPECT_EQ(deadlines.missed(), 3U);
-    EXPECT_EQ(deadlines.missed_in_a_row(), 3U); // counted from here: the previous tick missed none
-    deadlines.end(deadlines.next_ns() + 100'000);
-    tick(1000, 100'000);
-    EXPECT_EQ(deadlines.missed_in_a_row(), 0U);
-}
-
 TEST(DurationHistogram, QuantilesAreWithinABinOfTheTrueOnes) {
     std::mt19937_64 random(10);
     std::lognormal_distribution<double> duration(-11.0, 1.5);
