@@ -258,16 +258,5 @@ TEST_F(HapticLawTest, TheForceOfASetPointPointsAsItsMapDoes) {
     }
 }
 
-TEST_F(HapticLawTest, HasNoState) {
-    const Configuration now = any_configuration();
-    const contact::Contact contact = any_contact(now);
-    const Vector3 first_V = law(now, contact, Tuning{}, kGlobalAlpha).command.e_W_V;
-    for (int run = 0; run < 20; ++run) {
-        const Configuration other = any_configuration();
-        static_cast<void>(law(other, any_contact(other), Tuning{}, 1.0));
-        EXPECT_EQ(law(now, contact, Tuning{}, kGlobalAlpha).command.e_W_V, first_V);
-    }
-}
-
 } // namespace
 } // namespace springdrive::control

@@ -37,10 +37,9 @@ class ObservedTouch {
 public:
     ObservedTouch(double stroke_m, std::uint64_t seed)
         : stroke_m_(stroke_m), device_(testing::phantom_1_0()), law_(device_),
-          phantom_(device_, options(seed), kStart_m), observers_{
-                                                          WindingObserver(device_, 0, kPeriod_s),
-                                                          WindingObserver(device_, 1, kPeriod_s),
-                                                          WindingObserver(device_, 2, kPeriod_s)} {
+          phantom_(device_, options(seed), kStart_m), //
+          observers_{WindingObserver(device_, 0, kPeriod_s), WindingObserver(device_, 1, kPeriod_s),
+                     WindingObserver(device_, 2, kPeriod_s)} {
         last_ = phantom_.advance(command_);
         filter_.reset(law_.theta_rad(last_.counts));
         for (int tick = 0; tick * kPeriod_s < kTouch_s; ++tick) {

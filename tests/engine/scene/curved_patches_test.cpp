@@ -1,13 +1,9 @@
-// Covers engine/scene/curved_patches.cpp and smooth_nodes.cpp, also as it is felt: 80 triangles,
-// smoothed, under a proxy.
-#include "base/degrees.h"
+// Covers engine/scene/curved_patches.cpp and smooth_nodes.cpp.
 #include "engine/contact/mesh/mesh_preparation.h"
-#include "engine/contact/proxy/proxy.h"
 #include "engine/scene/curved_patches.h"
 #include "engine/scene/smooth_nodes.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/scene/gltf_builder.h"
-#include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>
 
@@ -25,8 +21,8 @@ constexpr double kRadius_m = 0.04;
 constexpr double kRadian = 180.0 / std::numbers::pi;
 constexpr double kSumRounding_m = 1e-16; // of a sum of a few coordinates of 0.04 m
 
-SmoothMesh sphere(int level, double radius_m = kRadius_m) {
-    const contact::TriangleSoup soup = testing::icosphere(level, radius_m);
+SmoothMesh sphere(int level) {
+    const contact::TriangleSoup soup = testing::icosphere(level, kRadius_m);
     SmoothMesh mesh{soup.vertices_m, {}, soup.triangles};
     for (const Vector3 &vertex : mesh.positions) {
         mesh.normals.push_back(vertex.normalized());
@@ -245,54 +241,6 @@ TEST(CurvedPatches, TrianglesWithoutAreaDoNoHarm) {
         EXPECT_TRUE(point.allFinite());
     }
     EXPECT_EQ(CurvedPatches(mesh).cuts_for(0.01, 64), 1U);
-}
-
-constexpr double kTouchedRadius_m = 0.05;
-
-/// 80 triangles with the normals of a sphere, cut as finely as scenes are.
-contact::HapticSurface smoothed_sphere() {
-    contact::TriangleSoup soup = testing::icosphere(1, kTouchedRadius_m);
-    const SmoothMesh coarse = sphere(1, kTouchedRadius_m);
-    const CurvedPatches patches(coarse);
-    const SmoothMesh fine =
-        patches.cut(patches.cuts_for(0.5 * kRadiansPerDegree, 128), 0, coarse.triangles.size());
-    soup.vertices_m = fine.positions;
-    soup.triangles = fine.triangles;
-    soup.material_of_triangle.assign(fine.triangles.size(), 0);
-    return contact::HapticSurface(soup);
-}
-
-Vector3 direction(double t) {
-    return Vector3(std::sin(t + 0.3), std::sin(1.31 * t + 1.1), 1.2 * std::sin(1.73 * t) + 0.01)
-        .normalized();
-}
-
-TEST(CurvedTouch, TurnsTheForceByLessThanADegreeATickOnEightyTriangles) {
-    const contact::HapticSurface surface = smoothed_sphere();
-    ASSERT_EQ(surface.report().closed_components, 1U);
-    contact::Proxy proxy;
-    proxy.reset(1.2 * kTouchedRadius_m * direction(0.0));
-    double phase = 0.0;
-    Vector3 last = Vector3::Zero();
-    double largest_rad = 0.0;
-    for (int i = 0; i < 20000; ++i) {
-        const Vector3 now = direction(phase);
-        const contact::Contact contact = proxy.update(surface, (kTouchedRadius_m - 1.5e-3) * now);
-        ASSERT_TRUE(contact.touching);
-        if (i > 0) {
-            largest_rad =
-                std::max(largest_rad, 2.0 * std::asin(0.5 * (contact.normal - last).norm()));
-        }
-        // Facets turn by 0.5° and, across the old edges, a little more; the radius through the tip
-        // meets a facet at no more than that.
-        ASSERT_LT((contact.normal - now).norm(), 0.75 * kRadiansPerDegree) << i;
-        last = contact.normal;
-        // 0.1 mm a tick on the surface.
-        phase +=
-            1e-4 / kTouchedRadius_m / std::max(1e-3, (direction(phase + 1e-6) - now).norm() / 1e-6);
-    }
-    EXPECT_LT(largest_rad, 1.0 * kRadiansPerDegree);
-    EXPECT_GT(largest_rad, 0.1 * kRadiansPerDegree); // that of the sphere itself in a tick
 }
 
 std::vector<float> floats(const std::vector<Vector3> &vectors) {

@@ -37,6 +37,16 @@ template <typename Expect> void for_each_case(unsigned seed, Place place, Expect
     }
 }
 
+/// Latched, and again after a reset, until `remove` removes the fault; then it starts after one.
+template <typename Remove>
+void expect_to_last(Rig &rig, TripCause cause, double within_s, Remove &&remove) {
+    rig.expect_latched();
+    rig.expect_reset_trips_again(cause, within_s);
+    remove();
+    rig.expect_latched();
+    rig.expect_recovery();
+}
+
 TEST(FaultInjection, EmergencyStop) {
     for_each_case(11, Place::anywhere, [](Rig &rig, Random & /*random*/, int /*i*/) {
         rig.run_to_fault();
@@ -69,11 +79,7 @@ TEST(FaultInjection, MissedDeadlines) {
         rig.expect_tripped_by(TripCause::missed_deadlines);
         EXPECT_NEAR(rig.last.safety.measured, in_a_row / rig.what.servo_hz, 1e-9);
         rig.force_is_bounded = true;
-        rig.expect_latched();
-        rig.expect_reset_trips_again(TripCause::missed_deadlines, 0.01);
-        rig.timing = nullptr;
-        rig.expect_latched();
-        rig.expect_recovery();
+        expect_to_last(rig, TripCause::missed_deadlines, 0.01, [&rig] { rig.timing = nullptr; });
     });
 }
 
@@ -89,11 +95,8 @@ TEST(FaultInjection, WindowSilent) {
         rig.run_to_trip(0.03);
         EXPECT_EQ(rig.inputs.heartbeat, last_beat);
         rig.expect_tripped_by(TripCause::window_silent);
-        rig.expect_latched();
-        rig.expect_reset_trips_again(TripCause::window_silent, limit_s + 0.01);
-        rig.window_responds = true;
-        rig.expect_latched();
-        rig.expect_recovery();
+        expect_to_last(rig, TripCause::window_silent, limit_s + 0.01,
+                       [&rig] { rig.window_responds = true; });
     });
 }
 
@@ -115,12 +118,9 @@ void see_through(testing::FaultTrial &rig, device::FaultKind kind, const Vector3
     rig.commit(kind, size);
     rig.step();
     rig.expect_tripped_by(cause);
-    rig.expect_latched();
     // A board is given a tenth of a second to clear its faults.
-    rig.expect_reset_trips_again(cause, cause == TripCause::board_fault ? 0.11 : 0.01);
-    rig.device().clear_fault();
-    rig.expect_latched();
-    rig.expect_recovery();
+    expect_to_last(rig, cause, cause == TripCause::board_fault ? 0.11 : 0.01,
+                   [&rig] { rig.device().clear_fault(); });
 }
 
 TEST(FaultInjection, DeviceLost) {
@@ -141,11 +141,8 @@ TEST(FaultInjection, StaleMeasurements) {
         rig.run_to_trip(budget_s + 2.0 / rig.what.servo_hz);
         rig.expect_tripped_by(TripCause::stale_measurement);
         rig.force_is_bounded = true;
-        rig.expect_latched();
-        rig.expect_reset_trips_again(TripCause::stale_measurement, 0.01);
-        rig.device().clear_fault();
-        rig.expect_latched();
-        rig.expect_recovery();
+        expect_to_last(rig, TripCause::stale_measurement, 0.01,
+                       [&rig] { rig.device().clear_fault(); });
     });
 }
 
@@ -358,11 +355,8 @@ TEST(FaultInjection, WindingTemperature) {
         rig.expect_tripped_by(TripCause::winding_temperature);
         EXPECT_LT(rig.truth().winding_C.maxCoeff(), rig.last.safety.limit);
         rig.inputs.limits.winding_C -= 0.5; // it cools while it brakes
-        rig.expect_latched();
-        rig.expect_reset_trips_again(TripCause::winding_temperature, 0.01);
-        rig.inputs.limits = unlowered();
-        rig.expect_latched();
-        rig.expect_recovery();
+        expect_to_last(rig, TripCause::winding_temperature, 0.01,
+                       [&rig] { rig.inputs.limits = unlowered(); });
     });
 }
 
