@@ -41,6 +41,17 @@ control::Configuration at(const device::DeviceDescription &device, const Vector3
     return now;
 }
 
+/// The joints' range without the soft wall.
+device::JointLimits within_edge(const device::DeviceDescription &device) {
+    device::JointLimits within = device.joint_limits;
+    const double margin_rad = device.edge.margin_rad;
+    within.min_rad.array() += margin_rad;
+    within.max_rad.array() -= margin_rad;
+    within.min_q3_minus_q2_rad += margin_rad;
+    within.max_q3_minus_q2_rad -= margin_rad;
+    return within;
+}
+
 class CommandLimiter : public ::testing::Test {
 protected:
     double any(double minimum, double maximum) {
@@ -212,12 +223,7 @@ TEST_F(CommandLimiter, CommandsWithinLimitsPassBitForBit) {
         const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
         const Vector3 current_A = steady_current_A(c, c.wanted);
         const Vector3 q_rad = device::joint_from_motor(c.device.geometry, c.inputs.now.theta_rad);
-        device::JointLimits within = c.device.joint_limits;
-        const double margin_rad = c.device.edge.margin_rad;
-        within.min_rad.array() += margin_rad;
-        within.max_rad.array() -= margin_rad;
-        within.min_q3_minus_q2_rad += margin_rad;
-        within.max_q3_minus_q2_rad -= margin_rad;
+        const device::JointLimits within = within_edge(c.device);
         const double share = std::max(
             {force_N(c, current_A) / (kLimiterShare * c.inputs.limits.tip_force_N),
              current_A.cwiseAbs().maxCoeff() /
@@ -400,19 +406,16 @@ TEST_F(WorkspaceEdgeTest, AtRestItIsTheGradientOfAPotential) {
 }
 
 TEST_F(WorkspaceEdgeTest, IsZeroWithinAtAnySpeed) {
-    device::JointLimits within = device.joint_limits;
-    const double margin_rad = device.edge.margin_rad;
-    within.min_rad.array() += margin_rad;
-    within.max_rad.array() -= margin_rad;
-    within.min_q3_minus_q2_rad += margin_rad;
-    within.max_q3_minus_q2_rad -= margin_rad;
+    const device::JointLimits within = within_edge(device);
     int tried = 0;
     for (int run = 0; run < 20'000; ++run) {
         const Vector3 q_rad = any_angles(random);
         if (within.allow(q_rad)) {
             ++tried;
             ASSERT_TRUE(torque_Nm(q_rad, testing::random_vector(random, 50.0)).isZero(0.0));
-            ASSERT_EQ(beyond_limits(device.joint_limits, q_rad, margin_rad).max_excess_rad(), 0.0);
+            ASSERT_EQ(
+                beyond_limits(device.joint_limits, q_rad, device.edge.margin_rad).max_excess_rad(),
+                0.0);
         }
     }
     EXPECT_GT(tried, 500);
