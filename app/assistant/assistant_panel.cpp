@@ -1,6 +1,6 @@
 #include "app/assistant/assistant.h"
 
-#include "app/panels/doctor_popup.h"
+#include "app/panels/panels.h"
 #include "app/widgets/rectangle.h"
 #include "app/widgets/widgets.h"
 

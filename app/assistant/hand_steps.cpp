@@ -3,7 +3,7 @@
 #include "app/assistant/step.h"
 
 #include "app/host/asset_folder.h"
-#include "app/panels/doctor_popup.h"
+#include "app/panels/panels.h"
 #include "base/degrees.h"
 #include "base/one_line.h"
 #include "device/core/board_faults.h"

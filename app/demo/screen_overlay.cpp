@@ -3,7 +3,6 @@
 #include "app/demo/screen.h"
 
 #include "app/host/asset_folder.h"
-#include "app/panels/panels.h"
 #include "base/error_text.h"
 
 #include <iostream>

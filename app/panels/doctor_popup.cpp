@@ -1,4 +1,4 @@
-#include "app/panels/doctor_popup.h"
+#include "app/panels/panels.h"
 
 #include "app/doctor/doctor_report.h"
 #include "app/widgets/widgets.h"

@@ -1,5 +1,4 @@
 #include "app/panels/panels.h"
-#include "app/panels/tuning_consequences.h"
 #include "app/widgets/widgets.h"
 #include "base/error_text.h"
 #include "engine/lab/loops/hand_family.h"

@@ -1,24 +1,21 @@
 // The panels: free functions that show a session and pass the user's requests to it.
 #pragma once
 
-#include "app/panels/doctor_popup.h"
+#include "app/doctor/check.h"
 #include "app/panels/event_log.h"
-#include "app/panels/opened_record.h"
-#include "app/panels/scene_card.h"
-#include "app/panels/scene_message.h"
 #include "app/panels/session_keeper.h"
 #include "app/panels/stability_tab.h"
 #include "app/panels/tuning_editor.h"
 #include "app/panels/tuning_files.h"
-#include "app/panels/window_habits.h"
-#include "app/view/camera.h"
-#include "app/view/view_state.h"
+#include "app/plots/plot_panel.h"
 #include "app/widgets/rectangle.h"
-#include "app/window/window.h"
 #include "base/background.h"
 #include "device/factory/device_factory.h"
+#include "engine/session/record_playback.h"
+#include "engine/session/run_folder.h"
 #include "engine/session/session.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -46,6 +43,48 @@ struct TuningPanelState {
 /// tunings.
 void draw_tuning_panel(session::Session &session, TuningEditor &editor, TuningPanelState &state,
                        const Rectangle &place);
+
+// What follows from the active tuning: stiffness, damping, lag, added mass; and the active dR,
+// where the winding guard or the observer of R holds it above what was requested.
+
+/// The largest of the motors' active dR: at least the requested one.
+[[nodiscard]] double active_dR_Ohm(const session::Session &session);
+
+/// A checkbox to observe the windings' resistances, and what is known of them.
+void draw_observed_resistances(session::Session &session);
+
+/// Why dR is larger than requested, if it is.
+void show_held_up_dR(const session::Session &session);
+
+/// Static stiffness at the tip along a unit vector, of the coupling alone, with the dR that acts,
+/// at the present configuration, on a rigid surface: (27) with the transpose map, nᵀ J⁻ᵀ K_q J⁻¹ n
+/// (21) with the inverse map.
+[[nodiscard]] double tip_stiffness_N_per_m(const session::Session &session, const Vector3 &along);
+
+void show_consequences(const session::Session &session);
+
+/// As --device names it.
+[[nodiscard]] std::string name_of(const session::DeviceChoice &choice);
+
+/// Asks in the background, so that frames go on.
+class DoctorPopup {
+public:
+    /// A small button beside an error, which asks.
+    /// @param device  what is to be used, as --device names it
+    void offer(const std::string &device, double servo_hz);
+
+    /// Opens the popup, and fills it when the answer comes.
+    void ask(const std::string &device, double servo_hz);
+
+    /// The popup, if it is open: once a frame.
+    void draw();
+
+private:
+    Background<std::vector<doctor::Check>> asking_;
+    std::optional<std::vector<doctor::Check>> checks_;
+    std::string error_;
+    bool opens_ = false;
+};
 
 /// State of the servo panel between frames.
 struct ServoPanelState {
@@ -124,6 +163,67 @@ void draw_plant_tab(session::Session &session, PlantTabState &state);
 /// The device's name, and whether it is simulated.
 [[nodiscard]] std::string device_text(const session::Session &session);
 
+/// What scene and plots show while a record is open.
+enum class RecordView : std::uint8_t {
+    present,    ///< the record is not shown
+    behind,     ///< the present, with the record faintly behind it in the plots
+    instead_of, ///< the record
+};
+
+inline constexpr std::array<const char *, 3> kRecordViewLabels{
+    "show the present", "present, record behind", "show the record"};
+
+/// A record in the window: shown instead of the present, or behind it, and computed again with the
+/// active tuning.
+class OpenedRecord {
+public:
+    /// Opens a record, or the first record of a run folder; in the background.
+    void open(const std::filesystem::path &path);
+    void open_part(std::size_t part);
+    /// The same record, which does not fit into memory, from that time on.
+    void open_from(double from_s);
+    void close();
+
+    /// Once a frame. @param tuning  the active one
+    void update(double frame_s, const control::Tuning &tuning);
+
+    [[nodiscard]] session::RecordPlayback &playback() { return playback_; }
+    [[nodiscard]] const session::RecordPlayback &playback() const { return playback_; }
+    /// The folder that the record belongs to; empty if it is a file alone.
+    struct Run {
+        std::filesystem::path folder;
+        session::RunFacts facts;
+        std::size_t part = 0; ///< the number of the record
+    };
+    [[nodiscard]] const std::optional<Run> &run() const { return run_; }
+    /// Why nothing was opened, or computed; else empty.
+    [[nodiscard]] const std::string &error() const {
+        return error_.empty() ? playback_.error() : error_;
+    }
+
+    [[nodiscard]] bool is_shown() const {
+        return view == RecordView::instead_of && playback_.is_open();
+    }
+    [[nodiscard]] PlotSubject subject(const session::Session &session) const;
+
+    RecordView view = RecordView::instead_of;
+    bool asks = false; ///< what the active tuning would have done
+
+private:
+    void load(const std::filesystem::path &file, std::optional<Run> run,
+              double from_s = -std::numeric_limits<double>::infinity());
+    void renew_behind();
+
+    session::RecordPlayback playback_;
+    std::optional<Run> run_;
+    std::optional<Run> run_of_next_; ///< of the record that is being loaded
+    bool loads_ = false;
+    std::uint32_t number_ = 0; ///< of records opened so far
+    std::string error_;
+    std::optional<PlotTrace> behind_; ///< the record itself, or the answer
+    const void *behind_of_ = nullptr; ///< the store that it is a copy of
+};
+
 /// State of the record's tab between frames.
 struct RecordTabState {
     std::vector<std::filesystem::path> files; ///< offered in the list
@@ -137,6 +237,14 @@ void draw_record_tab(session::Session &session, TuningEditor &editor, OpenedReco
 /// Over the lower edge of the scene: where the record stands, and how fast it is played.
 void draw_record_controls(OpenedRecord &opened, const Rectangle &view, float scale);
 
+/// State of the plate over the scene between frames.
+struct SceneCardState {
+    std::uint32_t scene = 0;  ///< number of the scene that all of this is about
+    bool is_put_away = false; ///< for this scene
+    /// The angle from normal to push by map, as last measured.
+    std::array<std::optional<double>, 2> angle_rad;
+};
+
 /// State of the scene panel between frames.
 struct ScenePanelState {
     std::vector<std::filesystem::path> files; ///< offered in the list
@@ -148,81 +256,5 @@ struct ScenePanelState {
 };
 void draw_scene_panel(session::Session &session, TuningEditor &editor, OpenedRecord &opened,
                       ScenePanelState &state, const Rectangle &place);
-
-/// Over everything: the keys and what they do. The mouse acts on what is below.
-void draw_keys_overlay(const Rectangle &window);
-
-/// What the message over the scene depends on, except whether the tip is inside a solid.
-[[nodiscard]] SceneSituation situation_of(const session::Session &session,
-                                          const OpenedRecord &opened);
-
-/// What is shown over the scene.
-struct SceneOverlay {
-    SceneSituation now;
-    const Notice *notice = nullptr; ///< null: there is none
-    bool has_help = true;           ///< how to use the mouse
-};
-
-struct SceneAnswer {
-    SceneAction action = SceneAction::none; ///< what the message's button asks for
-    Rectangle free;                         ///< of the view, between the message and the help
-};
-
-/// Over the scene: one message with its button, the button that stops, how to use the mouse.
-[[nodiscard]] SceneAnswer draw_scene_overlay(session::Session &session, OpenedRecord &opened,
-                                             const SceneOverlay &shown, const Rectangle &view,
-                                             float scale);
-
-enum class StartAnswer : std::uint8_t { none, got_it, keys, wrong_direction };
-
-/// The first minute: what is simulated, how to move the hand, what to try.
-/// @param height  that it needs at this width
-[[nodiscard]] StartAnswer draw_start_card(const Rectangle &place, float &height);
-
-/// Without panels: force, its direction and the depth, large, over a corner of the scene.
-/// @param map  in use
-void draw_read_outs(const PlotSubject &subject, control::MotionMap map, const Rectangle &view,
-                    const Window::LargeText &text, float scale);
-
-[[nodiscard]] float height_of_read_outs(const Rectangle &view);
-
-/// What was chosen in the window's menu.
-struct WindowMenuChoice {
-    WindowOrder order = WindowOrder::none;
-    std::filesystem::path opened; ///< a recent file; else empty
-};
-
-/// In a corner of the scene: what concerns the window itself, and recent files.
-[[nodiscard]] WindowMenuChoice draw_window_menu(const WindowHabits &habits, const Rectangle &view,
-                                                float scale);
-
-/// At the right edge of the scene, below the button that stops.
-/// @return the viewpoint whose button was pressed, if one was
-[[nodiscard]] std::optional<Viewpoint> draw_view_buttons(const Rectangle &view, float scale);
-
-/// Their width, and where the last one ends: the legend's button stands below.
-[[nodiscard]] float width_of_view_buttons();
-[[nodiscard]] float bottom_of_view_buttons(const Rectangle &view, float scale);
-
-/// Widths of the plates at the edges of the scene, 0 where there is none.
-struct SideCards {
-    float left = 0.0F;
-    float right = 0.0F; ///< beside the buttons of views
-};
-
-/// The part of the scene over which none of these is drawn, a message of two lines included: for
-/// what must be seen whole. Where the scene is too small for it, the right plate, and then the
-/// rest, is not left out.
-[[nodiscard]] Rectangle free_of_overlays(const Rectangle &view, const SideCards &cards,
-                                         bool is_record, float scale);
-
-/// At the right edge of the scene: a button, or, once it is open, a plate with a row for each
-/// thing.
-/// @param top     of the button or plate
-/// @param width   of the button
-/// @param values  that are drawn now, whose ranges stand in the rows
-/// @return the plate's width, 0 for a button
-float draw_legend(ShownThings &shown, bool &is_open, const TouchValues &values,
-                  const Rectangle &view, float top, float width, float scale);
 
 } // namespace springdrive::app

@@ -1,5 +1,4 @@
 #include "app/host/output_dir.h"
-#include "app/panels/opened_record.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"

@@ -1,4 +1,4 @@
-#include "app/panels/scene_card.h"
+#include "app/panels/scene_overlay.h"
 
 #include "app/view/view_state.h"
 #include "app/widgets/widgets.h"

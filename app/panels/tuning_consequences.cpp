@@ -1,4 +1,4 @@
-#include "app/panels/tuning_consequences.h"
+#include "app/panels/panels.h"
 
 #include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"

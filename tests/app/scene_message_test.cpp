@@ -1,6 +1,6 @@
-// Covers app/panels/{scene_message,event_log}.cpp: which message is over the scene, what its button
+// Covers app/panels/{scene_overlay,event_log}.cpp: which message is over the scene, what its button
 // does, and what is listed of what has happened.
-#include "app/panels/scene_message.h"
+#include "app/panels/scene_overlay.h"
 
 #include "app/panels/event_log.h"
 #include "tests/engine/session/session_fixture.h"

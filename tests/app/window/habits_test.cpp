@@ -1,6 +1,6 @@
 // Covers what the window remembers, and the first minute: app/panels/window_habits.cpp, the menu,
-// the keys, the first minute's plate and what is drawn in app/panels/window_overlays.cpp and
-// legend.cpp.
+// the keys, the first minute's plate, and what is drawn, by its legend:
+// app/panels/window_overlays.cpp.
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/shown_window.h"

@@ -1,5 +1,5 @@
 // Covers what a scene says that there is to feel, what is drawn in it, and the messages over it:
-// app/panels/scene_card.cpp, app/panels/legend.cpp, app/panels/scene_overlay.cpp.
+// app/panels/scene_card.cpp, app/panels/window_overlays.cpp, app/panels/scene_overlay.cpp.
 #include "tests/support/devices.h"
 #include "tests/support/shown_window.h"
 
