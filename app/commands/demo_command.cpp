@@ -5,7 +5,7 @@
 #include "app/demo/demo.h"
 #include "app/exhibit/day_log.h"
 #include "app/exhibit/tour.h"
-#include "app/panels/settings.h"
+#include "app/panels/window_habits.h"
 #include "base/input_error.h"
 
 #include <cstddef>

@@ -2,11 +2,9 @@
 #pragma once
 
 #include "app/doctor/check.h"
-#include "app/panels/event_log.h"
 #include "app/panels/session_keeper.h"
 #include "app/panels/stability_tab.h"
 #include "app/panels/tuning_editor.h"
-#include "app/panels/tuning_files.h"
 #include "app/plots/plot_panel.h"
 #include "app/widgets/rectangle.h"
 #include "base/background.h"

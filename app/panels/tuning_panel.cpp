@@ -1,7 +1,7 @@
 #include "app/host/asset_folder.h"
 #include "app/host/output_dir.h"
 #include "app/panels/panels.h"
-#include "app/panels/tuning_files.h"
+#include "app/panels/tuning_editor.h"
 #include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"

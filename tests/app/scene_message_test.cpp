@@ -1,8 +1,8 @@
-// Covers app/panels/{scene_overlay,event_log}.cpp: which message is over the scene, what its button
-// does, and what is listed of what has happened.
+// Covers app/panels/{scene_overlay,session_keeper}.cpp: which message is over the scene, what its
+// button does, and what is listed of what has happened.
 #include "app/panels/scene_overlay.h"
 
-#include "app/panels/event_log.h"
+#include "app/panels/session_keeper.h"
 #include "tests/engine/session/session_fixture.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-// Covers app/panels/settings.cpp: what the window remembers, and files that are damaged or cannot
-// be written.
-#include "app/panels/settings.h"
+// Covers app/panels/window_habits.cpp: what the window remembers, and files that are damaged or
+// cannot be written.
+#include "app/panels/window_habits.h"
 
 #include "base/input_error.h"
 #include "tests/support/error_text.h"

@@ -1,9 +1,9 @@
 // Covers what panels compute: the stiffness that a touch has met (app/panels/hand_tab.cpp), the
-// shipped tunings (app/panels/tuning_files.h, assets/tunings), and the field of the stability tab
+// shipped tunings (app/panels/tuning_editor.h, assets/tunings), and the field of the stability tab
 // (app/panels/stability_tab.h), except its drawing.
 #include "app/panels/panels.h"
 #include "app/panels/stability_tab.h"
-#include "app/panels/tuning_files.h"
+#include "app/panels/tuning_editor.h"
 #include "engine/control/tuning_file.h"
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/lab/loops/tuning_constraints.h"
