@@ -2,7 +2,7 @@
 
 #include "app/commands/study/check_report.h"
 #include "app/commands/study/opened_study.h"
-#include "app/study/sitting/person_checks.h"
+#include "app/study/sitting/sitting.h"
 #include "engine/study/protocol/protocol_check.h"
 
 #include <fmt/core.h>

@@ -1,4 +1,4 @@
-#include "app/study/experimenter/live_charts.h"
+#include "app/study/experimenter/study_window.h"
 
 #include "app/widgets/widgets.h"
 #include "engine/study/protocol/session_plan.h"

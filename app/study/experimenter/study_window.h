@@ -5,7 +5,6 @@
 
 #include "app/stage/frame_loop.h"
 #include "app/stage/view_control.h"
-#include "app/study/experimenter/live_charts.h"
 #include "app/study/participant/participant_window.h"
 #include "app/study/sitting/sitting_state.h"
 #include "app/view/renderer.h"
@@ -14,15 +13,42 @@
 #include "app/window/window.h"
 #include "engine/session/session.h"
 #include "engine/study/protocol/protocol.h"
+#include "engine/study/results/study_results.h"
+#include "engine/study/store/study_contents.h"
 #include "engine/study/store/study_store.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <future>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace springdrive::app::study_screen {
+
+/// What has been fitted so far to the present participant's trials in one condition.
+class LiveFit {
+public:
+    explicit LiveFit(const study::Protocol &protocol) : protocol_(protocol) {}
+
+    /// Begins a fit of that participant's condition, unless one runs: then afterwards.
+    void request(const study::StudyContents &contents, const std::string &participant,
+                 std::size_t condition, study::DeviceKind device);
+
+    /// The newest that is ready; null before the first. Call once a frame.
+    [[nodiscard]] const study::SeriesResult *latest();
+
+private:
+    void begin(study::Series series);
+
+    study::Protocol protocol_;
+    std::optional<study::Series> next_;
+    std::future<study::SeriesResult> running_;
+    std::optional<study::SeriesResult> latest_;
+};
+
+/// In the present panel, side by side, as high as it leaves room.
+void draw_live_charts(const study::Protocol &protocol, const study::SeriesResult &result);
 
 enum class EndAsked : std::uint8_t { nothing, stop, leave };
 

@@ -1,4 +1,4 @@
-#include "app/study/participant/letters.h"
+#include "app/study/participant/participant_layout.h"
 
 #include "base/input_error.h"
 

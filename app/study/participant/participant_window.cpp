@@ -1,6 +1,6 @@
 #include "app/study/participant/participant_window.h"
 
-#include "app/study/participant/participant_input.h"
+#include "app/study/participant/answers.h"
 #include "base/input_error.h"
 #include "base/number_in.h"
 

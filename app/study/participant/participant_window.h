@@ -13,7 +13,7 @@
 // swap: an event is late only by what keeps the thread busy when it arrives.
 #pragma once
 
-#include "app/study/participant/participant_input.h"
+#include "app/study/participant/answers.h"
 #include "app/study/participant/participant_view.h"
 #include "app/window/gl_window.h"
 #include "engine/session/servo_run.h"

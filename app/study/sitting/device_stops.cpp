@@ -1,4 +1,4 @@
-#include "app/study/sitting/device_stops.h"
+#include "app/study/sitting/sitting.h"
 
 #include "device/core/board_faults.h"
 #include "engine/servo/safety_status.h"

@@ -1,4 +1,4 @@
-#include "app/study/sitting/person_checks.h"
+#include "app/study/sitting/sitting.h"
 
 #include "app/study/participant/answers.h"
 #include "app/study/participant/participant_layout.h"

@@ -1,7 +1,6 @@
 #include "app/study/sitting/sitting.h"
 
 #include "app/study/participant/answers.h"
-#include "app/study/sitting/person_checks.h"
 #include "base/input_error.h"
 #include "base/machine_name.h"
 #include "engine/study/conduct/conduct.h"

@@ -6,7 +6,6 @@
 // servo's part of a trial for trial_presenter.h.
 #pragma once
 
-#include "app/study/sitting/device_stops.h"
 #include "app/study/sitting/resumable.h"
 #include "app/study/sitting/sitting_state.h"
 #include "app/study/sitting/trial_presenter.h"
@@ -14,15 +13,60 @@
 #include "engine/session/session.h"
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/protocol.h"
+#include "engine/study/protocol/protocol_check.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/store/study_store.h"
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace springdrive::app::study_screen {
+
+class DeviceStops {
+public:
+    /// @param resets_itself  after a calm, unless a requested stop is held
+    /// @param note           stores what it is told of a stop outside of trials
+    DeviceStops(session::Session &session, bool resets_itself,
+                std::function<void(const std::string &)> note);
+
+    /// Every frame, and before what is known of the device is relied on: with all that the servo
+    /// has published.
+    void watch();
+
+    /// A stop from now on is the trial's.
+    void begin_trial();
+    /// Nothing outside of a trial. @param is_stored  with the trial; otherwise it is noted now
+    void end_trial(bool is_stored);
+
+    /// A person lets the device go on.
+    void let_go_on();
+    /// The calm after a stop begins anew.
+    void begin_calm();
+    /// Every frame of a stop: resets the device when it was calm for a while.
+    void reset_when_calm();
+
+    /// Of the session so far.
+    [[nodiscard]] int count() const { return count_; }
+
+private:
+    void note_reset();
+
+    session::Session &session_;
+    bool resets_itself_;
+    std::function<void(const std::string &)> note_;
+    int count_ = 0;
+    bool was_tripped_ = false;
+    std::uint32_t held_stop_ = 0; ///< as last seen
+    bool is_in_trial_ = false;
+    std::optional<std::string> of_trial_; ///< the stop in the present one
+    bool is_reset_ = false;               ///< and not yet seen to run
+    double calm_from_s_ = 0.0;
+    double reset_s_ = 0.0; ///< the last time
+};
 
 struct SittingPlan {
     study::Protocol protocol;
@@ -126,5 +170,16 @@ private:
     std::optional<int> presented_again_;    ///< trials, while the participant practises again
     Frames frames_;                         ///< last: what it holds uses all the others
 };
+
+/// Errors: names in `responses.keys` that nobody can press, gestures along the way off a spot, and
+/// an adjustment of what cannot be changed while it is felt. Warnings: texts that are too long to
+/// be read on a screen of 1280 × 720.
+/// @throw InputError if there is no font
+[[nodiscard]] study::ProtocolFindings check_for_persons(const study::Protocol &protocol,
+                                                        const study::StudySetting &setting);
+
+/// The first of its errors as "WHERE: WHAT; REMEDY"; empty if there is none.
+[[nodiscard]] std::string validate_for_participants(const study::Protocol &protocol,
+                                                    const study::StudySetting &setting);
 
 } // namespace springdrive::app::study_screen

@@ -2,7 +2,7 @@
 // people did in a frame.
 #pragma once
 
-#include "app/study/participant/participant_input.h"
+#include "app/study/participant/answers.h"
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/stimuli/stimulus_run.h"
 #include "engine/study/store/study_contents.h"

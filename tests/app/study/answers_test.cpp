@@ -2,7 +2,7 @@
 // of the ways to answer is what they do, and what keeps persons out of a protocol.
 #include "app/study/participant/answers.h"
 
-#include "app/study/sitting/person_checks.h"
+#include "app/study/sitting/sitting.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 
 #include <gtest/gtest.h>

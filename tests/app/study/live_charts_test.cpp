@@ -1,6 +1,6 @@
 // Covers app/study/experimenter/live_charts.cpp: what the experimenter sees of the
 // answers so far.
-#include "app/study/experimenter/live_charts.h"
+#include "app/study/experimenter/study_window.h"
 
 #include "app/widgets/widgets.h"
 #include "tests/app/study/headless_study.h"

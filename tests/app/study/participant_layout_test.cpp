@@ -1,6 +1,6 @@
-// Covers app/study/participant/{participant_layout,letters,participant_input,participant_view}.cpp,
+// Covers app/study/participant/{participant_layout,letters,answers,participant_view}.cpp,
 // and which monitor participant_window.cpp takes to be meant.
-#include "app/study/participant/participant_input.h"
+#include "app/study/participant/answers.h"
 #include "app/study/participant/participant_layout.h"
 #include "app/study/participant/participant_view.h"
 #include "app/study/participant/participant_window.h"

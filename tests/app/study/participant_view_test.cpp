@@ -1,4 +1,4 @@
-// Covers app/study/participant/participant_view.cpp, participant_scene.cpp.
+// Covers app/study/participant/participant_view.cpp.
 #include "app/study/participant/participant_view.h"
 #include "engine/scene/gltf.h"
 #include "tests/app/study/participant_pictures.h"

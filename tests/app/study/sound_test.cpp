@@ -1,8 +1,7 @@
-// Covers app/study/sound/{pink_noise,masking_noise}.cpp: level, spectrum, clipping and fades
+// Covers app/study/sound/masking_noise.cpp: level, spectrum, clipping and fades
 // against theory; what the system's sound output is given, by an output of ALSA that writes to a
 // file; and what is said where there is none.
 #include "app/study/sound/masking_noise.h"
-#include "app/study/sound/pink_noise.h"
 #include "base/input_error.h"
 #include "base/split_mix.h"
 #include "tests/support/child_process.h"

@@ -1,6 +1,6 @@
 // Covers app/exhibit/{kiosk,kiosk_screen,lost_display}.cpp: an exhibit as its visitors,
 // its demonstrator and its computer treat it, and the tour of the ordinary window. See
-// kiosk_storm_test.cpp for all of that at once. And app/visitors/visitor_window.cpp with
+// kiosk_storm_test.cpp for all of that at once. And app/visitors/visits.cpp with
 // app/commands/study/study_try.cpp: "Can you feel it?", with a visitor at mouse and keyboard.
 #include "app/exhibit/course.h"
 #include "app/exhibit/kiosk_limits.h"
