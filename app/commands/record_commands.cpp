@@ -6,7 +6,6 @@
 #include "app/commands/typed_session.h"
 #include "app/host/ending_signal.h"
 #include "app/stage/frame_loop.h"
-#include "app/stage/open_session.h"
 #include "base/input_error.h"
 #include "base/one_line.h"
 #include "base/print.h"

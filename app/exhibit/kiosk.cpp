@@ -1,6 +1,5 @@
 #include "app/exhibit/kiosk.h"
 
-#include "app/exhibit/kiosk_limits.h"
 #include "app/view/view_state.h"
 #include "base/error_text.h"
 #include "engine/session/telemetry_history.h"

@@ -1,4 +1,4 @@
-#include "app/exhibit/kiosk_screen.h"
+#include "app/exhibit/kiosk.h"
 
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"

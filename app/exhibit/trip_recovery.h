@@ -1,17 +1,30 @@
-// How an exhibit goes on after a stop of the safety monitor, as pure logic: a simulation by itself,
-// a few times; a device that can reach a hand, and after a requested stop any, when a person lets
-// it go on.
+// The safety monitor at an exhibit, where anybody may hold the device: its limits, and how an
+// exhibit goes on after a stop, as pure logic: a simulation by itself, a few times; a device that
+// can reach a hand, and after a requested stop any, when a person lets it go on.
 //
 //   stopped ──hand let go, tip free──► a pause ──► reset ──► lift the tip ──► running
 //      └─────a person: go on───────────────────────► reset
 #pragma once
 
+#include "engine/servo/safety_limits.h"
 #include "engine/session/session.h"
 
 #include <cstdint>
 #include <optional>
 
 namespace springdrive::app::exhibit {
+
+/// They are set before the servo starts, and nothing in a kiosk's window changes them. A limit of
+/// the device's file that is lower still counts; all others are those of the file.
+[[nodiscard]] constexpr servo::SafetyLimits kiosk_limits() {
+    servo::SafetyLimits limits = servo::unlowered();
+    limits.voltage_V = 9.0;
+    limits.current_A = 4.0;
+    limits.tip_force_N = 5.0;
+    limits.tip_speed_m_per_s = 1.2;
+    limits.winding_C = 90.0;
+    return limits;
+}
 
 /// What the recovery depends on, of one frame.
 struct RecoveryState {

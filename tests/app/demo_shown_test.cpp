@@ -1,7 +1,6 @@
-// Covers app/demo/{shown_values,tip_inside}.cpp: the trace, what is computed for what is switched
+// Covers app/demo/shown_values.cpp: the trace, what is computed for what is switched
 // on, and whether a point is in a solid rather than beside it, below an open mesh or in a bowl.
 #include "app/demo/shown_values.h"
-#include "app/demo/tip_inside.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"
 #include "engine/session/telemetry_history.h"

@@ -1,5 +1,5 @@
 // Covers app/main.cpp and app/demo/demo.cpp: the program from outside; and stage/load_lines.cpp.
-#include "app/stage/open_session.h"
+#include "app/stage/frame_loop.h"
 #include "tests/support/csv.h"
 #include "tests/support/devices.h"
 #include "tests/support/program.h"

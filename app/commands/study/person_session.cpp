@@ -2,7 +2,7 @@
 
 #include "app/host/asset_folder.h"
 #include "app/host/user_folder.h"
-#include "app/stage/open_session.h"
+#include "app/stage/frame_loop.h"
 #include "app/study/sitting/resumable.h"
 #include "app/study/sitting/sitting.h"
 #include "base/input_error.h"

@@ -5,7 +5,7 @@
 #include "app/commands/study/person_session.h"
 #include "app/host/asset_folder.h"
 #include "app/host/ending_signal.h"
-#include "app/stage/open_session.h"
+#include "app/stage/frame_loop.h"
 #include "app/study/sitting/resumable.h"
 #include "app/visitors/visits.h"
 #include "base/input_error.h"

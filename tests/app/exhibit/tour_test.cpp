@@ -1,6 +1,6 @@
 // Covers app/exhibit/tour.cpp: the scripted hand in every scene, on the simulated device.
-#include "app/exhibit/kiosk_limits.h"
 #include "app/exhibit/tour.h"
+#include "app/exhibit/trip_recovery.h"
 #include "base/degrees.h"
 #include "engine/session/session.h"
 #include "engine/session/telemetry_history.h"

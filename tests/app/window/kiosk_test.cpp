@@ -1,10 +1,9 @@
-// Covers app/exhibit/{kiosk,kiosk_screen,lost_display}.cpp: an exhibit as its visitors,
+// Covers app/exhibit/{kiosk,kiosk_screen}.cpp and app/demo/demo.cpp: an exhibit as its visitors,
 // its demonstrator and its computer treat it, and the tour of the ordinary window. See
 // kiosk_storm_test.cpp for all of that at once. And app/visitors/visits.cpp with
 // app/commands/study/study_try.cpp: "Can you feel it?", with a visitor at mouse and keyboard.
+#include "app/demo/demo.h"
 #include "app/exhibit/course.h"
-#include "app/exhibit/kiosk_limits.h"
-#include "app/exhibit/lost_display.h"
 #include "app/exhibit/trip_recovery.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/safety_status.h"
@@ -174,7 +173,7 @@ TEST_F(KioskInTheWindow, FillsTheScreenWithoutPanelsAndNoKeyNoFileAndNoTitleBarL
               std::string::npos);
 }
 
-/// Half a degree at two metres is 6.5 % of the height of the picture, see kiosk_screen.h. A
+/// Half a degree at two metres is 6.5 % of the height of the picture, see kiosk.h. A
 /// direction takes more: a whole degree.
 TEST_F(KioskInTheWindow, StopsAndTheNextFindsAllAsItWasWithAnArrowThatIsSeenFromTwoMetres) {
     open();
@@ -297,7 +296,7 @@ TEST(KioskDisplay, ALostOneEndsTheProgramInOneLineAndInTheLog) {
     ASSERT_TRUE(program.read_line(std::chrono::seconds(60)));
     display.reset();
     const testing::Ending ending = program.end(0);
-    EXPECT_EQ(ending.exit_status, exhibit::kLostDisplay);
+    EXPECT_EQ(ending.exit_status, kLostDisplay);
     EXPECT_NE(ending.error.find("springdrive: the display is lost"), std::string::npos)
         << ending.error;
     EXPECT_NE(testing::contents_of(log).find("end, the display is lost: "), std::string::npos);
