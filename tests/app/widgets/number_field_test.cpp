@@ -14,13 +14,13 @@
 namespace springdrive::app {
 namespace {
 
-constexpr float kFrame_s = 0.1F; // ten frames a second
+constexpr float kFramePeriod_s = 0.1F; // ten frames a second
 
 class NumberField : public testing::ImGuiFrame {
 protected:
     NumberField() {
         ImGuiIO &io = ImGui::GetIO(); // as its backend does
-        io.DeltaTime = kFrame_s;
+        io.DeltaTime = kFramePeriod_s;
         io.KeyMap[ImGuiKey_Enter] = GLFW_KEY_ENTER;
         io.KeyMap[ImGuiKey_Escape] = GLFW_KEY_ESCAPE;
         io.KeyMap[ImGuiKey_Backspace] = GLFW_KEY_BACKSPACE;
