@@ -30,7 +30,7 @@ namespace springdrive::app {
 struct TuningPanelState {
     /// Tunings of presets, by file; read once.
     std::map<std::string, std::optional<control::Tuning>> presets;
-    StabilityTabState stability;
+    StabilityTab stability;
     TuningFiles files;
     std::string file_name;    ///< being typed, to save or rename
     std::string file_message; ///< what came of it

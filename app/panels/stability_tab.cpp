@@ -132,30 +132,6 @@ void show_prediction(const StabilityPrediction &prediction) {
     }
 }
 
-void show_search(const session::Session &session, StabilityTabState &state) {
-    const float font = ImGui::GetFontSize();
-    ImGui::SetNextItemWidth(8.0F * font);
-    ui::slider_with_number("margin", state.margin, kMinMargin, kMaxMargin, "× %.2f");
-    ui::explain("for the search: the factor by which K_P and K_D can grow until the loop is\n"
-                "unstable with some hand; 1 is the limit, with no reserve for modelling errors");
-    ImGui::SameLine();
-    if (state.is_tuning()) {
-        if (ui::button("cancel")) {
-            state.stop_tuning();
-        }
-        const std::string done =
-            "searching: " + std::to_string(std::lround(100.0 * state.tuning_share())) + " %";
-        ui::progress("search", state.tuning_share(), done);
-        return;
-    }
-    if (ui::button("find the stiffest")) {
-        state.start_tuning(session);
-    }
-    ui::explain("K_P, K_D and λ for the stiffest contact with this dR, map, servo rate and\n"
-                "delay that is stable with every hand, at any η and tip position;\n"
-                "takes seconds, is activated at once, and can be undone");
-}
-
 void show_margins(const limits::AutoTuned &found) {
     const control::TuningMargins &margins = found.margins;
     ui::wrapped(kInk, "K_DC {:.3g} N·m/rad at dR {:.3g} Ω", margins.K_DC_Nm_per_rad,
@@ -185,34 +161,6 @@ void show_held_K_DC(const session::Session &session, const limits::AutoTuned &fo
     if (held_Ohm > found.tuning.dR_Ohm * (1.0 + 1e-9)) {
         ui::wrapped(kWarning, "now {:.3g} N·m/rad, as dR is held at {:.3g} Ω: see Gains",
                     found.margins.K_DC_Nm_per_rad * found.tuning.dR_Ohm / held_Ohm, held_Ohm);
-    }
-}
-
-void show_found(session::Session &session, TuningEditor &editor, StabilityTabState &state) {
-    if (state.found()) {
-        const bool is_active = session.tuning().now() == state.found_tuning();
-        {
-            const ui::Disabled when_active(is_active);
-            if (ui::button("activate")) {
-                editor.replace(state.found_tuning(), "found in the window");
-            }
-        }
-        ui::explain("the tuning that was found; undo takes it back");
-        ImGui::SameLine();
-        if (ui::button("save as file")) {
-            state.save();
-        }
-        ui::explain("writes the tuning and its margins to " + output_dir_text() +
-                    ";\nload it with --tuning-file");
-        ImGui::SameLine();
-        ui::text(is_active ? kGood : kFaintInk, "{}", is_active ? "found, active" : "found");
-        show_margins(*state.found());
-        if (is_active) {
-            show_held_K_DC(session, *state.found());
-        }
-    }
-    if (!state.message().empty()) { // below the buttons, which it must not move
-        ui::wrapped(kInk, "{}", state.message());
     }
 }
 
@@ -333,7 +281,8 @@ void draw_cross(Canvas &canvas, const control::Tuning &now, const PlotArea &area
 
 } // namespace
 
-void StabilityTabState::update(const session::Session &session) {
+/// Takes finished results, and restarts the computation if tuning or configuration changed.
+void StabilityTab::update(const session::Session &session) {
     try {
         if (std::optional<StabilityPrediction> prediction = watch_.take()) {
             prediction_ = std::move(prediction);
@@ -349,7 +298,7 @@ void StabilityTabState::update(const session::Session &session) {
     }
 }
 
-void StabilityTabState::finish_search(session::Session &session, TuningEditor &editor) {
+void StabilityTab::finish_search(session::Session &session, TuningEditor &editor) {
     try {
         std::optional<limits::AutoTuned> found = search_.take();
         if (!found) {
@@ -372,12 +321,13 @@ void StabilityTabState::finish_search(session::Session &session, TuningEditor &e
     }
 }
 
-void StabilityTabState::start_tuning(const session::Session &session) {
+/// For the stiffest tuning with the active dR and the selected margin.
+void StabilityTab::start_search(const session::Session &session) {
     found_.reset();
     message_.clear();
     searched_ = stability_case_of(session, session.tuning().now());
     searched_slot_ = session.tuning().slots().active();
-    search_.start([request = limits::AutoTuneRequest{searched_, margin}](BackgroundTalk &talk) {
+    search_.start([request = limits::AutoTuneRequest{searched_, margin_}](BackgroundTalk &talk) {
         return limits::auto_tune(request, [&talk](double share) {
             talk.share = share;
             return talk.is_wanted();
@@ -385,12 +335,8 @@ void StabilityTabState::start_tuning(const session::Session &session) {
     });
 }
 
-void StabilityTabState::stop_tuning() {
-    search_.give_up();
-    message_ = "cancelled: the tuning is unchanged";
-}
-
-void StabilityTabState::save() {
+/// The result as a tuning file in the own folder.
+void StabilityTab::save() {
     if (!found_) {
         return;
     }
@@ -399,20 +345,72 @@ void StabilityTabState::save() {
     });
 }
 
-void draw_stability_tab(session::Session &session, TuningEditor &editor, StabilityTabState &state) {
-    state.update(session);
-    if (state.prediction()) {
-        show_prediction(*state.prediction());
+void StabilityTab::draw_search(const session::Session &session) {
+    const float font = ImGui::GetFontSize();
+    ImGui::SetNextItemWidth(8.0F * font);
+    ui::slider_with_number("margin", margin_, kMinMargin, kMaxMargin, "× %.2f");
+    ui::explain("for the search: the factor by which K_P and K_D can grow until the loop is\n"
+                "unstable with some hand; 1 is the limit, with no reserve for modelling errors");
+    ImGui::SameLine();
+    if (search_.is_busy()) {
+        if (ui::button("cancel")) {
+            search_.give_up();
+            message_ = "cancelled: the tuning is unchanged";
+        }
+        const std::string done =
+            "searching: " + std::to_string(std::lround(100.0 * search_.share())) + " %";
+        ui::progress("search", search_.share(), done);
+        return;
+    }
+    if (ui::button("find the stiffest")) {
+        start_search(session);
+    }
+    ui::explain("K_P, K_D and λ for the stiffest contact with this dR, map, servo rate and\n"
+                "delay that is stable with every hand, at any η and tip position;\n"
+                "takes seconds, is activated at once, and can be undone");
+}
+
+void StabilityTab::draw_found(session::Session &session, TuningEditor &editor) {
+    if (found_) {
+        const bool is_active = session.tuning().now() == found_tuning_;
+        {
+            const ui::Disabled when_active(is_active);
+            if (ui::button("activate")) {
+                editor.replace(found_tuning_, "found in the window");
+            }
+        }
+        ui::explain("the tuning that was found; undo takes it back");
+        ImGui::SameLine();
+        if (ui::button("save as file")) {
+            save();
+        }
+        ui::explain("writes the tuning and its margins to " + output_dir_text() +
+                    ";\nload it with --tuning-file");
+        ImGui::SameLine();
+        ui::text(is_active ? kGood : kFaintInk, "{}", is_active ? "found, active" : "found");
+        show_margins(*found_);
+        if (is_active) {
+            show_held_K_DC(session, *found_);
+        }
+    }
+    if (!message_.empty()) { // below the buttons, which it must not move
+        ui::wrapped(kInk, "{}", message_);
+    }
+}
+
+void StabilityTab::draw(session::Session &session, TuningEditor &editor) {
+    update(session);
+    if (prediction_) {
+        show_prediction(*prediction_);
     } else {
         ui::text(kFaintInk, "computing stability …");
     }
     ImGui::Separator();
-    show_search(session, state);
-    show_found(session, editor, state);
+    draw_search(session);
+    draw_found(session, editor);
     ui::show_error(editor.error());
     ImGui::Separator();
-    state.field().draw(session.tuning().now());
-    if (const std::optional<control::Tuning> tuning = state.field().take_clicked()) {
+    if (const auto tuning = field_.draw(session.tuning().now())) {
         editor.replace(*tuning, "from the map");
     }
 }
@@ -454,10 +452,10 @@ void StabilityField::update(const loops::StabilityCase &now) {
     }
 }
 
-void StabilityField::draw(const control::Tuning &now) {
+std::optional<control::Tuning> StabilityField::draw(const control::Tuning &now) {
     if (!grid_) {
         ui::text(kFaintInk, "computing the map …");
-        return;
+        return std::nullopt;
     }
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const ImVec2 room = ImGui::GetContentRegionAvail();
@@ -476,14 +474,16 @@ void StabilityField::draw(const control::Tuning &now) {
                {"area_height", area.where.size.y}});
     const ImVec2 mouse = ImGui::GetIO().MousePos;
     if (!ImGui::IsItemHovered() || !area.where.contains(mouse)) {
-        return;
+        return std::nullopt;
     }
     explain_point(*grid_, area, mouse);
-    if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
-        clicked_ = now;
-        clicked_->K_P_V_per_rad = area.x_at(mouse.x);
-        clicked_->dR_Ohm = area.y_at(mouse.y);
+    if (!ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
+        return std::nullopt;
     }
+    control::Tuning clicked = now;
+    clicked.K_P_V_per_rad = area.x_at(mouse.x);
+    clicked.dR_Ohm = area.y_at(mouse.y);
+    return clicked;
 }
 
 } // namespace springdrive::app

@@ -10,7 +10,6 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace springdrive::app {
@@ -43,19 +42,14 @@ public:
     /// Restarts the computation in the background if its inputs have changed.
     void update(const loops::StabilityCase &now);
 
-    /// In the available room, with a cross at the tuning. A click chooses K_P and dR.
-    void draw(const control::Tuning &now);
-
-    /// The tuning that was clicked, once.
-    [[nodiscard]] std::optional<control::Tuning> take_clicked() {
-        return std::exchange(clicked_, std::nullopt);
-    }
+    /// In the available room, with a cross at the tuning.
+    /// @return the tuning with K_P and dR that were clicked, if they were
+    [[nodiscard]] std::optional<control::Tuning> draw(const control::Tuning &now);
 
 private:
     Background<StabilityGrid> work_;
     std::optional<StabilityGrid> grid_;
     std::optional<loops::StabilityCase> of_;
-    std::optional<control::Tuning> clicked_;
 };
 
 /// A limit of one parameter, with all others unchanged.
@@ -74,50 +68,34 @@ struct StabilityPrediction {
     StabilityHeadroom dR;
 };
 
-class StabilityTabState {
+/// Shows whether the tuning is stable with every hand, the distance to its limits, and a button to
+/// search for the stiffest tuning with a margin.
+class StabilityTab {
 public:
-    /// Takes finished results, and restarts the computation if tuning or configuration changed.
-    void update(const session::Session &session);
+    void draw(session::Session &session, TuningEditor &editor);
 
     /// Takes the result of a search and activates it, if slot, device and servo are still those
     /// that it is for; otherwise it is offered.
     void finish_search(session::Session &session, TuningEditor &editor);
 
-    /// Searches for the stiffest tuning with the active dR and the selected margin.
-    void start_tuning(const session::Session &session);
-    void stop_tuning();
-    [[nodiscard]] bool is_tuning() const { return search_.is_busy(); }
-    [[nodiscard]] double tuning_share() const { return search_.share(); }
-
-    /// Writes the result as a tuning file to the current directory.
+private:
+    void update(const session::Session &session);
+    void draw_search(const session::Session &session);
+    void draw_found(session::Session &session, TuningEditor &editor);
+    void start_search(const session::Session &session);
     void save();
 
-    [[nodiscard]] const std::optional<StabilityPrediction> &prediction() const {
-        return prediction_;
-    }
-    [[nodiscard]] const std::optional<limits::AutoTuned> &found() const { return found_; }
-    [[nodiscard]] StabilityField &field() { return field_; }
-    [[nodiscard]] const std::string &message() const { return message_; }
-    /// The result of the search, with the η that was active.
-    [[nodiscard]] const control::Tuning &found_tuning() const { return found_tuning_; }
-
-    double margin = limits::AutoTuneRequest{}.margin;
-
-private:
+    double margin_ = limits::AutoTuneRequest{}.margin;
     Background<StabilityPrediction> watch_;
     std::optional<StabilityPrediction> prediction_;
     std::optional<loops::StabilityCase> looked_at_;
     StabilityField field_;
     Background<limits::AutoTuned> search_;
     std::optional<limits::AutoTuned> found_;
-    control::Tuning found_tuning_;
+    control::Tuning found_tuning_;  ///< with the η that was active
     loops::StabilityCase searched_; ///< what the search is for
     session::TuningSlot searched_slot_ = session::TuningSlot::a;
     std::string message_; ///< of the last search or save
 };
-
-/// Shows whether the tuning is stable with every hand, the distance to its limits, and a button to
-/// search for the stiffest tuning with a margin.
-void draw_stability_tab(session::Session &session, TuningEditor &editor, StabilityTabState &state);
 
 } // namespace springdrive::app

@@ -347,7 +347,7 @@ void draw_tuning_panel(session::Session &session, TuningEditor &editor, TuningPa
         draw_gains_tab(session, editor, state);
     }
     if (const ui::Tab stability("Stability"); stability) {
-        draw_stability_tab(session, editor, state.stability);
+        state.stability.draw(session, editor);
     }
     if (const ui::Tab compare("Compare"); compare) {
         draw_compare_tab(session, editor, state);
