@@ -3,7 +3,6 @@
 #include "app/host/asset_folder.h"
 #include "app/host/ending_signal.h"
 #include "app/host/output.h"
-#include "app/view/pick.h"
 #include "app/widgets/widgets.h"
 #include "base/error_text.h"
 #include "base/new_file.h"
@@ -445,27 +444,18 @@ ViewState Screen::view_state() {
     const servo::ServoSample now = is_record ? opened_.playback().sample() : session_.latest();
     const device::DeviceDescription &device =
         is_record ? opened_.playback().record().device : session_.description();
-    ViewState state;
-    state.linkage = device::linkage_pose(device.geometry,
-                                         device::joint_from_motor(device.geometry, now.theta_rad));
-    state.tip_m = now.tip_m;
-    if (const auto theta_rad = is_record ? std::nullopt : assistant_.theta_rad()) {
-        const Vector3 q_rad = device::joint_from_motor(device.geometry, *theta_rad);
-        state.linkage = device::linkage_pose(device.geometry, q_rad);
-        state.tip_m = device::tip_position_m(device.geometry, q_rad);
+    servo::ServoSample shown = now;
+    const auto theta_rad = is_record ? std::nullopt : assistant_.theta_rad();
+    if (theta_rad) {
+        shown.theta_rad = *theta_rad;
+        shown.tip_m = device::tip_position_m(device.geometry,
+                                             device::joint_from_motor(device.geometry, *theta_rad));
     }
-    state.proxy_m = now.contact.x0_m;
-    state.touching = now.contact.touching;
-    state.normal = now.contact.normal;
-    state.tip_force_N = now.tip_force_N;
-    state.hand_target_m =
-        is_record || assistant_.theta_rad() ? state.tip_m : session_.hand().target_m();
+    ViewState state = view_of(shown, device, session_.scenes().now().surface);
+    if (!is_record && !theta_rad) {
+        state.hand_target_m = session_.hand().target_m();
+    }
     state.hand_held = view_control_.holds_hand();
-    state.tripped = now.safety.state == servo::SafetyState::tripped;
-    state.workspace = device.workspace;
-    state.floor_height_m = device.workspace.centre_m.y() - 0.5 * device.workspace.size_m.y();
-    state.below = place_below(session_.scenes().now().surface,
-                              state.touching ? state.proxy_m : state.tip_m, state.floor_height_m);
     state.shown = habits_.settings().shown;
     state.touch = shown_values_.at(state.shown, device, now, opened_.subject(session_));
     if (kiosk_) {

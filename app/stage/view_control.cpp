@@ -5,6 +5,7 @@
 #include "app/view/pick.h"
 #include "app/view/renderer.h"
 #include "app/widgets/widgets.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/scene/scripted_touch.h"
 
 #include <imgui.h>
@@ -90,6 +91,25 @@ TouchGround ground_of(const session::Session &session) {
 }
 
 } // namespace
+
+ViewState view_of(const servo::ServoSample &now, const device::DeviceDescription &device,
+                  const contact::HapticSurface &surface) {
+    ViewState state;
+    state.linkage = device::linkage_pose(device.geometry,
+                                         device::joint_from_motor(device.geometry, now.theta_rad));
+    state.tip_m = now.tip_m;
+    state.proxy_m = now.contact.x0_m;
+    state.touching = now.contact.touching;
+    state.normal = now.contact.normal;
+    state.tip_force_N = now.tip_force_N;
+    state.hand_target_m = now.tip_m;
+    state.tripped = now.safety.state == servo::SafetyState::tripped;
+    state.workspace = device.workspace;
+    state.floor_height_m = device.workspace.centre_m.y() - 0.5 * device.workspace.size_m.y();
+    state.below =
+        place_below(surface, state.touching ? state.proxy_m : state.tip_m, state.floor_height_m);
+    return state;
+}
 
 bool ViewControl::obey(std::string_view key) {
     constexpr double kTurn_px = 12.0;

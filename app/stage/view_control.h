@@ -17,6 +17,12 @@ namespace springdrive::app {
 
 class Renderer;
 
+/// What a view shows of a tick: device, contact and force; the hand's target is at the tip.
+/// @param surface  that is touched
+[[nodiscard]] ViewState view_of(const servo::ServoSample &now,
+                                const device::DeviceDescription &device,
+                                const contact::HapticSurface &surface);
+
 /// What is seen at a pixel of the view.
 struct SeenAt {
     std::function<Vector3(const PixelPoint &)> point;
