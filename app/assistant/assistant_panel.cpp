@@ -148,11 +148,8 @@ bool draw_offers(const std::vector<assistant::Offer> &offers) {
                 ImGui::NewLine();
             }
         }
-        {
-            const ui::Disabled disabled(!offer.is_enabled);
-            if (ui::button(offer.label.c_str())) {
-                offer.choose();
-            }
+        if (enabled_button(offer.label.c_str(), offer.is_enabled)) {
+            offer.choose();
         }
         if (!offer.explanation.empty()) {
             ui::explain(offer.explanation);
@@ -210,11 +207,8 @@ void draw_step(session::Session &session, Assistant &assistant, DoctorPopup &doc
 }
 
 void draw_ways(session::Session &session, Assistant &assistant) {
-    {
-        const ui::Disabled first(assistant.present() == StepName::link);
-        if (ui::button("Back")) {
-            assistant.back(session);
-        }
+    if (enabled_button("Back", assistant.present() != StepName::link)) {
+        assistant.back(session);
     }
     ImGui::SameLine();
     if (ui::button("Again")) {
@@ -222,11 +216,9 @@ void draw_ways(session::Session &session, Assistant &assistant) {
     }
     ui::explain("this step from its beginning; resets a stop");
     ImGui::SameLine();
-    {
-        const ui::Disabled disabled(!assistant.can_go_on(session));
-        if (ui::button(assistant.present() == StepName::touch ? "Finish###Next" : "Next")) {
-            assistant.next(session);
-        }
+    if (enabled_button(assistant.present() == StepName::touch ? "Finish###Next" : "Next",
+                       assistant.can_go_on(session))) {
+        assistant.next(session);
     }
     ImGui::SameLine();
     if (ui::button("Leave")) {

@@ -7,6 +7,7 @@
 #include "app/panels/tuning_editor.h"
 #include "app/plots/plot_panel.h"
 #include "app/widgets/rectangle.h"
+#include "app/widgets/widgets.h"
 #include "base/background.h"
 #include "device/factory/device_factory.h"
 #include "engine/session/record_playback.h"
@@ -25,6 +26,12 @@
 #include <vector>
 
 namespace springdrive::app {
+
+/// A button that is grey, and does nothing, unless `is_enabled`.
+[[nodiscard]] inline bool enabled_button(const char *label, bool is_enabled) {
+    const ui::Disabled disabled(!is_enabled);
+    return ui::button(label);
+}
 
 /// State of the tuning panel between frames.
 struct TuningPanelState {

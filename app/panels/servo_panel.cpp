@@ -311,11 +311,8 @@ void show_speed(session::Session &session) {
     }
     ui::explain("speed of the simulated device, its hand and its servo; key P pauses");
     ImGui::SameLine();
-    {
-        const ui::Disabled running(servo.speed() > 0.0);
-        if (ui::button("step")) {
-            servo.step();
-        }
+    if (enabled_button("step", servo.speed() == 0.0)) {
+        servo.step();
     }
     ui::explain("one tick, while it is paused; key .");
     ImGui::SameLine();

@@ -373,11 +373,8 @@ void StabilityTab::draw_search(const session::Session &session) {
 void StabilityTab::draw_found(session::Session &session, TuningEditor &editor) {
     if (found_) {
         const bool is_active = session.tuning().now() == found_tuning_;
-        {
-            const ui::Disabled when_active(is_active);
-            if (ui::button("activate")) {
-                editor.replace(found_tuning_, "found in the window");
-            }
+        if (enabled_button("activate", !is_active)) {
+            editor.replace(found_tuning_, "found in the window");
         }
         ui::explain("the tuning that was found; undo takes it back");
         ImGui::SameLine();

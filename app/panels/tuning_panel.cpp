@@ -76,11 +76,8 @@ void draw_files(const session::Session &session, TuningPanelState &state,
     ui::explain("writes the active tuning to NAME.toml in " + output_dir_text() +
                 ";\nload it here, or with --tuning-file");
     ImGui::SameLine();
-    {
-        const ui::Disabled not_own(!file || !file->is_own);
-        if (ui::button("rename") && file) {
-            state.file_message = state.files.rename(*file, state.file_name);
-        }
+    if (enabled_button("rename", file && file->is_own) && file) {
+        state.file_message = state.files.rename(*file, state.file_name);
     }
     ui::explain("renames the chosen file; those in brackets belong to the project");
     if (!state.file_message.empty()) {
@@ -194,12 +191,9 @@ void draw_presets(session::Session &session, TuningEditor &editor, TuningPanelSt
         const std::string file = preset_file(label, session.servo().rate_hz(),
                                              session.device().device().delay_periods());
         const std::optional<control::Tuning> &preset = preset_of(file, state);
-        {
-            const ui::Disabled without_file(!preset.has_value());
-            if (ui::button(label) && preset) {
-                editor.replace(control::with_gains_of(session.tuning().now(), *preset),
-                               std::string("preset ") + label);
-            }
+        if (enabled_button(label, preset.has_value()) && preset) {
+            editor.replace(control::with_gains_of(session.tuning().now(), *preset),
+                           std::string("preset ") + label);
         }
         ui::explain(preset ? preset_text(session, file, *preset)
                            : "no tuning is stored for this servo rate and delay:\n"
@@ -210,21 +204,15 @@ void draw_presets(session::Session &session, TuningEditor &editor, TuningPanelSt
 
 void draw_history_buttons(session::Session &session, TuningEditor &editor) {
     const session::TuningHistory &history = session.tuning();
-    {
-        const ui::Disabled at_start(!history.can_undo());
-        if (ui::button("undo")) {
-            editor.undo();
-        }
+    if (enabled_button("undo", history.can_undo())) {
+        editor.undo();
     }
     ui::explain(history.done() > 0
                     ? "takes back: " + history.steps()[history.done() - 1].what + "\nCtrl+Z"
                     : "nothing to take back; Ctrl+Z");
     ImGui::SameLine();
-    {
-        const ui::Disabled at_end(!history.can_redo());
-        if (ui::button("redo")) {
-            editor.redo();
-        }
+    if (enabled_button("redo", history.can_redo())) {
+        editor.redo();
     }
     ui::explain("Ctrl+Y");
     ImGui::SameLine();
