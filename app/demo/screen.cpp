@@ -417,7 +417,7 @@ void Screen::show_scene() {
     std::error_code ignored;
     if (!std::filesystem::equivalent(scene.file.parent_path(), asset_folder() / "scenes",
                                      ignored)) {
-        habits_.note_opened(scene.file);
+        note_recent(habits_.settings(), scene.file);
     }
     print(scene.warnings);
 }

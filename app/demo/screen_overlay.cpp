@@ -115,9 +115,10 @@ void Screen::draw_over_scene(const Rectangle &view) {
         if (const auto viewpoint = draw_view_buttons(view, window_.scale())) {
             view_control_.look_from(*viewpoint);
         }
-        legend_width_ = draw_legend(habits_.shown(), habits_.opens_legend(), shown_values_.last(),
-                                    view, bottom_of_view_buttons(view, window_.scale()),
-                                    width_of_view_buttons(), window_.scale());
+        legend_width_ =
+            draw_legend(habits_.settings().shown, habits_.settings().opens_legend,
+                        shown_values_.last(), view, bottom_of_view_buttons(view, window_.scale()),
+                        width_of_view_buttons(), window_.scale());
     }
     const WindowMenuChoice choice = draw_window_menu(habits_, view, window_.scale());
     obey(choice.order);
@@ -132,7 +133,7 @@ void Screen::draw_start(const Rectangle &place) {
     }
     const StartAnswer answer = draw_start_card(place, start_height_);
     if (answer == StartAnswer::got_it) {
-        habits_.dismiss_start();
+        habits_.settings().dismissed_start = true;
     } else if (answer == StartAnswer::keys) {
         shows_keys_ = true;
     } else if (answer == StartAnswer::wrong_direction) {
@@ -147,7 +148,7 @@ void Screen::note_opened() {
                                          : opened_.run()     ? opened_.run()->folder
                                                              : playback.record().file;
     if (record != noted_record_ && !record.empty()) {
-        habits_.note_opened(record);
+        note_recent(habits_.settings(), record);
     }
     noted_record_ = record;
 }

@@ -120,20 +120,13 @@ public:
 
     /// The settings that are remembered, and those that change during the run.
     [[nodiscard]] const Settings &settings() const { return keeper_.now; }
+    [[nodiscard]] Settings &settings() { return keeper_.now; }
     [[nodiscard]] bool remembers() const { return keeper_.remembers(); }
 
     void obey(WindowOrder order, Window &window);
 
     /// Whether the plate of the first minute is wanted.
     [[nodiscard]] bool wants_start() const { return remembers() && !settings().dismissed_start; }
-    void dismiss_start() { keeper_.now.dismissed_start = true; }
-
-    /// What is drawn in the scene, and whether its legend is open; to be changed there.
-    [[nodiscard]] ShownThings &shown() { return keeper_.now.shown; }
-    [[nodiscard]] bool &opens_legend() { return keeper_.now.opens_legend; }
-
-    /// A scene, record or session that was opened by its name.
-    void note_opened(const std::filesystem::path &file) { note_recent(keeper_.now, file); }
 
     /// Once a frame: says what there is to say, and saves what has changed.
     void update(Window &window);

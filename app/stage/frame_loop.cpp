@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
 #include <iostream>
+#include <mutex>
 #include <ostream>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <utility>
@@ -21,24 +24,18 @@ using Seconds = std::chrono::duration<double>;
 
 LoadLines::LoadLines(std::string file, const scene::LoadProgress &progress, std::ostream &out,
                      std::chrono::milliseconds period)
-    : file_(std::move(file)), progress_(progress), out_(out), period_(period),
-      thread_([this] { print_each_period(); }) {}
-
-LoadLines::~LoadLines() {
-    {
-        const std::lock_guard lock(mutex_);
-        has_ended_ = true;
-    }
-    ended_.notify_one();
-    thread_.join();
-}
-
-void LoadLines::print_each_period() {
-    std::unique_lock lock(mutex_);
-    while (!ended_.wait_for(lock, period_, [this] { return has_ended_; })) {
-        out_ << "springdrive: " << file_ << ": " << progress_.text() << std::endl;
-    }
-}
+    : thread_([file = std::move(file), &progress, &out, period](const std::stop_token &ended) {
+          std::mutex mutex;
+          std::unique_lock lock(mutex);
+          std::condition_variable_any woken; // by `ended`
+          while (true) {
+              woken.wait_for(lock, ended, period, [] { return false; });
+              if (ended.stop_requested()) {
+                  return;
+              }
+              out << "springdrive: " << file << ": " << progress.text() << std::endl;
+          }
+      }) {}
 
 session::Session open_session(const session::SessionOptions &options) {
     if (!reserve_heaps()) {

@@ -9,9 +9,7 @@
 #include "engine/session/session.h"
 
 #include <chrono>
-#include <condition_variable>
 #include <iosfwd>
-#include <mutex>
 #include <string>
 #include <thread>
 
@@ -24,21 +22,9 @@ public:
     /// @param progress and `out` must outlive it
     LoadLines(std::string file, const scene::LoadProgress &progress, std::ostream &out,
               std::chrono::milliseconds period = std::chrono::seconds(1));
-    ~LoadLines();
-    LoadLines(const LoadLines &) = delete;
-    LoadLines &operator=(const LoadLines &) = delete;
 
 private:
-    void print_each_period();
-
-    std::string file_;
-    const scene::LoadProgress &progress_;
-    std::ostream &out_;
-    std::chrono::milliseconds period_;
-    std::mutex mutex_;
-    std::condition_variable ended_;
-    bool has_ended_ = false;
-    std::thread thread_;
+    std::jthread thread_; ///< asked to end, and joined, on destruction
 };
 
 /// Prints progress lines to standard error while its scene loads, if that takes long.
