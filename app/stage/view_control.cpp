@@ -139,13 +139,7 @@ void ViewControl::update(session::Session &session, const ViewState &state, cons
                          const Rectangle &free, bool may_move_hand) {
     const PixelSize size = size_of(view);
     const Camera before = camera_;
-    const auto point = [&](const PixelPoint &pixel) {
-        return point_under(camera_, pixel, size, session.scenes().now().scene, state);
-    };
-    const auto touchable = [&](const PixelPoint &pixel) {
-        return touchable_under(camera_, pixel, size, session.scenes().now().surface);
-    };
-    mouse_.apply(session, camera_, view, may_move_hand, {point, touchable});
+    apply_mouse(session, state, view, may_move_hand);
     if (camera_ != before) {
         kept_.reset();
     }
@@ -188,8 +182,9 @@ void ViewControl::draw(Renderer &renderer, const ViewState &state, const Rectang
     }
 }
 
-void MouseInView::apply(session::Session &session, Camera &camera, const Rectangle &view,
-                        bool may_move_hand, const SeenAt &seen) {
+void ViewControl::apply_mouse(session::Session &session, const ViewState &state,
+                              const Rectangle &view, bool may_move_hand) {
+    const PixelSize size = size_of(view);
     const ImGuiIO &io = ImGui::GetIO();
     const PixelPoint pixel{io.MousePos.x - view.corner.x, io.MousePos.y - view.corner.y};
     const bool over_view = view.contains(io.MousePos) && !io.WantCaptureMouse;
@@ -208,7 +203,7 @@ void MouseInView::apply(session::Session &session, Camera &camera, const Rectang
     const bool was_dragging = dragging_ != Drag::none;
     if (over_view && !was_dragging) {
         if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
-            begin_with_hand(session, seen, pixel, may_move_hand);
+            begin_with_hand(session, pixel, size, may_move_hand);
         } else if (ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
             dragging_ = Drag::orbit;
         } else if (ImGui::IsMouseClicked(ImGuiMouseButton_Middle)) {
@@ -222,41 +217,42 @@ void MouseInView::apply(session::Session &session, Camera &camera, const Rectang
     switch (dragging_) {
     case Drag::hand:
         if (may_move_hand) {
-            const double pixel_m = camera.metres_per_pixel(grabbed_m_, height);
-            grabbed_m_ += pixel_m * (dx * camera.right() - dy * camera.up()) +
-                          io.MouseWheel * kDepthPerNotch_m * camera.forward();
+            const double pixel_m = camera_.metres_per_pixel(grabbed_m_, height);
+            grabbed_m_ += pixel_m * (dx * camera_.right() - dy * camera_.up()) +
+                          io.MouseWheel * kDepthPerNotch_m * camera_.forward();
             session.hand().move_to(grabbed_m_);
         }
         break;
     case Drag::orbit:
-        camera.orbit(dx, dy);
+        camera_.orbit(dx, dy);
         break;
     case Drag::pan:
-        camera.pan(dx, dy, height);
+        camera_.pan(dx, dy, height);
         break;
     case Drag::touch:
     case Drag::none:
         break;
     }
     if (touch_.is_on() && may_move_hand) {
-        move_touch(session, seen, pixel);
+        move_touch(session, pixel, size);
     } else {
         touch_.stop();
     }
     if (io.MouseWheel != 0.0F && over_view && !holds_hand()) {
-        camera.zoom(io.MouseWheel, seen.point(pixel));
+        camera_.zoom(io.MouseWheel,
+                     point_under(camera_, pixel, size, session.scenes().now().scene, state));
     }
 }
 
-void MouseInView::begin_with_hand(const session::Session &session, const SeenAt &seen,
-                                  const PixelPoint &pixel, bool may_move_hand) {
+void ViewControl::begin_with_hand(const session::Session &session, const PixelPoint &pixel,
+                                  const PixelSize &size, bool may_move_hand) {
     dragging_ = Drag::hand;
     grabbed_m_ = session.hand().target_m();
     touch_.stop();
     if (!may_move_hand || !session.hand().is_simulated() || ImGui::GetIO().KeyShift) {
         return;
     }
-    if (const auto place = seen.touchable(pixel)) {
+    if (const auto place = touchable_under(camera_, pixel, size, session.scenes().now().surface)) {
         dragging_ = Drag::touch;
         touch_.press(ground_of(session), session.latest().contact, grabbed_m_, *place);
         asked_m_ = grabbed_m_;
@@ -264,14 +260,15 @@ void MouseInView::begin_with_hand(const session::Session &session, const SeenAt 
 }
 
 /// Unless something else has moved the hand meanwhile.
-void MouseInView::move_touch(session::Session &session, const SeenAt &seen,
-                             const PixelPoint &pixel) {
+void ViewControl::move_touch(session::Session &session, const PixelPoint &pixel,
+                             const PixelSize &size) {
     if (session.hand().target_m() != asked_m_) {
         touch_.stop();
         return;
     }
     if (dragging_ == Drag::touch) {
-        if (const auto place = seen.touchable(pixel)) {
+        if (const auto place =
+                touchable_under(camera_, pixel, size, session.scenes().now().surface)) {
             touch_.aim(ground_of(session), session.latest().contact, *place);
         }
         if (const float notches = ImGui::GetIO().MouseWheel; notches != 0.0F) {

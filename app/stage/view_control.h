@@ -9,7 +9,6 @@
 #include "app/window/window.h"
 #include "engine/session/session.h"
 
-#include <functional>
 #include <optional>
 #include <string_view>
 
@@ -23,39 +22,10 @@ class Renderer;
                                 const device::DeviceDescription &device,
                                 const contact::HapticSurface &surface);
 
-/// What is seen at a pixel of the view.
-struct SeenAt {
-    std::function<Vector3(const PixelPoint &)> point;
-    std::function<std::optional<SurfacePlace>(const PixelPoint &)> touchable; ///< of the scene
-};
-
-/// The left button on the scene's surface lets the hand press there, and slide after the cursor;
-/// beside it, or with Shift, its drag moves the hand in the view plane. The wheel meanwhile: depth.
-/// Right drag orbits, middle drag pans, the wheel zooms to the cursor. A drag belongs to the view
-/// in which it began.
-class MouseInView {
-public:
-    /// @param may_move_hand  false while something else than the present is shown
-    void apply(session::Session &session, Camera &camera, const Rectangle &view, bool may_move_hand,
-               const SeenAt &seen);
-
-    [[nodiscard]] bool holds_hand() const {
-        return dragging_ == Drag::hand || dragging_ == Drag::touch;
-    }
-
-private:
-    enum class Drag : unsigned char { none, hand, touch, orbit, pan };
-
-    void begin_with_hand(const session::Session &session, const SeenAt &seen,
-                         const PixelPoint &pixel, bool may_move_hand);
-    void move_touch(session::Session &session, const SeenAt &seen, const PixelPoint &pixel);
-
-    Drag dragging_ = Drag::none;
-    Vector3 grabbed_m_{Vector3::Zero()}; ///< position of the hand by the mouse, within reach or not
-    TouchByClick touch_;
-    Vector3 asked_m_{Vector3::Zero()}; ///< the hand's target that `touch_` led to last
-};
-
+/// Mouse: the left button on the scene's surface lets the hand press there, and slide after the
+/// cursor; beside it, or with Shift, its drag moves the hand in the view plane. The wheel
+/// meanwhile: depth. Right drag orbits, middle drag pans, the wheel zooms to the cursor. A drag
+/// belongs to the view in which it began.
 class ViewControl {
 public:
     /// From the next `update` on, with everything in the picture, until the camera is moved.
@@ -70,6 +40,7 @@ public:
     /// Applies the mouse, and keeps the viewpoint when the view's size or the device has changed.
     /// @param view  of the scene in the window
     /// @param free  its part over which nothing else is drawn
+    /// @param may_move_hand  false while something else than the present is shown
     void update(session::Session &session, const ViewState &state, const Rectangle &view,
                 const Rectangle &free, bool may_move_hand);
 
@@ -82,11 +53,24 @@ public:
               const Window &window) const;
 
     [[nodiscard]] const Camera &camera() const { return camera_; }
-    [[nodiscard]] bool holds_hand() const { return mouse_.holds_hand(); }
+    [[nodiscard]] bool holds_hand() const {
+        return dragging_ == Drag::hand || dragging_ == Drag::touch;
+    }
 
 private:
+    enum class Drag : unsigned char { none, hand, touch, orbit, pan };
+
+    void apply_mouse(session::Session &session, const ViewState &state, const Rectangle &view,
+                     bool may_move_hand);
+    void begin_with_hand(const session::Session &session, const PixelPoint &pixel,
+                         const PixelSize &size, bool may_move_hand);
+    void move_touch(session::Session &session, const PixelPoint &pixel, const PixelSize &size);
+
     Camera camera_;
-    MouseInView mouse_;
+    Drag dragging_ = Drag::none;
+    Vector3 grabbed_m_{Vector3::Zero()}; ///< position of the hand by the mouse, within reach or not
+    TouchByClick touch_;
+    Vector3 asked_m_{Vector3::Zero()}; ///< the hand's target that `touch_` led to last
     std::optional<Viewpoint> kept_ = Viewpoint::home; ///< until the camera is moved
     bool is_framed_ = false;
     PixelSize framed_size_;                  ///< of the view, then
