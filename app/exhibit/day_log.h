@@ -49,8 +49,6 @@ public:
     /// Why a line is missing, once; else empty.
     [[nodiscard]] std::string take_error();
 
-    [[nodiscard]] const std::filesystem::path &file() const { return file_; }
-
 private:
     [[nodiscard]] bool append(const std::string &text) const;
 

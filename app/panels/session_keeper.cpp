@@ -4,7 +4,6 @@
 #include "base/input_error.h"
 #include "base/print.h"
 #include "engine/record/record_writer.h"
-#include "engine/servo/safety_status.h"
 #include "engine/session/telemetry_history.h"
 
 #include <fmt/core.h>
@@ -46,8 +45,7 @@ void EventLog::watch_safety(const session::Session &session) {
     const record::ChannelStore &store = session.servo().history().store();
     for (std::uint64_t row = std::max(next_row_, store.begin()); row < store.end(); ++row) {
         const servo::SafetyState now = state_at(store, row);
-        const auto before = static_cast<servo::SafetyState>(static_cast<int>(state_));
-        state_ = static_cast<double>(now);
+        const servo::SafetyState before = std::exchange(state_, now);
         if (now == before) {
             continue;
         }

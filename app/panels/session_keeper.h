@@ -6,6 +6,7 @@
 #pragma once
 
 #include "base/background.h"
+#include "engine/servo/safety_status.h"
 #include "engine/session/run_folder.h"
 #include "engine/session/session.h"
 #include "engine/session/tuning_history.h"
@@ -50,7 +51,7 @@ private:
 
     std::deque<Event> events_;
     std::uint64_t next_row_ = 0;
-    double state_ = 0.0;      ///< of the monitor, in the last row
+    servo::SafetyState state_ = servo::SafetyState::waiting; ///< in the last row
     std::size_t journal_ = 1; ///< entries taken; the first one is the start
     std::uint32_t scene_id_ = 0;
     double rate_hz_ = 0.0;
