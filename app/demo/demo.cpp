@@ -18,9 +18,8 @@ namespace springdrive::app {
 
 namespace {
 
-// What is done when the X server goes away: by default Xlib ends the program at once, while the
-// servo runs.
-
+/// What is done when the X server goes away: by default Xlib ends the program at once, while the
+/// servo runs.
 std::function<void()> &wishes() {
     static std::function<void()> the_last;
     return the_last;

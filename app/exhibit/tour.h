@@ -87,6 +87,7 @@ struct ScriptContext {
     HandLift &lift;
 };
 
+/// Shows the tour's scenes one at a time, each by its scripted hand.
 class ScriptedDemo {
 public:
     /// The present scene and gains are those of the start.

@@ -58,6 +58,7 @@ enum class Condition : std::uint8_t {
 
 enum class Remedy : std::uint8_t { none, reset, lift_hand };
 
+/// How an exhibit goes on after a stop.
 class TripRecovery {
 public:
     static constexpr double kPause_s = 3.0;   ///< from being free to the reset

@@ -71,7 +71,8 @@ void show_consequences(const session::Session &session);
 /// As --device names it.
 [[nodiscard]] std::string name_of(const session::DeviceChoice &choice);
 
-/// Asks in the background, so that frames go on.
+/// The doctor in the window: offered where something is refused, shown over the panels. Asks in the
+/// background, so that frames go on.
 class DoctorPopup {
 public:
     /// A small button beside an error, which asks.

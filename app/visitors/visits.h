@@ -126,6 +126,7 @@ private:
 /// degrees" or "more than 38 degrees".
 [[nodiscard]] std::string threshold_words(const study_screen::OwnCurve &curve);
 
+/// The one window of the visitors' task: the participant's, on whatever screen visitors have.
 /// Ctrl+Alt+Q, a signal and the end of the display ask to end; Ctrl+Alt+Z says that the device is
 /// held in its zero pose.
 class VisitorWindow {

@@ -28,6 +28,8 @@ namespace springdrive::app::study_screen {
 /// scene. Depends on scene and spot alone.
 [[nodiscard]] Camera camera_on(const scene::TouchSpot &spot, const scene::Scene &scene);
 
+/// The scene as a participant sees it: lit and with its shadows, the marked spot as a ring, and a
+/// ball. No device, no arrow, no caption, and no colour that could tell anything.
 class ParticipantScene {
 public:
     /// @param samples  per pixel

@@ -187,6 +187,7 @@ private:
     Resumable<> whole_;
 };
 
+/// A sitting, or visits, frame by frame in the windows in which they take place.
 /// @tparam Resumed  a Sitting, or what is resumed like one
 /// @tparam Windows  such as StudyWindow
 template <typename Resumed, typename Windows> class SittingActivity : public Activity {

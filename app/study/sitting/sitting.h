@@ -26,6 +26,8 @@
 
 namespace springdrive::app::study_screen {
 
+/// Stops of the device in a sitting: each is stored with the trial in which it was, or noted; and
+/// when the device is reset after one that nobody requested.
 class DeviceStops {
 public:
     /// @param resets_itself  after a calm, unless a requested stop is held
@@ -170,6 +172,9 @@ private:
     std::optional<int> presented_again_;    ///< trials, while the participant practises again
     Frames frames_;                         ///< last: what it holds uses all the others
 };
+
+// What a check of a protocol adds where a person is to take part: a simulated observer has neither
+// keys nor a screen.
 
 /// Errors: names in `responses.keys` that nobody can press, gestures along the way off a spot, and
 /// an adjustment of what cannot be changed while it is felt. Warnings: texts that are too long to
