@@ -1,9 +1,11 @@
-// Runs work that takes longer than a frame on a background thread, one job at a time.
+// Background threads: work that takes longer than a frame, one job at a time, and the destruction
+// of values whose destructors take long.
 #pragma once
 
 #include "base/cancellation.h"
 
 #include <atomic>
+#include <condition_variable>
 #include <functional>
 #include <future>
 #include <memory>
@@ -44,9 +46,9 @@ private:
     std::string what_;
 };
 
-/// Used from one thread. Starting and cancelling do not wait for work that is no longer needed; the
-/// destructor does, so the work must poll `is_wanted`, or call `stop_if_given_up` deep in its call
-/// tree.
+/// Runs one job at a time. Used from one thread. Starting and cancelling do not wait for work that
+/// is no longer needed; the destructor does, so the work must poll `is_wanted`, or call
+/// `stop_if_given_up` deep in its call tree.
 template <typename Result> class Background {
 public:
     using Work = std::function<Result(BackgroundTalk &)>;
@@ -112,6 +114,55 @@ private:
     std::shared_ptr<BackgroundTalk> talk_;
     std::future<Result> result_;
     std::vector<Thread> threads_; ///< of current work and of cancelled work still running
+};
+
+/// Destroys values whose destructors take long, e.g. gigabytes of data, on a background thread.
+/// Used from one thread. The destructor waits until all values are destroyed.
+template <typename Value> class BackgroundRelease {
+public:
+    BackgroundRelease() = default;
+    BackgroundRelease(const BackgroundRelease &) = delete;
+    BackgroundRelease &operator=(const BackgroundRelease &) = delete;
+    ~BackgroundRelease() {
+        {
+            const std::lock_guard lock(mutex_);
+            is_ending_ = true;
+        }
+        wake_.notify_one();
+    }
+
+    /// Does not wait. The thread starts with the first value.
+    void let_go(std::unique_ptr<Value> value) {
+        {
+            const std::lock_guard lock(mutex_);
+            waiting_.push_back(std::move(value));
+        }
+        wake_.notify_one();
+        if (!thread_.joinable()) {
+            thread_ = std::jthread([this] { run(); });
+        }
+    }
+
+private:
+    void run() {
+        for (;;) {
+            std::vector<std::unique_ptr<Value>> values;
+            {
+                std::unique_lock lock(mutex_);
+                wake_.wait(lock, [this] { return is_ending_ || !waiting_.empty(); });
+                if (waiting_.empty()) {
+                    return;
+                }
+                values.swap(waiting_);
+            }
+        }
+    }
+
+    std::mutex mutex_;
+    std::condition_variable wake_;
+    std::vector<std::unique_ptr<Value>> waiting_;
+    bool is_ending_ = false;
+    std::jthread thread_; ///< last member, so that it is joined first
 };
 
 } // namespace springdrive

@@ -2,6 +2,8 @@
 // base/field_toml.h reads and writes them.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -93,8 +95,13 @@ template <typename Struct> struct Field {
 };
 
 /// "NAME is VALUE; it must be from MINIMUM to MAXIMUM" if it is not, also for a NaN; else empty.
-[[nodiscard]] std::string unless_from_to(std::string_view name, double value, double minimum,
-                                         double maximum);
+[[nodiscard]] inline std::string unless_from_to(std::string_view name, double value, double minimum,
+                                                double maximum) {
+    return value >= minimum && value <= maximum // written so that a NaN lies in no range
+               ? std::string()
+               : fmt::format("{} is {:g}; it must be from {:g} to {:g}", name, value, minimum,
+                             maximum);
+}
 
 /// The same of the first number of a struct that is out of its range.
 template <typename Fields, typename Struct>

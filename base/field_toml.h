@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/field.h"
-#include "base/quoting.h"
 #include "base/strict_toml.h"
 #include "base/table.h"
+#include "base/text.h"
 
 #include <fmt/core.h>
 

@@ -14,4 +14,15 @@ public:
     explicit InputError(const std::string &message) : std::runtime_error(message) {}
 };
 
+/// The message of the InputError that `step` throws; empty if it throws none. Other exceptions
+/// pass.
+template <typename Step> [[nodiscard]] std::string error_text_of(Step &&step) {
+    try {
+        step();
+    } catch (const InputError &error) {
+        return error.what();
+    }
+    return {};
+}
+
 } // namespace springdrive

@@ -5,7 +5,7 @@
 
 #include <array>
 #include <cstddef>
-#include <iosfwd>
+#include <ostream>
 #include <type_traits>
 
 namespace springdrive {
@@ -39,14 +39,11 @@ private:
     fmt::format_string<Values...> format_;
 };
 
-/// Called by `print` once its format has been checked.
-void print_checked(std::ostream &out, fmt::string_view format, fmt::format_args values);
-
 /// Prints formatted values; the format shows the columns of a table as they will look.
 template <typename... Values>
 void print(std::ostream &out, CheckedFormat<std::type_identity_t<Values>...> format,
            const Values &...values) {
-    print_checked(out, format.text(), fmt::make_format_args(values...));
+    out << fmt::vformat(format.text(), fmt::make_format_args(values...));
 }
 
 /// The same into a buffer, without allocating: truncated to the buffer, always null-terminated.

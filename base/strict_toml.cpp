@@ -2,8 +2,7 @@
 
 #include "base/input_error.h"
 #include "base/input_file.h"
-#include "base/one_line.h"
-#include "base/similar_names.h"
+#include "base/text.h"
 
 #include <fmt/core.h>
 #include <toml++/toml.h>

@@ -1,7 +1,7 @@
 #include "base/table.h"
 
 #include "base/assertions.h"
-#include "base/quoting.h"
+#include "base/text.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,5 @@
-// Takes the time of a piece of work several times over.
+// Takes the time of a piece of work several times over, and names the machine on which that was
+// measured.
 #pragma once
 
 #include "base/assertions.h"
@@ -6,6 +7,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <istream>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -49,5 +52,11 @@ template <typename Work> [[nodiscard]] Cost cost_of(int repeats, double per, con
     }
     return cost_of_times(std::move(times_ns));
 }
+
+/// The processor's model and the number of available cores, as in "AMD EPYC (2 cores)".
+[[nodiscard]] std::string machine_name();
+
+/// The first model name in a file like /proc/cpuinfo; "unknown processor" if there is none.
+[[nodiscard]] std::string processor_model(std::istream &cpuinfo);
 
 } // namespace springdrive

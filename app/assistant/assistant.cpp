@@ -1,10 +1,10 @@
 #include "app/assistant/assistant.h"
 
 #include "app/host/user_folder.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "base/new_file.h"
-#include "base/quoting.h"
 #include "base/strict_toml.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <ostream>

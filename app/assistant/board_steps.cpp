@@ -7,9 +7,8 @@
 
 #include "app/host/output_dir.h"
 #include "base/degrees.h"
-#include "base/error_text.h"
-#include "base/file_names.h"
-#include "base/latest_value.h"
+#include "base/hand_over.h"
+#include "base/input_error.h"
 #include "base/new_file.h"
 #include "device/core/board_reset.h"
 #include "device/core/calibration_file.h"

@@ -5,7 +5,7 @@
 #include "app/host/asset_folder.h"
 #include "app/panels/panels.h"
 #include "base/degrees.h"
-#include "base/one_line.h"
+#include "base/text.h"
 #include "device/core/board_faults.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning_file.h"

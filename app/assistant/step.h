@@ -6,7 +6,7 @@
 //     └─ again ──┘
 #pragma once
 
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "base/vector.h"
 #include "engine/commissioning/calibration_run.h"
 #include "engine/servo/safety_status.h"

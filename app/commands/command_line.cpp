@@ -2,7 +2,7 @@
 
 #include "app/commands/commands.h"
 
-#include "base/similar_names.h"
+#include "base/text.h"
 
 #include <CLI/CLI.hpp>
 

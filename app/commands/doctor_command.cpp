@@ -4,8 +4,8 @@
 #include "app/doctor/checks.h"
 #include "app/doctor/doctor_report.h"
 #include "app/host/asset_folder.h"
-#include "base/error_text.h"
-#include "base/machine_name.h"
+#include "base/input_error.h"
+#include "base/timing.h"
 #include "engine/servo/servo.h"
 
 #include <cstdlib>

@@ -4,7 +4,7 @@
 #include "app/host/ending_signal.h"
 #include "app/host/output.h"
 #include "app/widgets/widgets.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
 

@@ -1,7 +1,6 @@
 #include "app/doctor/machine.h"
 
-#include "base/number_in.h"
-#include "base/one_line.h"
+#include "base/text.h"
 
 #include <fcntl.h>
 #include <sys/resource.h>

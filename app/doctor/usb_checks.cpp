@@ -1,7 +1,7 @@
 // What stands between springdrive and a board on USB.
 #include "app/doctor/checks.h"
 
-#include "base/number_in.h"
+#include "base/text.h"
 #include "device/usb/protocol.h"
 
 #include <fmt/format.h>

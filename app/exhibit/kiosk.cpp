@@ -1,7 +1,7 @@
 #include "app/exhibit/kiosk.h"
 
 #include "app/view/view_state.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "engine/session/telemetry_history.h"
 
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 #include "app/host/asset_folder.h"
 #include "app/host/child_program.h"
 #include "base/input_error.h"
-#include "base/quoting.h"
+#include "base/text.h"
 
 #include <fmt/core.h>
 

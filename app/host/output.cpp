@@ -1,6 +1,5 @@
 #include "app/host/output.h"
 
-#include "base/error_text.h"
 #include "base/input_error.h"
 
 #include <fstream>

@@ -2,7 +2,7 @@
 
 #include "app/doctor/doctor_report.h"
 #include "app/widgets/widgets.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 
 #include <algorithm>
 

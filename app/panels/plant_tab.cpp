@@ -2,7 +2,7 @@
 #include "app/host/asset_folder.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,7 +1,7 @@
 #include "app/panels/scene_overlay.h"
 
 #include "app/widgets/widgets.h"
-#include "base/one_line.h"
+#include "base/text.h"
 
 #include <fmt/format.h>
 

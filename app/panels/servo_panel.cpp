@@ -2,8 +2,8 @@
 #include "app/panels/panels.h"
 #include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"
-#include "base/error_text.h"
-#include "base/file_names.h"
+#include "base/input_error.h"
+#include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/servo/workspace_edge.h"
 

@@ -6,7 +6,7 @@
 #include "app/plots/axis.h"
 #include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"
-#include "base/file_names.h"
+#include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/stability_limits.h"
 

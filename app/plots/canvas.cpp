@@ -1,6 +1,6 @@
 #include "app/plots/canvas.h"
 
-#include "base/quoting.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <fmt/core.h>

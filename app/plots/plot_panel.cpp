@@ -6,8 +6,8 @@
 #include "app/plots/channel_look.h"
 #include "app/widgets/look.h"
 #include "app/widgets/widgets.h"
-#include "base/file_names.h"
-#include "base/quoting.h"
+#include "base/new_file.h"
+#include "base/text.h"
 #include "engine/session/telemetry_history.h"
 
 #include <fmt/core.h>

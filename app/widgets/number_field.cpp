@@ -1,7 +1,6 @@
 // Numbers to be typed: in a field, or on a slider after a click with Ctrl.
 #include "app/widgets/widgets.h"
-#include "base/number_in.h"
-#include "base/one_line.h"
+#include "base/text.h"
 
 #include <imgui_internal.h>
 #include <imgui_stdlib.h>

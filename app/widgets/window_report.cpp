@@ -1,6 +1,6 @@
 #include "app/widgets/window_report.h"
 
-#include "base/quoting.h"
+#include "base/text.h"
 #include "engine/record/telemetry_columns.h"
 
 #include <nlohmann/json.hpp>

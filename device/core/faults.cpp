@@ -1,9 +1,7 @@
 #include "device/core/faults.h"
 
 #include "base/input_error.h"
-#include "base/number_in.h"
-#include "base/one_line.h"
-#include "base/similar_names.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include "base/input_error.h"
 #include "base/input_file.h"
-#include "base/number_in.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <array>

@@ -20,7 +20,7 @@
 // or an amplifier reaches its limit.
 #pragma once
 
-#include "base/latest_value.h"
+#include "base/hand_over.h"
 #include "base/split_mix.h"
 #include "device/core/haptic_device.h"
 #include "device/simulated/free_tip.h"

@@ -1,7 +1,7 @@
 #include "engine/record/record_export.h"
 
 #include "base/input_error.h"
-#include "base/similar_names.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <array>

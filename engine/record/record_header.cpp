@@ -1,7 +1,7 @@
 #include "engine/record/record_header.h"
 
 #include "base/input_error.h"
-#include "base/quoting.h"
+#include "base/text.h"
 #include "device/core/calibration.h"
 #include "engine/record/record_format.h"
 #include "engine/record/row_codec.h"

@@ -2,7 +2,7 @@
 
 #include "base/cancellation.h"
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 
 #include <draco/compression/decode.h>
 #include <meshoptimizer.h>

@@ -2,7 +2,7 @@
 
 #include "base/degrees.h"
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 #include "base/vector.h"
 
 #include <nlohmann/json.hpp>

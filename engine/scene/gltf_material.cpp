@@ -1,7 +1,7 @@
 #include "engine/scene/gltf_material.h"
 
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 #include "engine/scene/gltf_accessor.h"
 #include "engine/scene/gltf_uri.h"
 

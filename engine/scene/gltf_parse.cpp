@@ -1,7 +1,7 @@
 #include "engine/scene/gltf_file.h"
 
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 
 // tinygltf is compiled here rather than taken from libtinygltf.so: Debian's libdraco.so exports
 // another version of the same functions, and the order of a program's libraries would decide which

@@ -1,7 +1,7 @@
 #include "engine/scene/scene_surface.h"
 
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 
 #include <new>
 #include <string>

@@ -2,7 +2,7 @@
 
 #include "base/eigenvalues.h"
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <cmath>

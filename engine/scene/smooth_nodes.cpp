@@ -2,7 +2,7 @@
 
 #include "base/degrees.h"
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 #include "engine/scene/curved_patches.h"
 
 #include <algorithm>

@@ -18,8 +18,7 @@
 // state can no longer be trusted.
 #pragma once
 
-#include "base/latest_value.h"
-#include "base/sample_ring.h"
+#include "base/hand_over.h"
 #include "engine/servo/real_time.h"
 #include "engine/servo/servo_loop.h"
 

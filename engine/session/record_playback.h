@@ -8,7 +8,6 @@
 #pragma once
 
 #include "base/background.h"
-#include "base/background_release.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/servo_sample.h"
 #include "engine/session/record.h"

@@ -1,7 +1,7 @@
 #include "engine/session/recording.h"
 
-#include "base/file_names.h"
 #include "base/input_error.h"
+#include "base/new_file.h"
 
 #include <utility>
 

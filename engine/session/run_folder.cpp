@@ -1,12 +1,10 @@
 #include "engine/session/run_folder.h"
 
 #include "base/assertions.h"
-#include "base/file_names.h"
 #include "base/input_error.h"
 #include "base/input_file.h"
 #include "base/new_file.h"
-#include "base/one_line.h"
-#include "base/quoting.h"
+#include "base/text.h"
 #include "device/core/calibration.h"
 #include "engine/control/tuning_file.h"
 

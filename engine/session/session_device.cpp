@@ -1,9 +1,8 @@
 // The part of `Session` that opens, exchanges, zeroes, connects again and lends devices.
 #include "base/assertions.h"
-#include "base/error_text.h"
 #include "base/input_error.h"
-#include "base/quoting.h"
 #include "base/real_time_thread.h"
+#include "base/text.h"
 #include "device/core/bench.h"
 #include "device/core/calibration_file.h"
 #include "device/core/device_file.h"

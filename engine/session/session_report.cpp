@@ -1,7 +1,7 @@
 #include "engine/session/session_report.h"
 
 #include "base/print.h"
-#include "base/quoting.h"
+#include "base/text.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,5 @@
-// Covers base/background_release.h.
-#include "base/background_release.h"
+// Covers base/background.h.
+#include "base/background.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-// Covers base/contained_path.cpp. Paths by which a scene leaves its folder are in
+// Covers base/input_file.cpp. Paths by which a scene leaves its folder are in
 // gltf_uri_test.cpp.
-#include "base/contained_path.h"
+#include "base/input_file.h"
 
 #include "tests/support/error_text.h"
 #include "tests/support/files.h"

@@ -1,4 +1,4 @@
-#include "base/file_names.h"
+#include "base/new_file.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
-// Covers base/latest_value.h and base/sample_ring.h, each with its two threads.
-#include "base/latest_value.h"
-#include "base/sample_ring.h"
+// Covers base/hand_over.h, each queue with its two threads.
+#include "base/hand_over.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// Covers base/machine_name.cpp.
-#include "base/machine_name.h"
+// Covers base/timing.cpp.
+#include "base/timing.h"
 
 #include <gtest/gtest.h>
 

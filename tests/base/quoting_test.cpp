@@ -1,5 +1,5 @@
-// Covers base/quoting.cpp.
-#include "base/quoting.h"
+// Covers base/text.cpp.
+#include "base/text.h"
 
 #include "base/strict_toml.h"
 #include "tests/support/files.h"

@@ -3,7 +3,7 @@
 // arena for each as the program has it (base/real_time_thread.h).
 //
 //   heap_waits [LOADS [TRIANGLES]]
-#include "base/background_release.h"
+#include "base/background.h"
 #include "base/real_time_thread.h"
 #include "engine/servo/real_time.h"
 #include "engine/session/scene_loader.h"

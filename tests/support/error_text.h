@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/error_text.h"
+#include "base/input_error.h"
 
 namespace springdrive::testing {
 

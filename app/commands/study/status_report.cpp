@@ -1,9 +1,9 @@
 #include "app/commands/study/status_report.h"
 
 #include "app/commands/study/observer_options.h"
-#include "base/one_line.h"
 #include "base/print.h"
 #include "base/table.h"
+#include "base/text.h"
 #include "engine/study/protocol/session_plan.h"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include "app/commands/study/opened_study.h"
 #include "app/host/ending_signal.h"
 #include "base/input_error.h"
-#include "base/machine_name.h"
+#include "base/timing.h"
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/session_plan.h"
 

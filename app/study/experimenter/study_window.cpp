@@ -2,7 +2,7 @@
 
 #include "app/host/ending_signal.h"
 #include "app/widgets/widgets.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/servo/safety_status.h"
 #include "engine/study/conduct/conduct.h"

@@ -2,7 +2,7 @@
 
 #include "app/study/participant/answers.h"
 #include "base/input_error.h"
-#include "base/number_in.h"
+#include "base/text.h"
 
 #include <epoxy/gl.h>
 // epoxy must come before GLFW, which would bring in another OpenGL header.

@@ -2,7 +2,7 @@
 
 #include "app/study/participant/answers.h"
 #include "base/input_error.h"
-#include "base/machine_name.h"
+#include "base/timing.h"
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/session_plan.h"
 

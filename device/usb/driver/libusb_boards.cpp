@@ -1,7 +1,7 @@
 #include "device/usb/driver/libusb_boards.h"
 
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 #include "device/usb/driver/board_survey.h"
 #include "device/usb/protocol.h"
 

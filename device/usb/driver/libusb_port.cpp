@@ -1,9 +1,8 @@
 #include "device/usb/driver/libusb_port.h"
 
+#include "base/hand_over.h"
 #include "base/input_error.h"
-#include "base/latest_value.h"
 #include "base/real_time_thread.h"
-#include "base/sample_ring.h"
 #include "device/usb/driver/libusb_boards.h"
 
 #include <libusb-1.0/libusb.h>

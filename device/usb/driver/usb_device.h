@@ -6,7 +6,7 @@
 // Whatever the port does, `read` returns by its deadline, and says how old its data are.
 #pragma once
 
-#include "base/latest_value.h"
+#include "base/hand_over.h"
 #include "device/core/board_reset.h"
 #include "device/core/haptic_device.h"
 #include "device/usb/driver/board_port.h"

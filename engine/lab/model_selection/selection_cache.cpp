@@ -1,9 +1,9 @@
 #include "engine/lab/model_selection/selection_cache.h"
 
 #include "base/input_error.h"
-#include "base/machine_name.h"
 #include "base/new_file.h"
 #include "base/sha256.h"
+#include "base/timing.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/model_selection/contact_shapes.h"
 #include "engine/lab/model_selection/selection_json.h"

@@ -3,7 +3,7 @@
 #include "base/assertions.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
-#include "base/number_in.h"
+#include "base/text.h"
 
 #include <fmt/core.h>
 

@@ -2,8 +2,7 @@
 
 #include "base/input_error.h"
 #include "base/new_file.h"
-#include "base/one_line.h"
-#include "base/quoting.h"
+#include "base/text.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

@@ -1,10 +1,9 @@
 #include "engine/study/protocol/study_setting.h"
 
-#include "base/contained_path.h"
 #include "base/degrees.h"
-#include "base/error_text.h"
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/input_file.h"
+#include "base/text.h"
 #include "device/core/device_file.h"
 #include "device/core/hand_parameters.h"
 #include "device/core/phantom/kinematics.h"

@@ -1,6 +1,6 @@
 #include "engine/study/protocol/texts.h"
 
-#include "base/one_line.h"
+#include "base/text.h"
 
 #include <fmt/core.h>
 #include <fmt/format.h>

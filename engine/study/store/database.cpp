@@ -3,7 +3,7 @@
 #include "engine/study/store/study_file.h"
 
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 
 #include <fmt/core.h>
 #include <sqlite3.h>

@@ -1,7 +1,7 @@
 #include "engine/study/store/rows.h"
 
-#include "base/one_line.h"
 #include "base/sha256.h"
+#include "base/text.h"
 
 #include <fmt/core.h>
 

@@ -1,10 +1,9 @@
 #include "engine/study/store/study_contents.h"
 
 #include "base/assertions.h"
-#include "base/contained_path.h"
 #include "base/input_error.h"
-#include "base/one_line.h"
-#include "base/quoting.h"
+#include "base/input_file.h"
+#include "base/text.h"
 
 #include <fmt/core.h>
 

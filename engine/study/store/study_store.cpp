@@ -1,10 +1,10 @@
 #include "engine/study/store/study_store.h"
 
-#include "base/contained_path.h"
 #include "base/input_error.h"
+#include "base/input_file.h"
 #include "base/new_file.h"
-#include "base/one_line.h"
 #include "base/sha256.h"
+#include "base/text.h"
 #include "engine/study/store/database.h"
 #include "engine/study/store/rows.h"
 #include "engine/study/store/study_file.h"

@@ -2,7 +2,7 @@
 // the file by which it is resumed.
 #include "app/assistant/assistant.h"
 
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "tests/app/assistant/walker.h"
 
 #include <gtest/gtest.h>

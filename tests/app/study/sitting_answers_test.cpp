@@ -1,6 +1,6 @@
 // Covers app/study/sitting/{sitting,interludes}.cpp: sessions with a questionnaire, by method of
 // adjustment, and with masking noise, on a sound output that is a file, or on none.
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "tests/app/study/sitting_rig.h"
 #include "tests/support/child_process.h"
 

@@ -1,6 +1,6 @@
 // Covers app/study/sitting/{sitting,trial_presenter,device_stops}.cpp: a device that is stopped or
 // lost, and a disk that is full.
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "tests/app/study/sitting_rig.h"
 #include "tests/support/child_process.h"
 #include "tests/support/full_disk.h"

@@ -1,6 +1,6 @@
 // Covers what fits where, at any size of the window: no panel, menu or plate may clip or overlap
 // its contents, or what stands beside it.
-#include "base/quoting.h"
+#include "base/text.h"
 #include "tests/support/devices.h"
 #include "tests/support/shown_boxes.h"
 #include "tests/support/shown_window.h"

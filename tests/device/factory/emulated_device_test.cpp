@@ -1,7 +1,6 @@
 // Covers device/factory/emulated_device.cpp: an emulated board as a device of its own kind.
 #include "device/factory/emulated_device.h"
 
-#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/factory/device_factory.h"
 #include "tests/support/devices.h"

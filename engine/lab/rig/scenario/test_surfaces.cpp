@@ -1,7 +1,7 @@
 #include "engine/lab/rig/scenario/test_surfaces.h"
 
 #include "base/input_error.h"
-#include "base/number_in.h"
+#include "base/text.h"
 #include "engine/lab/rig/scenario/blob_shape.h"
 #include "engine/lab/rig/scenario/machined_surface.h"
 #include "engine/lab/rig/scenario/scanned_surface.h"

@@ -1,4 +1,4 @@
-#include "base/machine_name.h"
+#include "base/timing.h"
 
 #include "base/parallel.h"
 
