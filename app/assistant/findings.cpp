@@ -1,6 +1,6 @@
 #include "app/assistant/step.h"
 
-#include "device/core/board_faults.h"
+#include "device/core/haptic_device.h"
 
 #include <algorithm>
 #include <array>

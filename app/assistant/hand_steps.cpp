@@ -6,7 +6,7 @@
 #include "app/panels/panels.h"
 #include "base/degrees.h"
 #include "base/text.h"
-#include "device/core/board_faults.h"
+#include "device/core/haptic_device.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning_file.h"
 

@@ -8,7 +8,6 @@
 #include "base/input_error.h"
 #include "base/print.h"
 #include "base/text.h"
-#include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
 #include "device/core/motor/winding_guard.h"
 #include "device/simulated/calibration_tour.h"

@@ -7,17 +7,111 @@
 #pragma once
 
 #include "base/vector.h"
-#include "device/core/bench.h"
-#include "device/core/board_faults.h"
 #include "device/core/device_description.h"
 
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace springdrive::device {
+
+/// Faults reported by the device's board, one bit each.
+struct BoardFaults {
+    static constexpr std::uint16_t kAmplifier = 1U << 0U;   ///< a power stage: opens the windings
+    static constexpr std::uint16_t kOverCurrent = 1U << 1U; ///< the board's own limit was reached
+    static constexpr std::uint16_t kTemperature = 1U << 2U; ///< of its power stages or motors
+    static constexpr std::uint16_t kSupply = 1U << 3U;      ///< too high or too low
+    static constexpr std::uint16_t kEncoder = 1U << 4U;     ///< implausible encoder signals
+    static constexpr std::uint16_t kNoCommand = 1U << 5U;   ///< none came in time: the board brakes
+    static constexpr std::uint16_t kStop = 1U << 6U;        ///< stop switch or enable line
+    static constexpr std::uint16_t kHeat = 1U << 7U;        ///< of a winding, by its currents
+    static constexpr std::uint16_t kSensor = 1U << 8U;      ///< a current sensor: opens
+    static constexpr std::uint16_t kOverrun = 1U << 9U;     ///< its amplifiers' loop was late
+    /// No fault, and not latched: the stop switch is pressed, or the enable line open.
+    static constexpr std::uint16_t kPressed = 1U << 15U;
+
+    std::uint16_t bits = 0;
+
+    [[nodiscard]] constexpr bool any() const { return (bits & ~kPressed) != 0; }
+    [[nodiscard]] constexpr bool has(std::uint16_t fault) const { return (bits & fault) != 0; }
+};
+
+/// "overcurrent, a command timeout"; "an unknown fault" for bits without a name, "none" without
+/// bits.
+[[nodiscard]] std::string names_of(BoardFaults faults);
+
+/// A voltage of each sign on each winding, the others open.
+struct PulseOrder {
+    double voltage_V = 0.5;
+    double duration_s = 8e-3; ///< of each sign
+};
+
+/// What a board measured and found on one channel.
+struct ChannelPulse {
+    double resistance_Ohm = std::numeric_limits<double>::quiet_NaN(); ///< as its sensor sees it
+    double inductance_H = std::numeric_limits<double>::quiet_NaN();   ///< the same
+    std::array<int, 3> moved_counts{}; ///< of each encoder, by a positive voltage
+    bool is_open = false;              ///< hardly any current
+    bool has_reversed_sensor = false;  ///< current against the voltage
+    bool has_crossed_sensor = false;   ///< current in another channel
+    bool has_no_motion = false;        ///< held, or no encoder
+    bool has_reversed_encoder = false; ///< counts against the voltage
+    bool has_crossed_encoder = false;  ///< another counts more
+    bool is_at_limit = false;          ///< of the test, which ended it
+};
+
+enum class PulseState : std::uint8_t { never, running, completed, aborted };
+
+struct PulseResult {
+    PulseState state = PulseState::never;
+    std::array<ChannelPulse, 3> channel;
+};
+
+/// A name and a value with its unit, for people.
+struct Fact {
+    std::string name;
+    std::string value;
+};
+
+/// What a device's board does for its commissioning, beside being driven: test pulses on one
+/// winding after the other, what it says of itself, and a calibration that it keeps for its host.
+///
+/// For one thread, while no servo runs. That thread goes on to read measurements and to write
+/// braking commands meanwhile, as a board that hears nothing ends its test.
+class Bench {
+public:
+    Bench() = default;
+    Bench(const Bench &) = delete;
+    Bench &operator=(const Bench &) = delete;
+    virtual ~Bench() = default;
+
+    /// The shortest pulse that the board can measure in [s].
+    [[nodiscard]] virtual double shortest_pulse_s() const = 0;
+
+    /// @throw InputError if the board refuses, or does not answer
+    virtual void start_pulses(const PulseOrder &order) = 0;
+
+    /// Of the pulses that were started last.
+    /// @throw InputError if the board does not answer
+    [[nodiscard]] virtual PulseResult pulses() = 0;
+
+    /// All that the board says of itself.
+    /// @throw InputError if it does not answer
+    [[nodiscard]] virtual std::vector<Fact> facts() = 0;
+
+    /// What `store` left there, if anything.
+    /// @throw InputError if it does not answer, or if what it has stored is damaged
+    [[nodiscard]] virtual std::optional<Calibration> stored_calibration() = 0;
+
+    /// Keeps it without power, too; the numbers as singles.
+    /// @throw InputError if the board refuses, as while it drives motors, or does not keep it
+    virtual void store(const Calibration &calibration) = 0;
+};
 
 /// Operating mode of the three amplifiers.
 enum class CommandMode : std::uint8_t {
@@ -172,6 +266,72 @@ public:
     /// tell that it kept its counts.
     /// @throw InputError if it cannot be found
     virtual void reconnect() = 0;
+};
+
+/// Which commands may clear what a board has latched, while a device is tested or zeroed and no
+/// servo's safety monitor decides: never a stop that somebody wants, nor what no report showed.
+class BoardReset {
+public:
+    /// @param clears_stop  also one that the first measurement shows, as of whoever begins this
+    explicit BoardReset(bool clears_stop) : clears_stop_(clears_stop) {}
+
+    /// To be asked with every measurement. @return whether the answer to it may reset faults
+    [[nodiscard]] bool may_follow(const Measurement &measured) noexcept {
+        const bool is_first = number_ == 0;
+        if (!is_new(measured.arrival)) {
+            has_gap_ = has_gap_ || !is_first;
+            return false;
+        }
+        has_gap_ = has_gap_ || (!is_first && measured.number != number_ + 1);
+        number_ = measured.number;
+        const bool has_stop = measured.faults.has(BoardFaults::kStop);
+        const bool is_pressed = measured.faults.has(BoardFaults::kPressed);
+        const bool is_pressed_anew = !is_first && is_pressed && !was_pressed_;
+        was_pressed_ = is_pressed;
+        clears_stop_ = clears_stop_ && has_stop && !is_pressed_anew;
+        has_stop_ = has_stop_ || ((has_stop || is_pressed) && !clears_stop_);
+        return !has_gap_ && !has_stop_ && measured.faults.any();
+    }
+
+    /// Whether a stop was seen that stays.
+    [[nodiscard]] bool has_stop() const noexcept { return has_stop_; }
+
+private:
+    bool clears_stop_;
+    bool has_stop_ = false;
+    bool has_gap_ = false;
+    bool was_pressed_ = false;
+    std::uint64_t number_ = 0; ///< of the last measurement; 0: none
+};
+
+/// Decorator that forwards every call to another device; derived classes override what differs.
+class ForwardingDevice : public HapticDevice {
+public:
+    /// @param device  must outlive this one
+    explicit ForwardingDevice(HapticDevice &device) : device_(&device) {}
+    explicit ForwardingDevice(std::unique_ptr<HapticDevice> device)
+        : owned_(std::move(device)), device_(owned_.get()) {}
+
+    [[nodiscard]] const DeviceDescription &description() const override {
+        return device_->description();
+    }
+    [[nodiscard]] DeviceClock clock() const override { return device_->clock(); }
+    [[nodiscard]] bool can_reach_a_hand() const override { return device_->can_reach_a_hand(); }
+    [[nodiscard]] double delay_periods() const override { return device_->delay_periods(); }
+    [[nodiscard]] Measurement read() noexcept override { return device_->read(); }
+    void write(const DeviceCommand &command) noexcept override { device_->write(command); }
+    [[nodiscard]] DeviceIdentity identity() const override { return device_->identity(); }
+    [[nodiscard]] std::optional<LinkStatus> link() const override { return device_->link(); }
+    [[nodiscard]] Bench *bench() override { return device_->bench(); }
+    [[nodiscard]] bool is_zeroed() const override { return device_->is_zeroed(); }
+    void set_period(double period_s) override { device_->set_period(period_s); }
+    void zero(const Vector3 &theta_rad) override { device_->zero(theta_rad); }
+    void close() noexcept override { device_->close(); }
+    void reconnect() override { device_->reconnect(); }
+
+private:
+    std::unique_ptr<HapticDevice> owned_;
+    HapticDevice *device_;
 };
 
 } // namespace springdrive::device

@@ -1,7 +1,7 @@
 #include "device/factory/device_factory.h"
 
 #include "base/input_error.h"
-#include "device/core/calibration_file.h"
+#include "device/core/device_file.h"
 #include "device/simulated/simulated_phantom.h"
 #include "device/usb/driver/board_survey.h"
 #include "device/usb/driver/libusb_port.h"

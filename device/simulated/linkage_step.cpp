@@ -1,6 +1,6 @@
 #include "device/simulated/linkage_step.h"
 
-#include "device/core/phantom/linkage_secants.h"
+#include "device/core/phantom/dynamics.h"
 #include "device/simulated/small_system.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "base/vector.h"
 #include "device/core/hand_parameters.h"
-#include "device/core/motor/amplifier.h"
+#include "device/core/motor/motor.h"
 #include "device/core/motor/winding_temperature.h"
 #include "device/simulated/hand_path.h"
 

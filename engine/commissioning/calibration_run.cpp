@@ -2,7 +2,7 @@
 
 #include "base/assertions.h"
 #include "base/input_error.h"
-#include "device/core/calibration_file.h"
+#include "device/core/device_file.h"
 #include "device/core/motor/winding_guard.h"
 
 #include <fmt/format.h>

@@ -15,8 +15,7 @@
 // offset, and as it fades, from k_T.
 #pragma once
 
-#include "device/core/board_reset.h"
-#include "device/core/calibration.h"
+#include "device/core/device_description.h"
 #include "device/core/haptic_device.h"
 #include "engine/commissioning/self_test.h"
 #include "engine/servo/servo.h"

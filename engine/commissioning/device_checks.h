@@ -21,7 +21,6 @@
 // the base joint, both of the angle between the links, q₃ − q₂, and the lower one of q₃.
 #pragma once
 
-#include "device/core/bench.h"
 #include "device/core/device_description.h"
 #include "device/core/haptic_device.h"
 

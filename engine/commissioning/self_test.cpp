@@ -2,7 +2,7 @@
 
 #include "base/assertions.h"
 #include "base/input_error.h"
-#include "device/core/board_faults.h"
+#include "device/core/haptic_device.h"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,6 @@
 // The device brakes all the time, except for the pulses, whose limits are the board's own.
 #pragma once
 
-#include "device/core/board_reset.h"
 #include "device/core/haptic_device.h"
 #include "engine/commissioning/device_checks.h"
 

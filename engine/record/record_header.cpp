@@ -2,7 +2,7 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
-#include "device/core/calibration.h"
+#include "device/core/device_description.h"
 #include "engine/record/record_format.h"
 #include "engine/record/row_codec.h"
 

@@ -5,7 +5,7 @@
 #include "base/input_file.h"
 #include "base/new_file.h"
 #include "base/text.h"
-#include "device/core/calibration.h"
+#include "device/core/device_description.h"
 #include "engine/control/tuning_file.h"
 
 #include <fmt/format.h>

@@ -8,7 +8,7 @@
 // The parts are independent of each other; what concerns several of them is here.
 #pragma once
 
-#include "device/core/calibration.h"
+#include "device/core/device_description.h"
 #include "device/factory/device_factory.h"
 #include "device/simulated/hand_control.h"
 #include "device/simulated/hand_path.h"

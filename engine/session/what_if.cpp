@@ -1,7 +1,7 @@
 #include "engine/session/what_if.h"
 
 #include "base/cancellation.h"
-#include "device/core/motor/amplifier.h"
+#include "device/core/motor/motor.h"
 #include "engine/control/force_direction.h"
 #include "engine/servo/law_sample.h"
 

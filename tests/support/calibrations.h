@@ -1,7 +1,7 @@
 // Calibrations that several tests share.
 #pragma once
 
-#include "device/core/calibration_file.h"
+#include "device/core/device_file.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>

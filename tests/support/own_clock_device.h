@@ -2,7 +2,7 @@
 // its plant advances by the number of periods that have passed.
 #pragma once
 
-#include "device/core/forwarding_device.h"
+#include "device/core/haptic_device.h"
 
 #include <algorithm>
 #include <chrono>

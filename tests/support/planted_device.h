@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/assertions.h"
-#include "device/core/forwarding_device.h"
+#include "device/core/haptic_device.h"
 #include "device/simulated/simulated_phantom.h"
 #include "tests/support/devices.h"
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "device/core/device_description.h"
-#include "device/core/motor/rotor_load.h"
+#include "device/core/motor/motor.h"
 #include "device/core/phantom/dynamics.h"
 #include "engine/control/velocity_filter.h"
 #include "engine/lab/loops/linear_loop.h"

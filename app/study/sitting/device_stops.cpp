@@ -1,6 +1,6 @@
 #include "app/study/sitting/sitting.h"
 
-#include "device/core/board_faults.h"
+#include "device/core/haptic_device.h"
 #include "engine/servo/safety_status.h"
 
 #include <utility>

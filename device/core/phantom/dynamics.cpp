@@ -1,7 +1,5 @@
 #include "device/core/phantom/dynamics.h"
 
-#include "device/core/phantom/linkage_secants.h"
-
 #include <cmath>
 
 namespace springdrive::device {

@@ -1,5 +1,5 @@
-// Kinematics of the PHANTOM's parallel linkage (docs/design.md, "Linkage and motors") and its
-// motor-space Jacobian.
+// The PHANTOM's parallel linkage (docs/design.md, "Linkage and motors"): its dimensions and masses,
+// its kinematics and its motor-space Jacobian.
 //
 // All angles zero: upper arm level towards the user, forearm hanging down. q₂ and q₃ are both
 // measured from the base, so the links are perpendicular at q₂ = q₃, and aligned, which is
@@ -13,12 +13,39 @@
 
 #include "base/degrees.h"
 #include "base/vector.h"
-#include "device/core/phantom/geometry.h"
 
 #include <array>
 #include <optional>
 
 namespace springdrive::device {
+
+/// Link lengths and transmission; θ = N q, N diagonal. The values come from a device file.
+struct PhantomGeometry {
+    double upper_arm_m = 0.0;                    ///< l₁
+    double forearm_m = 0.0;                      ///< l₂
+    double crank_m = 0.0;                        ///< l₃, whose rod turns the forearm
+    Vector3 transmission_ratio{Vector3::Ones()}; ///< diagonal of N, motor turns per joint turn
+};
+
+/// One moving part of the linkage. It turns with q₂ (upper arm, rod) or with q₃ (crank, forearm),
+/// and with the whole linkage about the vertical axis.
+struct LinkBody {
+    double mass_kg = 0.0;
+    double centre_m = 0.0; ///< centre of mass along the link, from the joint that it turns about
+    /// Normal to the linkage's plane, across the link in that plane, along the link; about the
+    /// joint for upper arm and crank, about the centre of mass for rod and forearm.
+    Vector3 inertia_kg_m2{Vector3::Zero()};
+};
+
+/// The four links that move in the plane, including the motors that they carry.
+struct LinkageInertia {
+    double base_kg_m2 = 0.0;  ///< of all parts that turn with q₁ alone, about the vertical axis
+    LinkBody upper_arm;       ///< l₁ from the base joint, with the third joint's motor behind it
+    LinkBody crank;           ///< l₃ from the base joint, with the second joint's motor behind it
+    LinkBody rod;             ///< from the crank's end to the forearm, parallel to the upper arm
+    LinkBody forearm;         ///< l₂ from the elbow to the tip
+    double tip_load_kg = 0.0; ///< thimble, stylus or sensor, a point mass at the tip
+};
 
 /// The configuration of figures and predictions where no other is asked for, q₁ to q₃: the tip in
 /// front of the user, all three joints away from where the device is singular.

@@ -1,8 +1,8 @@
 #include "device/usb/driver/usb_bench.h"
 
 #include "base/input_error.h"
-#include "device/core/board_faults.h"
-#include "device/core/calibration_file.h"
+#include "device/core/device_file.h"
+#include "device/core/haptic_device.h"
 #include "device/usb/driver/board_request.h"
 
 #include <algorithm>

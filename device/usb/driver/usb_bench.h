@@ -1,7 +1,7 @@
 // A board's test pulses, facts and stored calibration, by control requests.
 #pragma once
 
-#include "device/core/bench.h"
+#include "device/core/haptic_device.h"
 #include "device/usb/driver/board_port.h"
 
 #include <cstdint>

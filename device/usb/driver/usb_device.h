@@ -7,7 +7,6 @@
 #pragma once
 
 #include "base/hand_over.h"
-#include "device/core/board_reset.h"
 #include "device/core/haptic_device.h"
 #include "device/usb/driver/board_port.h"
 #include "device/usb/driver/delay_meter.h"

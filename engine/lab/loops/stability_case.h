@@ -3,8 +3,7 @@
 #pragma once
 
 #include "device/core/device_description.h"
-#include "device/core/motor/amplifier.h"
-#include "device/core/motor/rotor_load.h"
+#include "device/core/motor/motor.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning.h"
 #include "engine/control/virtual_wall.h"

@@ -10,7 +10,7 @@
 #pragma once
 
 #include "device/core/faults.h"
-#include "device/core/forwarding_device.h"
+#include "device/core/haptic_device.h"
 
 #include <array>
 #include <atomic>

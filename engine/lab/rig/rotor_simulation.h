@@ -2,12 +2,10 @@
 // encoder counts, supply limits, friction.
 //
 // Shares no matrix with the prediction. Sub-steps are short; the winding is exact for a steady
-// rotor (device/core/motor/amplifier.h), the rotor implicit about the middle: second order.
+// rotor (device/core/motor/motor.h), the rotor implicit about the middle: second order.
 #pragma once
 
-#include "device/core/motor/amplifier.h"
 #include "device/core/motor/motor.h"
-#include "device/core/motor/rotor_load.h"
 
 #include <vector>
 

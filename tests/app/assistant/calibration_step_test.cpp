@@ -1,6 +1,5 @@
 // Covers the calibration of app/assistant/board_steps.cpp: on emulated devices whose motors and
 // sensors are drawn at random, against their truth; and what can come between.
-#include "device/core/calibration_file.h"
 #include "device/core/device_file.h"
 #include "device/simulated/sampled_device.h"
 #include "engine/control/winding_observer.h"

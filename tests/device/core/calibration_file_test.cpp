@@ -1,8 +1,7 @@
-// Covers device/core/calibration_file.cpp.
-#include "device/core/calibration_file.h"
+// Covers device/core/device_file.cpp.
+#include "device/core/device_file.h"
 
 #include "base/input_error.h"
-#include "device/core/device_file.h"
 #include "tests/support/devices.h"
 #include "tests/support/error_text.h"
 #include "tests/support/files.h"

@@ -4,7 +4,7 @@
 
 #include "base/degrees.h"
 #include "base/input_error.h"
-#include "device/core/forwarding_device.h"
+#include "device/core/haptic_device.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/factory/board_factory.h"
 #include "device/simulated/sampled_device.h"

@@ -4,7 +4,7 @@
 
 #include "base/assertions.h"
 #include "base/input_error.h"
-#include "device/core/forwarding_device.h"
+#include "device/core/haptic_device.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/record/telemetry_columns.h"
 #include "tests/support/devices.h"

@@ -2,7 +2,7 @@
 // behind it.
 #include "base/bisection.h"
 #include "base/degrees.h"
-#include "device/core/motor/amplifier.h"
+#include "device/core/motor/motor.h"
 #include "device/core/motor/winding_guard.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"

@@ -2,7 +2,7 @@
 #include "base/bisection.h"
 #include "base/degrees.h"
 #include "base/eigenvalues.h"
-#include "device/core/motor/amplifier.h"
+#include "device/core/motor/motor.h"
 #include "device/core/motor/winding_guard.h"
 #include "device/core/motor/winding_temperature.h"
 #include "device/core/phantom/kinematics.h"

@@ -1,5 +1,5 @@
-// Covers device/core/motor/amplifier.cpp.
-#include "device/core/motor/amplifier.h"
+// Covers device/core/motor/motor.cpp.
+#include "device/core/motor/motor.h"
 
 #include "tests/support/devices.h"
 

@@ -1,9 +1,8 @@
-// Covers device/core/phantom/linkage_secants.h and the secants of dynamics.cpp, the basis of the
+// Covers the secants of device/core/phantom/dynamics.h, the basis of the
 // plant's exact energy.
 #include "device/core/phantom/dynamics.h"
 
 #include "device/core/phantom/kinematics.h"
-#include "device/core/phantom/linkage_secants.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 

@@ -1,4 +1,4 @@
-#include "device/core/board_faults.h"
+#include "device/core/haptic_device.h"
 
 #include <array>
 #include <utility>
