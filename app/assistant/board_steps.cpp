@@ -12,8 +12,7 @@
 #include "base/new_file.h"
 #include "device/core/device_file.h"
 #include "device/core/haptic_device.h"
-#include "device/simulated/calibration_tour.h"
-#include "device/simulated/stop_tour.h"
+#include "device/simulated/hand_tours.h"
 #include "engine/commissioning/self_test.h"
 
 #include <array>

@@ -8,7 +8,7 @@
 #include "base/text.h"
 #include "device/core/device_file.h"
 #include "device/factory/device_factory.h"
-#include "device/simulated/stop_tour.h"
+#include "device/simulated/hand_tours.h"
 #include "device/usb/emulator/emulated_board.h"
 #include "device/usb/emulator/gadget.h"
 

@@ -9,7 +9,7 @@
 #include "base/table.h"
 #include "base/text.h"
 #include "device/core/device_file.h"
-#include "device/simulated/hand_path.h"
+#include "device/simulated/hand.h"
 #include "engine/contact/mesh/mesh_preparation.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/lab/rig/scenario/touch_path.h"

@@ -8,7 +8,7 @@
 #include "app/panels/tuning_editor.h"
 #include "app/stage/touch_by_click.h"
 #include "device/core/device_description.h"
-#include "device/simulated/hand_path.h"
+#include "device/simulated/hand.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/scene/scene.h"
 #include "engine/session/session.h"

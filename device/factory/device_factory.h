@@ -13,7 +13,6 @@
 
 #include "device/core/haptic_device.h"
 #include "device/factory/emulated_device.h"
-#include "device/simulated/simulated_world.h"
 #include "device/simulated/simulation_options.h"
 
 #include <array>

@@ -10,7 +10,7 @@
 
 #include "device/core/haptic_device.h"
 #include "device/factory/in_process_port.h"
-#include "device/simulated/hand_control.h"
+#include "device/simulated/hand.h"
 #include "device/usb/driver/usb_device.h"
 #include "device/usb/emulator/emulated_board.h"
 

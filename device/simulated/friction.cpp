@@ -1,7 +1,5 @@
 #include "device/simulated/friction.h"
 
-#include "device/simulated/small_system.h"
-
 #include <cstddef>
 
 namespace springdrive::simulated {

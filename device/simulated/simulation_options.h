@@ -1,11 +1,12 @@
-// Options of a simulated PHANTOM: its hand, its amplifiers, and its enabled effects.
+// What is simulated of a PHANTOM: its hand, its amplifiers, its enabled effects, and models of
+// increasing detail made of them.
 #pragma once
 
 #include "base/vector.h"
 #include "device/core/hand_parameters.h"
 #include "device/core/motor/motor.h"
 #include "device/core/motor/winding_temperature.h"
-#include "device/simulated/hand_path.h"
+#include "device/simulated/hand.h"
 
 #include <array>
 #include <cstdint>
@@ -87,6 +88,40 @@ struct SimulationOptions {
     /// Which device of its kind it is: its motors' and sensors' deviations are drawn from this. 0
     /// is the device that its file describes, with ideal sensors.
     std::uint64_t device_seed = 0;
+};
+
+/// A model and its name.
+struct PlantModel {
+    std::string_view name;
+    PlantDynamics dynamics = PlantDynamics::electromechanical;
+    PlantEffects effects;
+};
+
+/// Models of increasing detail: from the coupling alone, the cheapest, to everything that is known
+/// about a device.
+inline constexpr std::array<PlantModel, 5> kPlantModels{{
+    {"coupling", PlantDynamics::coupling, PlantEffects::none()},
+    {"rigid_tip", PlantDynamics::rigid_body, {true, true, false, true, true, false, false, false}},
+    {"electromechanical",
+     PlantDynamics::electromechanical,
+     {true, true, false, true, true, true, true, false}},
+    {"rigid_links",
+     PlantDynamics::electromechanical,
+     {true, true, true, true, true, true, true, false}},
+    {"full", PlantDynamics::electromechanical, {true, true, true, true, true, true, true, true}},
+}};
+
+/// Controls of a simulated device beyond the interface of every device: the hand that holds it, and
+/// what is simulated.
+class SimulatedWorld : public HandControl {
+public:
+    /// From the next period on, uses the dynamics, effects, planar, longest_step_s, delay_periods
+    /// and hand of `options`; all else is unchanged, and what the device reports of itself, too.
+    /// Motors and linkage continue from their present state, so no encoder jumps. A moving base
+    /// joint is not locked: planar takes effect only if it was on before. Stops that the linkage is
+    /// beyond become active once it is back between them. One thread at a time, any thread.
+    /// @throw InputError for options that are out of range or incompatible
+    virtual void simulate_as(const SimulationOptions &options) = 0;
 };
 
 } // namespace springdrive::simulated

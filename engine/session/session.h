@@ -10,8 +10,7 @@
 
 #include "device/core/device_description.h"
 #include "device/factory/device_factory.h"
-#include "device/simulated/hand_control.h"
-#include "device/simulated/hand_path.h"
+#include "device/simulated/hand.h"
 #include "engine/session/record.h"
 #include "engine/session/recording.h"
 #include "engine/session/scene_loader.h"

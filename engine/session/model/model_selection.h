@@ -3,7 +3,6 @@
 #pragma once
 
 #include "base/timing.h"
-#include "device/simulated/plant_model.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/control/tuning.h"
 #include "engine/scene/model_tolerance.h"

@@ -1,7 +1,7 @@
 // Stimuli and warm-ups tried on the simulated device, in a simulated hand.
 #pragma once
 
-#include "device/simulated/hand_path.h"
+#include "device/simulated/hand.h"
 #include "engine/servo/servo_sample.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/stimuli/stimulus.h"

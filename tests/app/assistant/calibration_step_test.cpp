@@ -1,7 +1,7 @@
 // Covers the calibration of app/assistant/board_steps.cpp: on emulated devices whose motors and
 // sensors are drawn at random, against their truth; and what can come between.
 #include "device/core/device_file.h"
-#include "device/simulated/sampled_device.h"
+#include "device/simulated/plant_setup.h"
 #include "engine/control/winding_observer.h"
 #include "tests/app/assistant/walker.h"
 #include "tests/support/calibrations.h"

@@ -1,5 +1,5 @@
-// Covers device/simulated/hand_path.cpp.
-#include "device/simulated/hand_path.h"
+// Covers device/simulated/hand.cpp.
+#include "device/simulated/hand.h"
 
 #include "base/input_error.h"
 #include "tests/support/files.h"

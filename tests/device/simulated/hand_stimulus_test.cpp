@@ -1,4 +1,4 @@
-#include "device/simulated/hand_stimulus.h"
+#include "device/simulated/hand.h"
 
 #include "device/simulated/simulated_phantom.h"
 #include "tests/support/devices.h"

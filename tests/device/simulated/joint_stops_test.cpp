@@ -1,5 +1,5 @@
-// Covers device/simulated/joint_stops.cpp.
-#include "device/simulated/joint_stops.h"
+// Covers device/simulated/linkage_step.cpp.
+#include "device/simulated/linkage_step.h"
 
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"

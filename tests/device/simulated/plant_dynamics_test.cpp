@@ -4,7 +4,7 @@
 
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
-#include "device/simulated/plant_model.h"
+#include "device/simulated/simulation_options.h"
 #include "tests/support/configurations.h"
 #include "tests/support/cvode.h"
 #include "tests/support/devices.h"

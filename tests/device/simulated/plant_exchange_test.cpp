@@ -1,8 +1,8 @@
 // Covers SimulatedPhantom::simulate_as: changes of the model while the device runs.
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
-#include "device/simulated/plant_model.h"
 #include "device/simulated/simulated_phantom.h"
+#include "device/simulated/simulation_options.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Covers device/simulated/sampled_device.cpp.
-#include "device/simulated/sampled_device.h"
+// Covers device/simulated/plant_setup.cpp.
+#include "device/simulated/plant_setup.h"
 
 #include "tests/support/devices.h"
 

@@ -1,5 +1,5 @@
-// Covers device/simulated/small_system.h.
-#include "device/simulated/small_system.h"
+// Covers device/simulated/friction.h.
+#include "device/simulated/friction.h"
 
 #include <gtest/gtest.h>
 

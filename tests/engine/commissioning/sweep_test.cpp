@@ -7,7 +7,7 @@
 #include "device/core/haptic_device.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/factory/board_factory.h"
-#include "device/simulated/sampled_device.h"
+#include "device/simulated/plant_setup.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/tuning_file.h"

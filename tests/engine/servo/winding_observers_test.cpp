@@ -3,7 +3,7 @@
 #include "engine/servo/winding_observers.h"
 
 #include "device/core/phantom/kinematics.h"
-#include "device/simulated/sampled_device.h"
+#include "device/simulated/plant_setup.h"
 #include "engine/contact/mesh/triangle_soup.h"
 #include "engine/control/force_direction.h"
 #include "engine/control/tuning_file.h"

@@ -4,7 +4,7 @@
 #include "base/error_text.h"
 #include "device/core/calibration_file.h"
 #include "device/core/phantom/kinematics.h"
-#include "device/simulated/stop_tour.h"
+#include "device/simulated/hand_tours.h"
 #include "engine/commissioning/self_test.h"
 #include "engine/session/servo_run.h"
 #include "tests/engine/session/session_fixture.h"

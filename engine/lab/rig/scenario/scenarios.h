@@ -4,7 +4,7 @@
 
 #include "device/core/device_description.h"
 #include "device/core/phantom/kinematics.h"
-#include "device/simulated/hand_path.h"
+#include "device/simulated/hand.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/contact/contact.h"
 #include "engine/contact/proxy/haptic_surface.h"
