@@ -4,7 +4,7 @@
 #include "app/commands/command.h"
 #include "app/commands/common_options.h"
 #include "base/table.h"
-#include "device/factory/board_factory.h"
+#include "device/factory/device_factory.h"
 
 #include <cstdint>
 #include <filesystem>

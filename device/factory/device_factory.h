@@ -14,6 +14,7 @@
 #include "device/core/haptic_device.h"
 #include "device/factory/emulated_device.h"
 #include "device/simulated/simulation_options.h"
+#include "device/usb/emulator/emulated_board.h"
 
 #include <array>
 #include <cstdint>
@@ -22,10 +23,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-namespace springdrive::usb {
-class UsbDevice;
-} // namespace springdrive::usb
 
 namespace springdrive::factory {
 
@@ -132,5 +129,32 @@ struct PresentDevice {
 
 /// Asks all USB devices for their serial numbers, which takes milliseconds.
 [[nodiscard]] std::vector<PresentDevice> devices_present();
+
+/// For the commissioning of a board: one on USB, or an emulated one in this process.
+struct BoardRequest {
+    DeviceKind kind = DeviceKind::simulated;
+    std::string serial;                    ///< of a board on USB; empty: the only one
+    device::DeviceDescription description; ///< what its host takes it for
+    double period_s = 1e-3;                ///< of its reports, which pace `read`
+    /// Without a command, after which the board brakes by itself. A thread that drives nothing need
+    /// not be a servo's: only a long silence then means that it ended.
+    double watchdog_periods = 50.0;
+    /// Whether calibrations do not matter, in the file or on the board, of whatever device: the
+    /// description is then without one.
+    bool ignores_calibration = false;
+
+    // For an emulated board only.
+    device::DeviceDescription truth; ///< what it is
+    emulator::EmulatedBoardOptions emulation;
+};
+
+/// A board, with its `Bench`.
+struct OpenBoard {
+    std::unique_ptr<emulator::EmulatedBoard> emulated; ///< null for one on USB
+    std::unique_ptr<device::HapticDevice> device;      ///< closes itself first
+};
+
+/// @throw InputError with one line, as `open_device` does
+[[nodiscard]] OpenBoard open_board(const BoardRequest &request);
 
 } // namespace springdrive::factory

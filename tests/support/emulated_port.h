@@ -1,7 +1,7 @@
 // Ports to an emulated board in the same process.
 #pragma once
 
-#include "device/factory/in_process_port.h"
+#include "device/factory/emulated_device.h"
 
 #include <deque>
 #include <random>

@@ -3,8 +3,8 @@
 #include "engine/commissioning/calibration_run.h"
 
 #include "base/input_error.h"
-#include "device/factory/board_factory.h"
-#include "device/factory/in_process_port.h"
+#include "device/factory/device_factory.h"
+#include "device/factory/emulated_device.h"
 #include "device/simulated/hand_tours.h"
 #include "device/simulated/plant_setup.h"
 #include "device/usb/driver/usb_device.h"

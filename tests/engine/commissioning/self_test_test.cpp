@@ -3,7 +3,7 @@
 
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
-#include "device/factory/board_factory.h"
+#include "device/factory/device_factory.h"
 #include "device/simulated/hand_tours.h"
 #include "device/simulated/plant_setup.h"
 #include "tests/support/cases.h"

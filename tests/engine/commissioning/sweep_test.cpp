@@ -6,7 +6,7 @@
 #include "base/input_error.h"
 #include "device/core/haptic_device.h"
 #include "device/core/phantom/kinematics.h"
-#include "device/factory/board_factory.h"
+#include "device/factory/device_factory.h"
 #include "device/simulated/plant_setup.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/force_direction.h"
