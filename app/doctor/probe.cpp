@@ -3,8 +3,8 @@
 #include "app/doctor/check.h"
 #include "base/input_error.h"
 #include "base/real_time_thread.h"
+#include "device/usb/driver/board_port.h"
 #include "device/usb/driver/board_survey.h"
-#include "device/usb/driver/libusb_port.h"
 #include "engine/record/record_header.h"
 #include "engine/servo/real_time.h"
 

@@ -3,8 +3,8 @@
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "device/simulated/simulated_phantom.h"
+#include "device/usb/driver/board_port.h"
 #include "device/usb/driver/board_survey.h"
-#include "device/usb/driver/libusb_port.h"
 #include "device/usb/driver/usb_device.h"
 
 #include <algorithm>

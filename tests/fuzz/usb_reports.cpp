@@ -1,7 +1,5 @@
 // Packets for the driver's stream of reports, and its meter of the delay: numbers and times do not
 // go back, everything is counted once, and nothing old passes for new.
-#include "device/usb/driver/delay_meter.h"
-#include "device/usb/driver/report_phase.h"
 #include "device/usb/driver/report_stream.h"
 #include "tests/fuzz/usb_targets.h"
 

@@ -2,7 +2,7 @@
 // where no other thread does. As on_usb_test.cpp, in its program.
 #include "base/input_error.h"
 #include "base/real_time_thread.h"
-#include "device/usb/driver/libusb_port.h"
+#include "device/usb/driver/board_port.h"
 #include "device/usb/driver/usb_device.h"
 #include "tests/support/real_time_watch.h"
 #include "tests/usb/emulator_process.h"

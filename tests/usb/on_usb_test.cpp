@@ -2,8 +2,8 @@
 // root and a device controller: run by tests/usb/virtual_machine.
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
+#include "device/usb/driver/board_port.h"
 #include "device/usb/driver/board_survey.h"
-#include "device/usb/driver/libusb_port.h"
 #include "device/usb/driver/usb_device.h"
 #include "device/usb/emulator/gadget.h"
 #include "tests/support/devices.h"

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -69,5 +70,11 @@ public:
     /// What the system refused to the connection, with what to do; empty if nothing.
     [[nodiscard]] virtual std::string_view warning() const { return {}; }
 };
+
+/// The priority that a port's thread requests: just above the servo's, which it serves.
+inline constexpr int kPortThreadPriority = 81;
+
+/// A board on USB, by libusb-1.0.
+[[nodiscard]] std::unique_ptr<BoardPort> make_libusb_port();
 
 } // namespace springdrive::usb

@@ -1,4 +1,4 @@
-#include "device/usb/driver/usb_bench.h"
+#include "device/usb/driver/usb_device.h"
 
 #include "base/input_error.h"
 #include "device/core/device_file.h"

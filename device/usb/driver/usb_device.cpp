@@ -1,7 +1,6 @@
 #include "device/usb/driver/usb_device.h"
 
 #include "base/input_error.h"
-#include "device/usb/driver/board_names.h"
 #include "device/usb/driver/board_request.h"
 
 #include <algorithm>

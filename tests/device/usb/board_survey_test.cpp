@@ -1,4 +1,4 @@
-// Covers device/usb/driver/board_survey.cpp.
+// Covers what device/usb/driver/board_survey.h says without libusb.
 #include "device/usb/driver/board_survey.h"
 
 #include "device/usb/emulator/emulated_board.h"

@@ -1,6 +1,4 @@
-// Covers device/usb/driver: report_stream, delay_meter and report_phase, by packets made here.
-#include "device/usb/driver/delay_meter.h"
-#include "device/usb/driver/report_phase.h"
+// Covers device/usb/driver/report_stream.cpp, by packets made here.
 #include "device/usb/driver/report_stream.h"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 // and the recorder do, that thread neither allocates nor locks, and makes no system calls except to
 // read the clock and to sleep.
 #include "base/real_time_thread.h"
-#include "device/usb/driver/libusb_port.h"
+#include "device/usb/driver/board_port.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/session/session.h"
