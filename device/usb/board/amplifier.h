@@ -24,8 +24,8 @@
 // half does no harm.
 #pragma once
 
-#include "device/usb/board/matrix.h"
 #include "device/usb/board/settings.h"
+#include "device/usb/board/values.h"
 
 namespace springdrive::board {
 

@@ -1,6 +1,5 @@
 #include "device/usb/board/link.h"
 
-#include "device/usb/board/command_limits.h"
 #include "device/usb/board/self_test.h"
 
 namespace springdrive::board {

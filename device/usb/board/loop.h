@@ -6,12 +6,9 @@
 #pragma once
 
 #include "device/usb/board/amplifier.h"
-#include "device/usb/board/current_offset.h"
-#include "device/usb/board/encoder.h"
 #include "device/usb/board/exchange.h"
+#include "device/usb/board/loop_parts.h"
 #include "device/usb/board/self_test.h"
-#include "device/usb/board/state_machine.h"
-#include "device/usb/board/winding_heat.h"
 
 namespace springdrive::board {
 

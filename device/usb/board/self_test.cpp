@@ -1,6 +1,6 @@
 #include "device/usb/board/self_test.h"
 
-#include "device/usb/board/matrix.h"
+#include "device/usb/board/values.h"
 
 namespace springdrive::board {
 

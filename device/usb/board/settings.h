@@ -3,7 +3,7 @@
 // derives them.
 #pragma once
 
-#include "device/usb/board/samples.h"
+#include "device/usb/board/values.h"
 
 namespace springdrive::board {
 

@@ -2,7 +2,7 @@
 #include "device/usb/board/amplifier.h"
 
 #include "base/vector.h"
-#include "device/usb/board/command_limits.h"
+#include "device/usb/board/link.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

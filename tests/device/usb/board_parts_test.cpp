@@ -1,11 +1,7 @@
-// Covers device/usb/board/encoder.h, matrix.h, command_limits.h, current_offset.h, winding_heat.h,
-// state_machine.h and exchange.h.
-#include "device/usb/board/command_limits.h"
-#include "device/usb/board/current_offset.h"
-#include "device/usb/board/encoder.h"
+// Covers device/usb/board/loop_parts.h, values.h, exchange.h, and the limits of commands in link.h.
 #include "device/usb/board/exchange.h"
-#include "device/usb/board/state_machine.h"
-#include "device/usb/board/winding_heat.h"
+#include "device/usb/board/link.h"
+#include "device/usb/board/loop_parts.h"
 
 #include "base/vector.h"
 #include "device/core/motor/winding_temperature.h"
