@@ -172,7 +172,6 @@ bool UsbDevice::wait_for_report(double deadline_s) noexcept {
     Packet packet;
     while (port_->receive(packet, deadline_s)) {
         if (stream_.take(packet)) {
-            newest_arrived_s_ = packet.arrived_s;
             meter_.take(stream_.newest(), packet.arrived_s);
             return true;
         }
@@ -262,7 +261,6 @@ Measurement UsbDevice::read() noexcept {
         if (const auto round_trip_s = meter_.take(report, packet.arrived_s)) {
             phase_.take(*round_trip_s);
         }
-        newest_arrived_s_ = packet.arrived_s;
         if (pacing_ == Pacing::reports) {
             break; // one a tick
         }

@@ -153,7 +153,6 @@ private:
     ReportPhase phase_;
     std::array<MeasuredAt, kRememberedReports> measured_at_{}; ///< by report
     double tick_s_ = 0.0;                                      ///< when `read` was called last
-    double newest_arrived_s_ = 0.0;                            ///< the newest report
     std::uint32_t number_ = 0;                                 ///< of the last command
     std::uint64_t answered_ = 0; ///< the report from which the last command was computed
     std::uint16_t watchdog_us_ = 5000;
