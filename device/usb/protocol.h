@@ -536,10 +536,15 @@ template <class Wire, class Matrix> constexpr void exchange_matrix(Wire &wire, M
 /// `exchange` is the layout after version and kind; `is_valid` checks ranges.
 template <class Value> struct Layout;
 
-template <> struct Layout<Command> {
-    static constexpr Kind kKind = Kind::command;
-    static constexpr std::size_t kSize = kFrameSize;
-    static constexpr bool kMayBeNan = false;
+/// What all layouts have. Of those that check no ranges, every value is valid.
+template <Kind kind, std::size_t size, bool may_be_nan = false> struct Shape {
+    static constexpr Kind kKind = kind;
+    static constexpr std::size_t kSize = size;
+    static constexpr bool kMayBeNan = may_be_nan;
+    template <class Value> static constexpr bool is_valid(const Value & /*value*/) { return true; }
+};
+
+template <> struct Layout<Command> : Shape<Kind::command, kFrameSize> {
     template <class Wire, class Value> static constexpr void exchange(Wire &wire, Value &command) {
         wire.choice(command.mode, 3);
         wire.part(command.begins_numbering, 1);
@@ -561,10 +566,7 @@ template <> struct Layout<Command> {
     }
 };
 
-template <> struct Layout<Report> {
-    static constexpr Kind kKind = Kind::report;
-    static constexpr std::size_t kSize = kFrameSize;
-    static constexpr bool kMayBeNan = true;
+template <> struct Layout<Report> : Shape<Kind::report, kFrameSize, true> {
     template <class Wire, class Value> static constexpr void exchange(Wire &wire, Value &report) {
         wire.choice(report.state, kBoardStates);
         wire.part(report.is_enabled, 1);
@@ -597,11 +599,8 @@ template <> struct Layout<Report> {
 };
 
 /// Of every version of the protocol: `kIsOfAnyVersion`, so that a driver can name the board's.
-template <> struct Layout<Identity> {
+template <> struct Layout<Identity> : Shape<Kind::identity, kIdentitySize> {
     static constexpr bool kIsOfAnyVersion = true;
-    static constexpr Kind kKind = Kind::identity;
-    static constexpr std::size_t kSize = kIdentitySize;
-    static constexpr bool kMayBeNan = false;
     template <class Wire, class Value> static constexpr void exchange(Wire &wire, Value &identity) {
         wire.number(identity.oldest_version);
         wire.number(identity.newest_version);
@@ -627,10 +626,7 @@ template <> struct Layout<Identity> {
     }
 };
 
-template <> struct Layout<Capabilities> {
-    static constexpr Kind kKind = Kind::capabilities;
-    static constexpr std::size_t kSize = kCapabilitiesSize;
-    static constexpr bool kMayBeNan = false;
+template <> struct Layout<Capabilities> : Shape<Kind::capabilities, kCapabilitiesSize> {
     template <class Wire, class Value> static constexpr void exchange(Wire &wire, Value &board) {
         wire.part(board.couples_resistance, 1);
         wire.part(board.couples_inductance, 1);
@@ -683,10 +679,7 @@ template <> struct Layout<Capabilities> {
     }
 };
 
-template <> struct Layout<Counters> {
-    static constexpr Kind kKind = Kind::counters;
-    static constexpr std::size_t kSize = kCountersSize;
-    static constexpr bool kMayBeNan = false;
+template <> struct Layout<Counters> : Shape<Kind::counters, kCountersSize> {
     template <class Wire, class Value> static constexpr void exchange(Wire &wire, Value &counters) {
         wire.skip(2);
         wire.number(counters.frames);
@@ -694,24 +687,16 @@ template <> struct Layout<Counters> {
         wire.number(counters.late_loops);
         wire.number(counters.reports_replaced);
     }
-    static constexpr bool is_valid(const Counters & /*counters*/) { return true; }
 };
 
-template <> struct Layout<Zeroing> {
-    static constexpr Kind kKind = Kind::zero;
-    static constexpr std::size_t kSize = kZeroingSize;
-    static constexpr bool kMayBeNan = false;
+template <> struct Layout<Zeroing> : Shape<Kind::zero, kZeroingSize> {
     template <class Wire, class Value> static constexpr void exchange(Wire &wire, Value &zeroing) {
         wire.skip(2);
         wire.number(zeroing.counts);
     }
-    static constexpr bool is_valid(const Zeroing & /*zeroing*/) { return true; }
 };
 
-template <> struct Layout<ReportRate> {
-    static constexpr Kind kKind = Kind::report_rate;
-    static constexpr std::size_t kSize = kReportRateSize;
-    static constexpr bool kMayBeNan = false;
+template <> struct Layout<ReportRate> : Shape<Kind::report_rate, kReportRateSize> {
     template <class Wire, class Value> static constexpr void exchange(Wire &wire, Value &rate) {
         wire.skip(2);
         wire.number(rate.period_us);
@@ -721,22 +706,15 @@ template <> struct Layout<ReportRate> {
     }
 };
 
-template <> struct Layout<CalibrationBlock> {
-    static constexpr Kind kKind = Kind::calibration;
-    static constexpr std::size_t kSize = kCalibrationBlockSize;
-    static constexpr bool kMayBeNan = false;
+template <> struct Layout<CalibrationBlock> : Shape<Kind::calibration, kCalibrationBlockSize> {
     template <class Wire, class Value> static constexpr void exchange(Wire &wire, Value &block) {
         wire.number(block.index);
         wire.number(block.bytes);
     }
-    static constexpr bool is_valid(const CalibrationBlock & /*block*/) { return true; }
 };
 
 /// As the contents of block 0.
-template <> struct Layout<BoardCalibration> {
-    static constexpr Kind kKind = Kind::calibration;
-    static constexpr std::size_t kSize = kCalibrationBlockSize;
-    static constexpr bool kMayBeNan = false;
+template <> struct Layout<BoardCalibration> : Shape<Kind::calibration, kCalibrationBlockSize> {
     template <class Wire, class Value>
     static constexpr void exchange(Wire &wire, Value &calibration) {
         wire.skip(2);
@@ -758,10 +736,7 @@ template <> struct Layout<BoardCalibration> {
 };
 
 /// As the contents of its block.
-template <> struct Layout<MotorCalibrationBlock> {
-    static constexpr Kind kKind = Kind::calibration;
-    static constexpr std::size_t kSize = kCalibrationBlockSize;
-    static constexpr bool kMayBeNan = false;
+template <> struct Layout<MotorCalibrationBlock> : Shape<Kind::calibration, kCalibrationBlockSize> {
     template <class Wire, class Value> static constexpr void exchange(Wire &wire, Value &motor) {
         wire.skip(2);
         wire.number(motor.layout);
@@ -775,10 +750,7 @@ template <> struct Layout<MotorCalibrationBlock> {
     }
 };
 
-template <> struct Layout<SelfTestOrder> {
-    static constexpr Kind kKind = Kind::self_test;
-    static constexpr std::size_t kSize = kSelfTestOrderSize;
-    static constexpr bool kMayBeNan = false;
+template <> struct Layout<SelfTestOrder> : Shape<Kind::self_test, kSelfTestOrderSize> {
     template <class Wire, class Value> static constexpr void exchange(Wire &wire, Value &order) {
         wire.skip(2);
         wire.number(order.voltage_V);
@@ -789,10 +761,7 @@ template <> struct Layout<SelfTestOrder> {
     }
 };
 
-template <> struct Layout<SelfTestResult> {
-    static constexpr Kind kKind = Kind::self_test;
-    static constexpr std::size_t kSize = kSelfTestResultSize;
-    static constexpr bool kMayBeNan = true;
+template <> struct Layout<SelfTestResult> : Shape<Kind::self_test, kSelfTestResultSize, true> {
     template <class Wire, class Value> static constexpr void exchange(Wire &wire, Value &result) {
         wire.choice(result.state, 4);
         wire.skip(1);
