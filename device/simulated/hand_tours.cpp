@@ -9,6 +9,23 @@
 
 namespace springdrive::simulated {
 
+namespace {
+
+/// By which the hand pulls beyond a stop, so that the tip reaches it against friction and weight.
+constexpr double kBeyond_rad = 4.0 * kRadiansPerDegree;
+/// Of the joints: at the tip some 0.3 N against a braking device.
+constexpr double kSpeed_rad_per_s = 1.6;
+constexpr double kStep_rad = 5.0 * kRadiansPerDegree;
+
+/// Angles of the second and third joint with a fold q₃ − q₂, the third as near to 0 as its lower
+/// stop allows.
+Vector3 folded(double fold_rad, double lowest_q3_rad) {
+    const double q3_rad = std::max(0.5 * fold_rad, lowest_q3_rad);
+    return {0.0, q3_rad - fold_rad, q3_rad};
+}
+
+} // namespace
+
 HandPath calibration_tour(const device::DeviceDescription &device, const Vector3 &start_m,
                           double duration_s) {
     constexpr double kStep_s = 0.02;
@@ -42,23 +59,6 @@ std::function<double(double)> calibration_tour_of(HandControl *hand,
         return longest_s;
     };
 }
-
-namespace {
-
-/// By which the hand pulls beyond a stop, so that the tip reaches it against friction and weight.
-constexpr double kBeyond_rad = 4.0 * kRadiansPerDegree;
-/// Of the joints: at the tip some 0.3 N against a braking device.
-constexpr double kSpeed_rad_per_s = 1.6;
-constexpr double kStep_rad = 5.0 * kRadiansPerDegree;
-
-/// Angles of the second and third joint with a fold q₃ − q₂, the third as near to 0 as its lower
-/// stop allows.
-Vector3 folded(double fold_rad, double lowest_q3_rad) {
-    const double q3_rad = std::max(0.5 * fold_rad, lowest_q3_rad);
-    return {0.0, q3_rad - fold_rad, q3_rad};
-}
-
-} // namespace
 
 HandPath stop_tour(const device::DeviceDescription &device, const Vector3 &start_m, double rest_s) {
     const device::JointLimits &limits = device.joint_limits;

@@ -36,43 +36,6 @@ std::array<Stop, 8> stops(const device::JointLimits &limits) {
     return all;
 }
 
-} // namespace
-
-StopTorque stop_torque(const device::JointLimits &limits, const Vector3 &q_a_rad,
-                       const Vector3 &q_b_rad) noexcept {
-    StopTorque sum;
-    if (limits.allow(q_a_rad) && limits.allow(q_b_rad)) {
-        return sum; // the usual case
-    }
-    for (const Stop &stop : stops(limits)) {
-        const double before = stop.depth(q_a_rad);
-        const double after = stop.depth(q_b_rad);
-        if (before == 0.0 && after == 0.0) {
-            continue;
-        }
-        // ½k(after² − before²) over the distance, of which all or a part lies in the stop.
-        const double distance = stop.direction.dot(q_b_rad - q_a_rad);
-        const double share = before > 0.0 && after > 0.0 ? 1.0 : (after - before) / distance;
-        sum.torque_Nm -= kStiffness_Nm_per_rad * 0.5 * (before + after) * share * stop.direction;
-        if (before > 0.0) {
-            sum.damping_Nms_per_rad +=
-                kDamping_Nms_per_rad * stop.direction * stop.direction.transpose();
-        }
-    }
-    return sum;
-}
-
-double stop_energy_J(const device::JointLimits &limits, const Vector3 &q_rad) noexcept {
-    double energy = 0.0;
-    for (const Stop &stop : stops(limits)) {
-        const double depth = stop.depth(q_rad);
-        energy += 0.5 * kStiffness_Nm_per_rad * depth * depth;
-    }
-    return energy;
-}
-
-namespace {
-
 // With two joints that move, the base is at rest and the tip moves in the links' plane: outward and
 // up.
 
@@ -290,6 +253,39 @@ std::optional<LinkageMotion> divided_step(const LinkagePlant &plant, const Linka
 }
 
 } // namespace
+
+StopTorque stop_torque(const device::JointLimits &limits, const Vector3 &q_a_rad,
+                       const Vector3 &q_b_rad) noexcept {
+    StopTorque sum;
+    if (limits.allow(q_a_rad) && limits.allow(q_b_rad)) {
+        return sum; // the usual case
+    }
+    for (const Stop &stop : stops(limits)) {
+        const double before = stop.depth(q_a_rad);
+        const double after = stop.depth(q_b_rad);
+        if (before == 0.0 && after == 0.0) {
+            continue;
+        }
+        // ½k(after² − before²) over the distance, of which all or a part lies in the stop.
+        const double distance = stop.direction.dot(q_b_rad - q_a_rad);
+        const double share = before > 0.0 && after > 0.0 ? 1.0 : (after - before) / distance;
+        sum.torque_Nm -= kStiffness_Nm_per_rad * 0.5 * (before + after) * share * stop.direction;
+        if (before > 0.0) {
+            sum.damping_Nms_per_rad +=
+                kDamping_Nms_per_rad * stop.direction * stop.direction.transpose();
+        }
+    }
+    return sum;
+}
+
+double stop_energy_J(const device::JointLimits &limits, const Vector3 &q_rad) noexcept {
+    double energy = 0.0;
+    for (const Stop &stop : stops(limits)) {
+        const double depth = stop.depth(q_rad);
+        energy += 0.5 * kStiffness_Nm_per_rad * depth * depth;
+    }
+    return energy;
+}
 
 double LinkagePlant::kinetic_energy_J(const LinkageState &state) const {
     if (!has_mass) {

@@ -30,32 +30,6 @@ namespace {
     return error;
 }
 
-} // namespace
-
-SampledDevice sampled_device(const device::DeviceDescription &description, std::uint64_t seed) {
-    SampledDevice drawn;
-    if (seed == 0) {
-        return drawn;
-    }
-    std::mt19937_64 random(seed);
-    const device::CurrentSensing &sensing = description.current_sensing;
-    for (std::size_t j = 0; j < drawn.motor.size(); ++j) {
-        const device::MotorParameters &motor = description.motor[j];
-        DrawnMotor &own = drawn.motor[j];
-        own.resistance_share = 1.0 + motor.resistance_tolerance * either_way(random);
-        own.torque_constant_share = 1.0 + motor.torque_constant_tolerance * either_way(random);
-        own.commutator_phase_rad = std::numbers::pi * either_way(random);
-        own.sensing.converter = draw_sensor(sensing, random);
-        const SensorError separate = draw_sensor(sensing, random);
-        own.sensing.amplifier = sensing.is_shared ? own.sensing.converter : separate;
-        own.sensing.resolution_A = sensing.resolution_A;
-        own.sensing.noise_A = sensing.noise_A;
-    }
-    return drawn;
-}
-
-namespace {
-
 /// Rejects options that a plant without masses cannot have.
 void check_coupling(const SimulationOptions &options) {
     if (options.dynamics != PlantDynamics::coupling) {
@@ -143,6 +117,28 @@ device::WindingTemperature temperature(const device::MotorParameters &motor,
 }
 
 } // namespace
+
+SampledDevice sampled_device(const device::DeviceDescription &description, std::uint64_t seed) {
+    SampledDevice drawn;
+    if (seed == 0) {
+        return drawn;
+    }
+    std::mt19937_64 random(seed);
+    const device::CurrentSensing &sensing = description.current_sensing;
+    for (std::size_t j = 0; j < drawn.motor.size(); ++j) {
+        const device::MotorParameters &motor = description.motor[j];
+        DrawnMotor &own = drawn.motor[j];
+        own.resistance_share = 1.0 + motor.resistance_tolerance * either_way(random);
+        own.torque_constant_share = 1.0 + motor.torque_constant_tolerance * either_way(random);
+        own.commutator_phase_rad = std::numbers::pi * either_way(random);
+        own.sensing.converter = draw_sensor(sensing, random);
+        const SensorError separate = draw_sensor(sensing, random);
+        own.sensing.amplifier = sensing.is_shared ? own.sensing.converter : separate;
+        own.sensing.resolution_A = sensing.resolution_A;
+        own.sensing.noise_A = sensing.noise_A;
+    }
+    return drawn;
+}
 
 void check_options(const device::DeviceDescription &description, const SimulationOptions &options) {
     const device::HandParameters &hand = options.hand;

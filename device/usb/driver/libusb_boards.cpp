@@ -145,6 +145,57 @@ std::string list_of(const std::vector<OpenedBoard> &boards) {
     return list;
 }
 
+BoardObstacle obstacle_of(int error) {
+    switch (error) {
+    case 0:
+        return BoardObstacle::none;
+    case LIBUSB_ERROR_ACCESS:
+        return BoardObstacle::no_permission;
+    case LIBUSB_ERROR_BUSY:
+        return BoardObstacle::in_use;
+    default:
+        return BoardObstacle::no_answer;
+    }
+}
+
+/// @return an error of libusb
+int ask_for_identity(libusb_device_handle *handle, const Endpoints &endpoints,
+                     SurveyedBoard &board) {
+    if (const int error = libusb_claim_interface(handle, endpoints.interface_number); error != 0) {
+        return error;
+    }
+    std::array<std::uint8_t, kIdentitySize> answer{};
+    const int size = libusb_control_transfer(
+        handle, kRequestIn, static_cast<std::uint8_t>(Kind::identity), 0,
+        static_cast<std::uint16_t>(endpoints.interface_number), answer.data(),
+        static_cast<std::uint16_t>(answer.size()), kControlTimeout_ms);
+    libusb_release_interface(handle, endpoints.interface_number);
+    if (size < 0 && size != LIBUSB_ERROR_PIPE) {
+        return size;
+    }
+    take_identity(std::span(answer).first(size > 0 ? static_cast<std::size_t>(size) : 0U), board);
+    return 0;
+}
+
+/// @return an error of libusb
+int survey(const Connected &connected, SurveyedBoard &board) {
+    libusb_device *const device = connected.device;
+    std::array<std::uint8_t, 7> ports{}; // the deepest that USB allows
+    const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
+    board.bus = libusb_get_bus_number(device);
+    board.address = libusb_get_device_address(device);
+    board.sysfs_name = sysfs_name_of(
+        board.bus, std::span(ports).first(depth > 0 ? static_cast<std::size_t>(depth) : 0U));
+    board.speed = name_of_speed(libusb_get_device_speed(device));
+    libusb_device_handle *raw = nullptr;
+    if (const int error = libusb_open(device, &raw); error != 0) {
+        return error;
+    }
+    const Handle handle(raw);
+    board.serial = serial_of(raw, connected.serial_index);
+    return ask_for_identity(raw, connected.endpoints, board);
+}
+
 } // namespace
 
 Context make_context() {
@@ -229,61 +280,6 @@ std::vector<FoundBoard> boards_present() {
     }
     return found;
 }
-
-namespace {
-
-BoardObstacle obstacle_of(int error) {
-    switch (error) {
-    case 0:
-        return BoardObstacle::none;
-    case LIBUSB_ERROR_ACCESS:
-        return BoardObstacle::no_permission;
-    case LIBUSB_ERROR_BUSY:
-        return BoardObstacle::in_use;
-    default:
-        return BoardObstacle::no_answer;
-    }
-}
-
-/// @return an error of libusb
-int ask_for_identity(libusb_device_handle *handle, const Endpoints &endpoints,
-                     SurveyedBoard &board) {
-    if (const int error = libusb_claim_interface(handle, endpoints.interface_number); error != 0) {
-        return error;
-    }
-    std::array<std::uint8_t, kIdentitySize> answer{};
-    const int size = libusb_control_transfer(
-        handle, kRequestIn, static_cast<std::uint8_t>(Kind::identity), 0,
-        static_cast<std::uint16_t>(endpoints.interface_number), answer.data(),
-        static_cast<std::uint16_t>(answer.size()), kControlTimeout_ms);
-    libusb_release_interface(handle, endpoints.interface_number);
-    if (size < 0 && size != LIBUSB_ERROR_PIPE) {
-        return size;
-    }
-    take_identity(std::span(answer).first(size > 0 ? static_cast<std::size_t>(size) : 0U), board);
-    return 0;
-}
-
-/// @return an error of libusb
-int survey(const Connected &connected, SurveyedBoard &board) {
-    libusb_device *const device = connected.device;
-    std::array<std::uint8_t, 7> ports{}; // the deepest that USB allows
-    const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
-    board.bus = libusb_get_bus_number(device);
-    board.address = libusb_get_device_address(device);
-    board.sysfs_name = sysfs_name_of(
-        board.bus, std::span(ports).first(depth > 0 ? static_cast<std::size_t>(depth) : 0U));
-    board.speed = name_of_speed(libusb_get_device_speed(device));
-    libusb_device_handle *raw = nullptr;
-    if (const int error = libusb_open(device, &raw); error != 0) {
-        return error;
-    }
-    const Handle handle(raw);
-    board.serial = serial_of(raw, connected.serial_index);
-    return ask_for_identity(raw, connected.endpoints, board);
-}
-
-} // namespace
 
 std::vector<SurveyedBoard> survey_boards() {
     const Context context = make_context();
