@@ -1,4 +1,4 @@
-// The simulated PHANTOM behind a board's pins, as a chip of board/hardware.h.
+// The simulated PHANTOM behind a board's pins, as a chip of board/board.h.
 //
 //   apply(order) ──► e_W = duty ratio × supply, R̂ = 0 ──► SimulatedPhantom ──► sample()
 //
@@ -13,7 +13,7 @@
 
 #include "device/core/faults.h"
 #include "device/simulated/simulated_phantom.h"
-#include "device/usb/board/hardware.h"
+#include "device/usb/board/board.h"
 
 #include <array>
 #include <cstddef>
