@@ -30,7 +30,7 @@ namespace springdrive::charts {
 [[nodiscard]] SpeedAccuracyChart friction_integrator_chart(const ChartSetting &setting,
                                                            const ChartProgress &progress);
 
-/// How much of the device needs to be simulated: the plant models of plant_model.h over a contact
+/// How much of the device needs to be simulated: kPlantModels over a contact
 /// transient with quantised encoders, in full and in the plane of the links. A point for each step,
 /// a line for each model; the error is that of the force on the hand, against the full model at a
 /// step of about a microsecond. The press lies in the links' plane, so that it suits the models

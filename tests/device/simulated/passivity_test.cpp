@@ -1,4 +1,4 @@
-// Covers device/simulated/simulated_phantom.cpp, linkage_step.cpp and free_tip.h: without a source
+// Covers device/simulated/simulated_phantom.cpp and linkage_step.cpp: without a source
 // the plant never gains energy, and friction holds loads below breakaway.
 #include "device/simulated/simulated_phantom.h"
 
