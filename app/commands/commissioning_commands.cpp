@@ -9,7 +9,7 @@
 #include "base/print.h"
 #include "base/text.h"
 #include "device/core/device_file.h"
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 #include "device/simulated/hand_tours.h"
 #include "engine/commissioning/calibration_run.h"
 #include "engine/commissioning/self_test.h"

@@ -6,7 +6,7 @@
 #include "base/input_error.h"
 #include "base/print.h"
 #include "device/core/device_file.h"
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning_file.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"

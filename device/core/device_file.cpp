@@ -3,7 +3,7 @@
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/strict_toml.h"
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 
 #include <fmt/core.h>
 #include <fmt/format.h>

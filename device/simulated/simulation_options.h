@@ -5,7 +5,7 @@
 #include "base/vector.h"
 #include "device/core/hand_parameters.h"
 #include "device/core/motor/motor.h"
-#include "device/core/motor/winding_temperature.h"
+#include "device/core/motor/winding_heat.h"
 #include "device/simulated/hand.h"
 
 #include <array>

@@ -3,7 +3,7 @@
 #include "base/assertions.h"
 #include "base/input_error.h"
 #include "device/core/device_file.h"
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 
 #include <fmt/format.h>
 

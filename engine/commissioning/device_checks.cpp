@@ -2,7 +2,7 @@
 
 #include "base/assertions.h"
 #include "base/degrees.h"
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 #include "device/core/phantom/kinematics.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "engine/control/winding_observer.h"
 
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 
 #include <algorithm>
 #include <cmath>

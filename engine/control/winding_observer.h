@@ -31,7 +31,7 @@
 #pragma once
 
 #include "device/core/device_description.h"
-#include "device/core/motor/winding_temperature.h"
+#include "device/core/motor/winding_heat.h"
 #include "engine/control/observed_motor.h"
 
 #include <Eigen/Core>

@@ -1,6 +1,6 @@
 #include "engine/servo/motor_consistency.h"
 
-#include "device/core/motor/winding_temperature.h"
+#include "device/core/motor/winding_heat.h"
 
 #include <algorithm>
 #include <cmath>

@@ -15,11 +15,11 @@
 // so that nothing undoes a stop that nobody has seen. The safe state is
 // braking (e_W = 0 and R̂ = 0); only a fault of an amplifier itself opens the windings. Limits come
 // from the device file, and may be lowered, never raised; that of R̂ follows the estimates of each
-// winding's temperature and resistance, see winding_guard.h.
+// winding's temperature and resistance, see winding_heat.h.
 #pragma once
 
 #include "device/core/haptic_device.h"
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 #include "engine/control/motion_control.h"
 #include "engine/servo/command_limiter.h"
 #include "engine/servo/energy_observer.h"

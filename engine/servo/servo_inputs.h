@@ -1,7 +1,7 @@
 // The window's inputs to the servo: one plain value, published whole through a mailbox.
 #pragma once
 
-#include "device/core/motor/winding_temperature.h"
+#include "device/core/motor/winding_heat.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/input_course.h"

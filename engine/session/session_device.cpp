@@ -5,7 +5,7 @@
 #include "base/text.h"
 #include "device/core/device_file.h"
 #include "device/core/haptic_device.h"
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 #include "engine/control/motion_control.h"
 #include "engine/scene/scripted_touch.h"
 #include "engine/servo/real_time.h"

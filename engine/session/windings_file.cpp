@@ -3,7 +3,7 @@
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/sha256.h"
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 
 #include <nlohmann/json.hpp>
 

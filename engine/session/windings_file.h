@@ -10,7 +10,7 @@
 // long as it has power, knows of that.
 #pragma once
 
-#include "device/core/motor/winding_temperature.h"
+#include "device/core/motor/winding_heat.h"
 
 #include <array>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #include "tests/support/fault_judge.h"
 
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 #include "engine/servo/workspace_edge.h"
 
 #include <Eigen/LU>
@@ -100,7 +100,7 @@ void FaultJudge::look_at_window(const servo::ServoInputs &inputs, const servo::T
 }
 
 /// Peak currents, and the upper estimate of each winding's temperature: the network of
-/// winding_temperature.h integrated by small Euler steps.
+/// winding_heat.h integrated by small Euler steps.
 void FaultJudge::look_at_currents(const Vector3 &current_A, const servo::ServoSample &sample) {
     constexpr int kParts = 8;
     const double h = period_s_ / kParts;

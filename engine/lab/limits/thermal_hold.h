@@ -11,7 +11,7 @@
 #include "base/table.h"
 #include "base/vector.h"
 #include "device/core/device_description.h"
-#include "device/core/motor/winding_temperature.h"
+#include "device/core/motor/winding_heat.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning.h"
 

@@ -1,7 +1,7 @@
 #include "base/degrees.h"
 #include "base/vector.h"
 #include "device/core/hand_parameters.h"
-#include "device/core/motor/winding_temperature.h"
+#include "device/core/motor/winding_heat.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/servo/command_limiter.h"
 #include "engine/servo/safety_limits.h"

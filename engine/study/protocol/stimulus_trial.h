@@ -100,7 +100,7 @@ struct MotorTemperatures {
     Vector3 housing_C{Vector3::Zero()};
 };
 
-/// After so much time without a current, by the two-body network of winding_temperature.h.
+/// After so much time without a current, by the two-body network of winding_heat.h.
 [[nodiscard]] MotorTemperatures cooled(const device::DeviceDescription &device, double air_C,
                                        const MotorTemperatures &before, double seconds);
 

@@ -3,7 +3,7 @@
 
 #include "base/vector.h"
 #include "device/core/device_description.h"
-#include "device/core/motor/winding_temperature.h"
+#include "device/core/motor/winding_heat.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/servo_inputs.h"
 #include "engine/servo/servo_sample.h"

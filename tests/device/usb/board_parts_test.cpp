@@ -4,7 +4,7 @@
 #include "device/usb/board/loop_parts.h"
 
 #include "base/vector.h"
-#include "device/core/motor/winding_temperature.h"
+#include "device/core/motor/winding_heat.h"
 #include "tests/support/devices.h"
 
 #include <Eigen/Eigenvalues>

@@ -2,7 +2,7 @@
 // passed on, and the soft wall that is added at the edge of the workspace.
 #include "engine/servo/command_limiter.h"
 
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/servo/workspace_edge.h"
 #include "tests/support/configurations.h"

@@ -3,7 +3,7 @@
 #include "base/bisection.h"
 #include "base/degrees.h"
 #include "device/core/motor/motor.h"
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/perception.h"

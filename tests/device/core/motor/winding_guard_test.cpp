@@ -1,5 +1,5 @@
-// Covers device/core/motor/winding_guard.cpp.
-#include "device/core/motor/winding_guard.h"
+// Covers device/core/motor/winding_heat.cpp.
+#include "device/core/motor/winding_heat.h"
 
 #include "engine/lab/rig/servo_rig.h"
 #include "tests/support/devices.h"

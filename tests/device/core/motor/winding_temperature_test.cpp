@@ -1,5 +1,5 @@
-// Covers device/core/motor/winding_temperature.cpp.
-#include "device/core/motor/winding_temperature.h"
+// Covers device/core/motor/winding_heat.cpp.
+#include "device/core/motor/winding_heat.h"
 
 #include "tests/support/devices.h"
 

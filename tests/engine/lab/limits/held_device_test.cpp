@@ -2,7 +2,7 @@
 #include "base/degrees.h"
 #include "base/error_text.h"
 #include "base/input_error.h"
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/locked_device.h"
 #include "engine/lab/limits/thermal_hold.h"
