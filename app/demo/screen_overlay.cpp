@@ -3,7 +3,7 @@
 #include "app/demo/screen.h"
 
 #include "app/host/asset_folder.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 
 #include <iostream>
 

@@ -2,13 +2,10 @@
 
 #include "app/host/output_dir.h"
 #include "app/host/user_folder.h"
-#include "base/error_text.h"
 #include "base/field_toml.h"
-#include "base/file_names.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
-#include "base/one_line.h"
-#include "base/quoting.h"
+#include "base/text.h"
 
 #include <fmt/format.h>
 #include <imgui.h>

@@ -4,7 +4,6 @@
 #include "app/study/participant/answers.h"
 #include "app/study/sitting/sitting.h"
 #include "app/widgets/widgets.h"
-#include "base/error_text.h"
 #include "base/input_error.h"
 #include "base/vector.h"
 #include "engine/study/conduct/conduct.h"

@@ -3,9 +3,9 @@
 // a period, and shares no equation with the observer but R(T, θ) and the thermal network.
 #include "engine/control/winding_observer.h"
 
-#include "device/core/calibration_file.h"
-#include "device/simulated/calibration_tour.h"
-#include "device/simulated/sampled_device.h"
+#include "device/core/device_file.h"
+#include "device/simulated/hand_tours.h"
+#include "device/simulated/plant_setup.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/velocity_filter.h"

@@ -3,9 +3,9 @@
 // and reads the clock. Also real_time.cpp: what the system grants a thread, and the warnings if it
 // refuses.
 #include "base/assertions.h"
-#include "device/core/forwarding_device.h"
-#include "device/simulated/plant_model.h"
+#include "device/core/haptic_device.h"
 #include "device/simulated/simulated_phantom.h"
+#include "device/simulated/simulation_options.h"
 #include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/scenario/scenarios.h"

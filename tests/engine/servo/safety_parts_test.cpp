@@ -2,7 +2,7 @@
 // safety_limits.cpp and safety_status.cpp.
 #include "engine/servo/energy_observer.h"
 
-#include "device/core/board_faults.h"
+#include "device/core/haptic_device.h"
 #include "engine/servo/rest_detector.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/servo/safety_status.h"

@@ -2,7 +2,7 @@
 // hand presses, and where measurements are late, missing or faulty.
 #include "engine/servo/servo_loop.h"
 
-#include "device/core/forwarding_device.h"
+#include "device/core/haptic_device.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/tuning.h"
 #include "engine/control/velocity_filter.h"

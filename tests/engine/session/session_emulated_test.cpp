@@ -1,8 +1,8 @@
 // Covers engine/session/session_device.cpp and device/factory/emulated_device.cpp: a session with
 // an emulated board in this process, its cable, and the loan of the device; and servo_run.cpp: a
 // requested stop, by window or switch, and who lets it go.
-#include "base/error_text.h"
-#include "device/core/calibration_file.h"
+#include "base/input_error.h"
+#include "device/core/device_file.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/hand_tours.h"
 #include "engine/commissioning/self_test.h"

@@ -3,7 +3,7 @@
 // motor is driven until somebody zeroes the device again; and its end, which is quick and clean in
 // any state. The sanitizers detect leaks.
 #include "base/degrees.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/lab/model_selection/selection_cache.h"

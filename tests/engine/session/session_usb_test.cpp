@@ -2,9 +2,8 @@
 // hand: its connection, and how hot its windings may be; engine/session/windings_file.cpp, and
 // WindingGuard over times that nobody watched. What a board of any kind shows:
 // session_emulated_test.cpp.
-#include "base/error_text.h"
-#include "device/core/motor/winding_guard.h"
-#include "device/core/motor/winding_temperature.h"
+#include "base/input_error.h"
+#include "device/core/motor/winding_heat.h"
 #include "device/usb/driver/usb_device.h"
 #include "engine/session/windings_file.h"
 #include "tests/engine/session/session_fixture.h"

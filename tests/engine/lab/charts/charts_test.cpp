@@ -1,7 +1,7 @@
 // Covers engine/lab/charts/charts.h: each chart as a whole, and press_charts.cpp with its trial and
 // its solvers, press_trial.cpp and plant_solvers.cpp.
 #include "base/input_error.h"
-#include "device/simulated/plant_model.h"
+#include "device/simulated/simulation_options.h"
 #include "engine/lab/charts/charts.h"
 #include "engine/lab/charts/plant_solvers.h"
 #include "engine/lab/charts/press_trial.h"

@@ -1,7 +1,6 @@
 // Covers what tunes and compares drives: engine/lab/limits/{auto_tune,impact,wall_tune}.cpp;
 // long_limits_test.cpp has the slow tests. The outputs of drive_comparison.cpp are those of
 // tests/app/tuning_commands_test.cpp.
-#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/core/phantom/dynamics.h"
 #include "device/core/phantom/kinematics.h"

@@ -1,6 +1,5 @@
 // Covers a device that is held: engine/lab/limits/locked_device.cpp and thermal_hold.cpp.
 #include "base/degrees.h"
-#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/core/motor/winding_heat.h"
 #include "device/core/phantom/kinematics.h"

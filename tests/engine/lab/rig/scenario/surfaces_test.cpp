@@ -8,7 +8,7 @@
 #include "engine/lab/rig/scenario/scanned_surface.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "engine/contact/mesh/nearest.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "tests/support/random_vector.h"
