@@ -1,7 +1,7 @@
 // Covers app/study/sitting/{sitting,interludes}.cpp: sessions with a questionnaire, by method of
 // adjustment, and with masking noise, on a sound output that is a file, or on none.
-#include "base/input_error.h"
-#include "tests/app/study/sitting_rig.h"
+#include "base/error_text.h"
+#include "tests/app/study/made_up_people.h"
 #include "tests/support/child_process.h"
 
 #include <fmt/core.h>

@@ -1,7 +1,7 @@
 // Covers app/study/sitting/{sitting,trial_presenter,device_stops}.cpp: a device that is stopped or
 // lost, and a disk that is full.
-#include "base/input_error.h"
-#include "tests/app/study/sitting_rig.h"
+#include "base/error_text.h"
+#include "tests/app/study/made_up_people.h"
 #include "tests/support/child_process.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/modes.h"

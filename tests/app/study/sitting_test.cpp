@@ -3,7 +3,7 @@
 // app/study/experimenter/study_window.cpp. See study_window_test.cpp for the real windows.
 #include "app/study/experimenter/study_window.h"
 #include "engine/study/conduct/conduct.h"
-#include "tests/app/study/sitting_rig.h"
+#include "tests/app/study/made_up_people.h"
 
 #include <gtest/gtest.h>
 

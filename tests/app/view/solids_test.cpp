@@ -1,11 +1,17 @@
 // Covers app/view/solids.cpp and app/view/linkage_solids.cpp: shapes, where they are placed, and
-// that no part of the linkage passes through another.
-#include "app/view/linkage_solids.h"
-
+// that no part of the linkage passes through another. And what is drawn over the scene, that each
+// thing that is switched on is drawn, where and as large as it says: app/view/flat_marks.cpp,
+// app/view/markers.cpp and app/view/view_state.h.
+#include "app/view/flat_marks.h"
 #include "app/view/gl_vector.h"
+#include "app/view/linkage_solids.h"
+#include "app/view/markers.h"
 #include "tests/support/devices.h"
+#include "tests/support/framed_box.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <gtest/gtest.h>
@@ -13,9 +19,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -278,6 +287,373 @@ TEST_P(Linkage, NoPartPassesThroughAnotherAwayFromTheirJoint) {
 
 INSTANTIATE_TEST_SUITE_P(Devices, Linkage,
                          ::testing::Values(testing::phantom_1_0(), testing::phantom_premium_1_5()));
+
+constexpr double kFlat_m = 1e-6; // of coordinates below a metre in float
+constexpr PixelSize kFlatViewport{880.0, 485.0};
+
+Camera flat_camera() {
+    return testing::framed_box(Vector3::Constant(-0.1), Vector3::Constant(0.1), kFlatViewport);
+}
+
+/// A touch at which there is something of everything, whatever is switched on.
+ViewState full_state() {
+    ViewState state;
+    state.tip_m = {0.010, 0.002, 0.000};
+    state.proxy_m = {0.010, 0.005, 0.000};
+    state.normal = Vector3(0.0, 1.0, 0.2).normalized();
+    state.tip_force_N = {0.1, 1.5, 0.0};
+    state.hand_target_m = {0.010, -0.002, 0.000};
+    state.touching = true;
+    state.below = {{0.010, -0.050, 0.000}, Vector3::UnitY()};
+    state.touch.inverse_force_N = {0.8, 1.2, 0.0};
+    state.touch.transpose_force_N = {0.0, 1.5, 0.3};
+    state.touch.set_point_m = {0.010, 0.004, 0.000};
+    Matrix3 K;
+    K << 3000.0, 500.0, 0.0, 500.0, 1500.0, 100.0, 0.0, 100.0, 2000.0;
+    state.touch.inverse_stiffness_N_per_m = K;
+    state.touch.transpose_stiffness_N_per_m = 1280.0;
+    state.touch.trace_N = {
+        {{0.0, 0.05, 0.0}, 0.0}, {{0.0, 0.02, 0.0}, 1.0}, {{0.01, 0.0, 0.0}, 9.0}};
+    auto field = std::make_shared<WorkspaceField>();
+    field->places = {{{0.05, 0.05, 0.05}, 0.1}, {{-0.05, 0.05, 0.05}, 0.7}};
+    field->largest = 0.7;
+    state.touch.workspace = field;
+    return state;
+}
+
+/// What is drawn, counted by its kind.
+struct MarksDrawn {
+    std::size_t solids = 0;
+    std::size_t flat = 0;
+
+    bool operator==(const MarksDrawn &) const = default;
+};
+
+MarksDrawn marks_drawn(const ViewState &state) {
+    const Camera camera = flat_camera();
+    const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+    const std::size_t solids = marker_solids(state, scale).size() +
+                               tip_marks(state, scale).tip.size() +
+                               height_line(state, scale).size() + stiffness_bodies(state).size();
+    return {solids, flat_marks(state, scale).size()};
+}
+
+/// The point of the world at that place of the unit shape.
+Vector3 point_of(const Solid &solid, float x, float y, float z) {
+    return to_vector3(glm::vec3(solid.model * glm::vec4(x, y, z, 1.0F)));
+}
+
+/// Of that shape among the marks of tip, proxy, hand and force.
+Solid the_one(const std::vector<Solid> &solids, Shape shape) {
+    const auto is_it = [&](const Solid &solid) { return solid.shape == shape; };
+    EXPECT_EQ(std::ranges::count_if(solids, is_it), 1);
+    const auto found = std::ranges::find_if(solids, is_it);
+    return found == solids.end() ? Solid{} : *found;
+}
+
+TEST(ShownThings, EachSwitchTakesSomethingAway) {
+    ViewState all = full_state();
+    for (const OverlayStyle &look : kThings) {
+        all.shown.show(look.thing, true);
+    }
+    for (const OverlayStyle &look : kThings) {
+        ViewState without = full_state();
+        without.shown = all.shown;
+        without.shown.show(look.thing, false);
+        // What the values hold is computed only if it is switched on: app/demo/shown_values.cpp.
+        TouchValues &touch = without.touch;
+        switch (look.thing) {
+        case Thing::both_forces:
+            touch.inverse_force_N.reset();
+            touch.transpose_force_N.reset();
+            break;
+        case Thing::set_point:
+            touch.set_point_m.reset();
+            break;
+        case Thing::stiffness:
+            touch.inverse_stiffness_N_per_m.reset();
+            break;
+        case Thing::trace:
+            touch.trace_N.clear();
+            break;
+        case Thing::direction_errors: // of the two, the other one is on
+            continue;
+        case Thing::stiffnesses:
+            touch.workspace.reset();
+            break;
+        default:
+            break;
+        }
+        const MarksDrawn less = marks_drawn(without);
+        EXPECT_LT(less.solids + less.flat, marks_drawn(all).solids + marks_drawn(all).flat)
+            << look.label;
+    }
+}
+
+TEST(ShownThings, OfTheTwoThatColourTheWorkspaceOneIsOn) {
+    ShownThings shown;
+    shown.show(Thing::stiffnesses, true);
+    shown.show(Thing::direction_errors, true);
+    EXPECT_TRUE(shown.shows(Thing::direction_errors));
+    EXPECT_FALSE(shown.shows(Thing::stiffnesses));
+}
+
+TEST(ShownThings, AreInTheOrderOfTheirListWithWordsOfTheirOwn) {
+    std::set<std::string> words;
+    for (std::size_t i = 0; i < kThings.size(); ++i) {
+        EXPECT_EQ(static_cast<std::size_t>(kThings[i].thing), i);
+        words.insert(kThings[i].word);
+    }
+    EXPECT_EQ(words.size(), kThings.size());
+    EXPECT_EQ(scale_colour(0.0), kScaleColours.front());
+    EXPECT_EQ(scale_colour(1.0), kScaleColours.back());
+    EXPECT_EQ(scale_colour(-1.0), kScaleColours.front());
+    EXPECT_EQ(scale_colour(2.0), kScaleColours.back());
+}
+
+/// The vertices of that colour.
+std::vector<Vector3> of_colour(const std::vector<FlatVertex> &vertices, const Colour &colour) {
+    std::vector<Vector3> found;
+    for (const FlatVertex &vertex : vertices) {
+        if (vertex.colour.r == colour[0] && vertex.colour.g == colour[1] &&
+            vertex.colour.b == colour[2]) {
+            found.push_back(to_vector3(vertex.position_m));
+        }
+    }
+    return found;
+}
+
+/// Without what is not meant.
+ViewState bare_state() {
+    ViewState state = full_state();
+    state.touch = {};
+    return state;
+}
+
+TEST(FlatMarks, ArrowsOfBothMapsEndAtTheirForcesInTheScaleOfTheMeasuredOne) {
+    ViewState state = bare_state();
+    state.touch.inverse_force_N = full_state().touch.inverse_force_N;
+    state.touch.transpose_force_N = full_state().touch.transpose_force_N;
+    const Camera camera = flat_camera();
+    const auto vertices = flat_marks(state, {camera, kFlatViewport.height_px, 1.0});
+    for (const auto &[force_N, colour] : {std::pair{*state.touch.inverse_force_N, kInverseColour},
+                                          {*state.touch.transpose_force_N, kTransposeColour}}) {
+        const Vector3 along = force_N.normalized();
+        double farthest_m = -INFINITY;
+        Vector3 end_m = Vector3::Zero();
+        for (const Vector3 &vertex_m : of_colour(vertices, colour)) {
+            const double at_m = (vertex_m - state.proxy_m).dot(along);
+            if (at_m > farthest_m) {
+                farthest_m = at_m;
+                end_m = vertex_m;
+            }
+        }
+        EXPECT_LT((end_m - (state.proxy_m + 0.015 * force_N)).norm(), kFlat_m);
+    }
+}
+
+TEST(FlatMarks, EllipsoidAndSphereHaveTheAxesOfTheirStiffnesses) {
+    ViewState state = bare_state();
+    const Matrix3 K = *full_state().touch.inverse_stiffness_N_per_m;
+    state.touch.inverse_stiffness_N_per_m = K;
+    state.touch.transpose_stiffness_N_per_m = 1280.0;
+    ASSERT_NEAR(stiffness_scale(K), 1e-5, 1e-12); // 10 mm for 1 N/mm
+    const Camera camera = flat_camera();
+    const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+    const auto vertices = flat_marks(state, scale);
+    const double line_m = scale.length_m(1.3, state.tip_m); // its width
+    // Every point of the outlines is K n of a unit n: |K⁻¹ v| = 1; but for the line's width, and
+    // the 64 corners.
+    const auto ellipsoid = of_colour(vertices, kInverseColour);
+    ASSERT_FALSE(ellipsoid.empty());
+    const double least = Eigen::SelfAdjointEigenSolver<Matrix3>(K).eigenvalues()[0];
+    const double most = Eigen::SelfAdjointEigenSolver<Matrix3>(K).eigenvalues()[2];
+    double farthest_m = 0.0;
+    for (const Vector3 &vertex_m : ellipsoid) {
+        const Vector3 v = 1e5 * (vertex_m - state.tip_m);
+        EXPECT_NEAR((K.inverse() * v).norm(), 1.0, 1e5 * line_m / least + 0.002);
+        farthest_m = std::max(farthest_m, (vertex_m - state.tip_m).norm());
+    }
+    EXPECT_NEAR(farthest_m, 1e-5 * most, line_m);
+    for (const Vector3 &vertex_m : of_colour(vertices, kTransposeColour)) {
+        EXPECT_NEAR((vertex_m - state.tip_m).norm(), 0.0128, line_m);
+    }
+    // The bodies are the same, filled.
+    const std::vector<Solid> bodies = stiffness_bodies(state);
+    ASSERT_EQ(bodies.size(), 2U);
+    const Vector3 n = Vector3(0.3, -0.5, 0.7).normalized();
+    const auto image_m = [&](const Solid &solid) {
+        const glm::vec3 at = to_glm(n);
+        return point_of(solid, at.x, at.y, at.z);
+    };
+    EXPECT_LT((image_m(bodies[0]) - (state.tip_m + 0.0128 * n)).norm(), kFlat_m);
+    EXPECT_LT((image_m(bodies[1]) - (state.tip_m + 1e-5 * K * n)).norm(), kFlat_m);
+}
+
+TEST(FlatMarks, AStiffTipsEllipsoidIsNoLongerThanStated) {
+    for (const auto &[most, length_m] : {std::pair{5900.0, 0.059}, {6100.0, 0.060}, {9e4, 0.060}}) {
+        Matrix3 K = 1000.0 * Matrix3::Identity();
+        K(1, 1) = most;
+        EXPECT_NEAR(stiffness_scale(K) * most, length_m, 1e-9);
+    }
+}
+
+TEST(FlatMarks, ContactPlaneIsSquareToTheNormalAtTheProxy) {
+    ViewState state = bare_state();
+    state.shown.show(Thing::contact_plane, true);
+    const Camera camera = flat_camera();
+    const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+    const auto plane = of_colour(flat_marks(state, scale), kNormalColour);
+    ASSERT_FALSE(plane.empty());
+    for (const Vector3 &vertex_m : plane) {
+        EXPECT_NEAR((vertex_m - state.proxy_m).dot(state.normal), 3e-4,
+                    scale.length_m(1.6, state.proxy_m));
+    }
+    state.touching = false;
+    EXPECT_TRUE(flat_marks(state, scale).empty());
+}
+
+TEST(FlatMarks, TraceAndWorkspaceHaveTheColoursOfTheirScale) {
+    ViewState state = bare_state();
+    state.touch.trace_N = full_state().touch.trace_N;
+    const Camera camera = flat_camera();
+    const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+    const auto trace = flat_marks(state, scale);
+    EXPECT_EQ(trace.size(), 12U);                              // two lines of two triangles
+    EXPECT_EQ(of_colour(trace, scale_colour(0.0)).size(), 3U); // both sides of its start, one twice
+    EXPECT_FALSE(of_colour(trace, scale_colour(1.0 / kTraceEnd_N)).empty());
+    EXPECT_FALSE(of_colour(trace, scale_colour(1.0)).empty()); // more than the end
+    state = bare_state();
+    state.touch.workspace = full_state().touch.workspace;
+    const auto places = flat_marks(state, scale);
+    EXPECT_EQ(of_colour(places, scale_colour(1.0)).size(), 6U);
+    EXPECT_EQ(of_colour(places, scale_colour(0.1 / 0.7)).size(), 6U);
+}
+
+TEST(HeightLine, LeadsFromTipOrProxyToARingThatLiesOnWhatIsBelow) {
+    const Camera camera = flat_camera();
+    const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+    ViewState state;
+    state.tip_m = {0.02, 0.05, -0.01};
+    state.proxy_m = {0.021, 0.055, -0.012};
+    const Vector3 normal = Vector3(0.3, 0.9, 0.1).normalized();
+    for (const bool touching : {false, true}) {
+        state.touching = touching;
+        const Vector3 top_m = touching ? state.proxy_m : state.tip_m;
+        state.below = {{top_m.x(), -0.03, top_m.z()}, normal};
+        const std::vector<Solid> solids = height_line(state, scale);
+        ASSERT_EQ(solids.size(), 2U);
+        EXPECT_EQ(solids[0].shape, Shape::cylinder);
+        EXPECT_LT((point_of(solids[0], 0, 0, 0) - top_m).norm(), kFlat_m);
+        EXPECT_LT((point_of(solids[0], 0, 0, 1) - state.below->point_m).norm(), kFlat_m);
+        EXPECT_EQ(solids[1].shape, Shape::ring);
+        const Vector3 centre_m = point_of(solids[1], 0, 0, 0);
+        EXPECT_NEAR((centre_m - state.below->point_m).norm(), 4e-4, kFlat_m); // so as to be seen
+        for (const auto &[x, y] : {std::pair{1.0F, 0.0F}, {0.0F, 1.0F}, {-0.6F, 0.8F}}) {
+            const Vector3 radius_m = point_of(solids[1], x, y, 0) - centre_m;
+            EXPECT_NEAR(radius_m.dot(normal), 0.0, kFlat_m);
+            EXPECT_GT(radius_m.norm(), 3e-3);
+        }
+    }
+}
+
+TEST(HeightLine, IsNotThereWhereNothingIsBelowOrTheTipIsThere) {
+    const Camera camera = flat_camera();
+    const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+    ViewState state;
+    EXPECT_TRUE(height_line(state, scale).empty());
+    for (const auto &[height_m, is_shown] : {std::pair{0.9e-3, false}, {1.1e-3, true}}) {
+        state.below = {state.tip_m - Vector3(0.0, height_m, 0.0), Vector3::UnitY()};
+        EXPECT_EQ(!height_line(state, scale).empty(), is_shown) << height_m;
+    }
+}
+
+TEST(TipGhost, IsWiderThanTheTipFromNearAndFar) {
+    Camera camera = flat_camera();
+    for (const double steps : {0.0, -20.0, 35.0}) {
+        camera.zoom(steps, camera.target_m());
+        const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+        const ViewState state;
+        const TipMarks marks = tip_marks(state, scale);
+        ASSERT_EQ(marks.tip.size(), 1U);
+        ASSERT_EQ(marks.ghost.size(), 1U);
+        const Solid &tip = marks.tip.front();
+        const Solid &ghost = marks.ghost.front();
+        const auto radius_m = [](const Solid &solid) {
+            return (point_of(solid, 1, 0, 0) - point_of(solid, 0, 0, 0)).norm();
+        };
+        EXPECT_GT((1.0 - 0.5 * kRingThickness) * radius_m(ghost), 1.4 * radius_m(tip));
+        // It faces the camera.
+        EXPECT_NEAR((point_of(ghost, 0, 0, 1) - point_of(ghost, 0, 0, 0))
+                        .normalized()
+                        .dot(camera.forward()),
+                    1.0, 1e-5); // float
+    }
+}
+
+class Markers : public ::testing::Test {
+protected:
+    Markers() {
+        camera =
+            testing::framed_box(Vector3(-0.1, -0.1, -0.1), Vector3(0.1, 0.1, 0.1), {880.0, 520.0});
+        state.touching = true;
+        state.proxy_m = Vector3(0.02, 0.03, -0.01);
+        state.normal = Vector3(2.0, 3.0, 6.0) / 7.0;
+        state.tip_m = state.proxy_m - 0.004 * state.normal;
+        state.tip_force_N = Vector3(1.0, 2.0, 2.0);
+    }
+    [[nodiscard]] std::vector<Solid> solids() const {
+        return marker_solids(state, MarkerScale{camera, 520.0, 1.0});
+    }
+
+    Camera camera;
+    ViewState state;
+};
+
+TEST_F(Markers, ArrowStandsOnTheProxyAndIsAsLongAsTheForce) {
+    const Solid head = the_one(solids(), Shape::cone);
+    const Vector3 expected_m = state.proxy_m + kArrowMetresPerNewton * state.tip_force_N;
+    EXPECT_LT((point_of(head, 0, 0, 1) - expected_m).norm(), kFlat_m);
+    // The neck is on the way.
+    const Vector3 neck_m = point_of(head, 0, 0, 0) - state.proxy_m;
+    EXPECT_LT(neck_m.cross(state.tip_force_N.normalized()).norm(), kFlat_m);
+}
+
+TEST_F(Markers, ArrowStandsOnTheTipInFreeSpace) {
+    state.touching = false;
+    const std::vector<Solid> drawn = solids();
+    const Vector3 expected_m = state.tip_m + kArrowMetresPerNewton * state.tip_force_N;
+    EXPECT_LT((point_of(the_one(drawn, Shape::cone), 0, 0, 1) - expected_m).norm(), kFlat_m);
+    EXPECT_TRUE(std::none_of(drawn.begin(), drawn.end(),
+                             [](const Solid &solid) { return solid.shape == Shape::ball; }));
+}
+
+TEST_F(Markers, ThereIsNoArrowWithoutAForceOrWithOneThatIsNoNumber) {
+    for (const Vector3 &force_N :
+         {Vector3(Vector3::Zero()),
+          Vector3(Vector3::Constant(std::numeric_limits<double>::quiet_NaN()))}) {
+        state.tip_force_N = force_N;
+        for (const Solid &solid : solids()) {
+            ASSERT_NE(solid.shape, Shape::cone);
+            ASSERT_TRUE(point_of(solid, 0, 0, 0).allFinite());
+        }
+    }
+}
+
+TEST_F(Markers, BallsKeepALegibleSizeFromAfar) {
+    camera.zoom(-15.0, camera.target_m());
+    const Solid proxy = the_one(solids(), Shape::ball);
+    const double radius_m = (point_of(proxy, 0, 0, 1) - point_of(proxy, 0, 0, 0)).norm();
+    EXPECT_GT(radius_m, kProxyRadius_m);
+    EXPECT_GT(radius_m / camera.metres_per_pixel(state.proxy_m, 520.0), 3.0);
+}
+
+TEST_F(Markers, TargetRingFacesTheCamera) {
+    camera.orbit(123.0, 45.0);
+    const Solid target = the_one(solids(), Shape::ring);
+    const Vector3 axis = (point_of(target, 0, 0, 1) - point_of(target, 0, 0, 0)).normalized();
+    EXPECT_NEAR(std::abs(axis.dot(camera.forward())), 1.0, 1e-5);
+}
 
 } // namespace
 } // namespace springdrive::app
