@@ -288,12 +288,15 @@ TEST_P(Linkage, NoPartPassesThroughAnotherAwayFromTheirJoint) {
 INSTANTIATE_TEST_SUITE_P(Devices, Linkage,
                          ::testing::Values(testing::phantom_1_0(), testing::phantom_premium_1_5()));
 
-constexpr double kFlat_m = 1e-6; // of coordinates below a metre in float
 constexpr PixelSize kFlatViewport{880.0, 485.0};
 
-Camera flat_camera() {
-    return testing::framed_box(Vector3::Constant(-0.1), Vector3::Constant(0.1), kFlatViewport);
+const Camera &flat_camera() {
+    static const Camera kCamera =
+        testing::framed_box(Vector3::Constant(-0.1), Vector3::Constant(0.1), kFlatViewport);
+    return kCamera;
 }
+
+MarkerScale flat_scale() { return {flat_camera(), kFlatViewport.height_px, 1.0}; }
 
 /// A touch at which there is something of everything, whatever is switched on.
 ViewState full_state() {
@@ -330,25 +333,11 @@ struct MarksDrawn {
 };
 
 MarksDrawn marks_drawn(const ViewState &state) {
-    const Camera camera = flat_camera();
-    const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+    const MarkerScale scale = flat_scale();
     const std::size_t solids = marker_solids(state, scale).size() +
                                tip_marks(state, scale).tip.size() +
                                height_line(state, scale).size() + stiffness_bodies(state).size();
     return {solids, flat_marks(state, scale).size()};
-}
-
-/// The point of the world at that place of the unit shape.
-Vector3 point_of(const Solid &solid, float x, float y, float z) {
-    return to_vector3(glm::vec3(solid.model * glm::vec4(x, y, z, 1.0F)));
-}
-
-/// Of that shape among the marks of tip, proxy, hand and force.
-Solid the_one(const std::vector<Solid> &solids, Shape shape) {
-    const auto is_it = [&](const Solid &solid) { return solid.shape == shape; };
-    EXPECT_EQ(std::ranges::count_if(solids, is_it), 1);
-    const auto found = std::ranges::find_if(solids, is_it);
-    return found == solids.end() ? Solid{} : *found;
 }
 
 TEST(ShownThings, EachSwitchTakesSomethingAway) {
@@ -434,8 +423,7 @@ TEST(FlatMarks, ArrowsOfBothMapsEndAtTheirForcesInTheScaleOfTheMeasuredOne) {
     ViewState state = bare_state();
     state.touch.inverse_force_N = full_state().touch.inverse_force_N;
     state.touch.transpose_force_N = full_state().touch.transpose_force_N;
-    const Camera camera = flat_camera();
-    const auto vertices = flat_marks(state, {camera, kFlatViewport.height_px, 1.0});
+    const auto vertices = flat_marks(state, flat_scale());
     for (const auto &[force_N, colour] : {std::pair{*state.touch.inverse_force_N, kInverseColour},
                                           {*state.touch.transpose_force_N, kTransposeColour}}) {
         const Vector3 along = force_N.normalized();
@@ -448,7 +436,7 @@ TEST(FlatMarks, ArrowsOfBothMapsEndAtTheirForcesInTheScaleOfTheMeasuredOne) {
                 end_m = vertex_m;
             }
         }
-        EXPECT_LT((end_m - (state.proxy_m + 0.015 * force_N)).norm(), kFlat_m);
+        EXPECT_LT((end_m - (state.proxy_m + 0.015 * force_N)).norm(), kFloat_m);
     }
 }
 
@@ -458,8 +446,7 @@ TEST(FlatMarks, EllipsoidAndSphereHaveTheAxesOfTheirStiffnesses) {
     state.touch.inverse_stiffness_N_per_m = K;
     state.touch.transpose_stiffness_N_per_m = 1280.0;
     ASSERT_NEAR(stiffness_scale(K), 1e-5, 1e-12); // 10 mm for 1 N/mm
-    const Camera camera = flat_camera();
-    const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+    const MarkerScale scale = flat_scale();
     const auto vertices = flat_marks(state, scale);
     const double line_m = scale.length_m(1.3, state.tip_m); // its width
     // Every point of the outlines is K n of a unit n: |K⁻¹ v| = 1; but for the line's width, and
@@ -482,12 +469,9 @@ TEST(FlatMarks, EllipsoidAndSphereHaveTheAxesOfTheirStiffnesses) {
     const std::vector<Solid> bodies = stiffness_bodies(state);
     ASSERT_EQ(bodies.size(), 2U);
     const Vector3 n = Vector3(0.3, -0.5, 0.7).normalized();
-    const auto image_m = [&](const Solid &solid) {
-        const glm::vec3 at = to_glm(n);
-        return point_of(solid, at.x, at.y, at.z);
-    };
-    EXPECT_LT((image_m(bodies[0]) - (state.tip_m + 0.0128 * n)).norm(), kFlat_m);
-    EXPECT_LT((image_m(bodies[1]) - (state.tip_m + 1e-5 * K * n)).norm(), kFlat_m);
+    const auto image_m = [&](const Solid &solid) { return placed(solid, to_glm(n)); };
+    EXPECT_LT((image_m(bodies[0]) - (state.tip_m + 0.0128 * n)).norm(), kFloat_m);
+    EXPECT_LT((image_m(bodies[1]) - (state.tip_m + 1e-5 * K * n)).norm(), kFloat_m);
 }
 
 TEST(FlatMarks, AStiffTipsEllipsoidIsNoLongerThanStated) {
@@ -501,8 +485,7 @@ TEST(FlatMarks, AStiffTipsEllipsoidIsNoLongerThanStated) {
 TEST(FlatMarks, ContactPlaneIsSquareToTheNormalAtTheProxy) {
     ViewState state = bare_state();
     state.shown.show(Thing::contact_plane, true);
-    const Camera camera = flat_camera();
-    const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+    const MarkerScale scale = flat_scale();
     const auto plane = of_colour(flat_marks(state, scale), kNormalColour);
     ASSERT_FALSE(plane.empty());
     for (const Vector3 &vertex_m : plane) {
@@ -516,8 +499,7 @@ TEST(FlatMarks, ContactPlaneIsSquareToTheNormalAtTheProxy) {
 TEST(FlatMarks, TraceAndWorkspaceHaveTheColoursOfTheirScale) {
     ViewState state = bare_state();
     state.touch.trace_N = full_state().touch.trace_N;
-    const Camera camera = flat_camera();
-    const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+    const MarkerScale scale = flat_scale();
     const auto trace = flat_marks(state, scale);
     EXPECT_EQ(trace.size(), 12U);                              // two lines of two triangles
     EXPECT_EQ(of_colour(trace, scale_colour(0.0)).size(), 3U); // both sides of its start, one twice
@@ -531,8 +513,7 @@ TEST(FlatMarks, TraceAndWorkspaceHaveTheColoursOfTheirScale) {
 }
 
 TEST(HeightLine, LeadsFromTipOrProxyToARingThatLiesOnWhatIsBelow) {
-    const Camera camera = flat_camera();
-    const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+    const MarkerScale scale = flat_scale();
     ViewState state;
     state.tip_m = {0.02, 0.05, -0.01};
     state.proxy_m = {0.021, 0.055, -0.012};
@@ -544,22 +525,21 @@ TEST(HeightLine, LeadsFromTipOrProxyToARingThatLiesOnWhatIsBelow) {
         const std::vector<Solid> solids = height_line(state, scale);
         ASSERT_EQ(solids.size(), 2U);
         EXPECT_EQ(solids[0].shape, Shape::cylinder);
-        EXPECT_LT((point_of(solids[0], 0, 0, 0) - top_m).norm(), kFlat_m);
-        EXPECT_LT((point_of(solids[0], 0, 0, 1) - state.below->point_m).norm(), kFlat_m);
+        EXPECT_LT((start_of(solids[0]) - top_m).norm(), kFloat_m);
+        EXPECT_LT((end_of(solids[0]) - state.below->point_m).norm(), kFloat_m);
         EXPECT_EQ(solids[1].shape, Shape::ring);
-        const Vector3 centre_m = point_of(solids[1], 0, 0, 0);
-        EXPECT_NEAR((centre_m - state.below->point_m).norm(), 4e-4, kFlat_m); // so as to be seen
+        const Vector3 centre_m = start_of(solids[1]);
+        EXPECT_NEAR((centre_m - state.below->point_m).norm(), 4e-4, kFloat_m); // so as to be seen
         for (const auto &[x, y] : {std::pair{1.0F, 0.0F}, {0.0F, 1.0F}, {-0.6F, 0.8F}}) {
-            const Vector3 radius_m = point_of(solids[1], x, y, 0) - centre_m;
-            EXPECT_NEAR(radius_m.dot(normal), 0.0, kFlat_m);
+            const Vector3 radius_m = placed(solids[1], {x, y, 0.0F}) - centre_m;
+            EXPECT_NEAR(radius_m.dot(normal), 0.0, kFloat_m);
             EXPECT_GT(radius_m.norm(), 3e-3);
         }
     }
 }
 
 TEST(HeightLine, IsNotThereWhereNothingIsBelowOrTheTipIsThere) {
-    const Camera camera = flat_camera();
-    const MarkerScale scale{camera, kFlatViewport.height_px, 1.0};
+    const MarkerScale scale = flat_scale();
     ViewState state;
     EXPECT_TRUE(height_line(state, scale).empty());
     for (const auto &[height_m, is_shown] : {std::pair{0.9e-3, false}, {1.1e-3, true}}) {
@@ -580,14 +560,12 @@ TEST(TipGhost, IsWiderThanTheTipFromNearAndFar) {
         const Solid &tip = marks.tip.front();
         const Solid &ghost = marks.ghost.front();
         const auto radius_m = [](const Solid &solid) {
-            return (point_of(solid, 1, 0, 0) - point_of(solid, 0, 0, 0)).norm();
+            return (placed(solid, {1.0F, 0.0F, 0.0F}) - start_of(solid)).norm();
         };
         EXPECT_GT((1.0 - 0.5 * kRingThickness) * radius_m(ghost), 1.4 * radius_m(tip));
         // It faces the camera.
-        EXPECT_NEAR((point_of(ghost, 0, 0, 1) - point_of(ghost, 0, 0, 0))
-                        .normalized()
-                        .dot(camera.forward()),
-                    1.0, 1e-5); // float
+        EXPECT_NEAR((end_of(ghost) - start_of(ghost)).normalized().dot(camera.forward()), 1.0,
+                    1e-5); // float
     }
 }
 
@@ -611,19 +589,19 @@ protected:
 };
 
 TEST_F(Markers, ArrowStandsOnTheProxyAndIsAsLongAsTheForce) {
-    const Solid head = the_one(solids(), Shape::cone);
+    const Solid head = only_one(solids(), Shape::cone);
     const Vector3 expected_m = state.proxy_m + kArrowMetresPerNewton * state.tip_force_N;
-    EXPECT_LT((point_of(head, 0, 0, 1) - expected_m).norm(), kFlat_m);
+    EXPECT_LT((end_of(head) - expected_m).norm(), kFloat_m);
     // The neck is on the way.
-    const Vector3 neck_m = point_of(head, 0, 0, 0) - state.proxy_m;
-    EXPECT_LT(neck_m.cross(state.tip_force_N.normalized()).norm(), kFlat_m);
+    const Vector3 neck_m = start_of(head) - state.proxy_m;
+    EXPECT_LT(neck_m.cross(state.tip_force_N.normalized()).norm(), kFloat_m);
 }
 
 TEST_F(Markers, ArrowStandsOnTheTipInFreeSpace) {
     state.touching = false;
     const std::vector<Solid> drawn = solids();
     const Vector3 expected_m = state.tip_m + kArrowMetresPerNewton * state.tip_force_N;
-    EXPECT_LT((point_of(the_one(drawn, Shape::cone), 0, 0, 1) - expected_m).norm(), kFlat_m);
+    EXPECT_LT((end_of(only_one(drawn, Shape::cone)) - expected_m).norm(), kFloat_m);
     EXPECT_TRUE(std::none_of(drawn.begin(), drawn.end(),
                              [](const Solid &solid) { return solid.shape == Shape::ball; }));
 }
@@ -635,23 +613,23 @@ TEST_F(Markers, ThereIsNoArrowWithoutAForceOrWithOneThatIsNoNumber) {
         state.tip_force_N = force_N;
         for (const Solid &solid : solids()) {
             ASSERT_NE(solid.shape, Shape::cone);
-            ASSERT_TRUE(point_of(solid, 0, 0, 0).allFinite());
+            ASSERT_TRUE(start_of(solid).allFinite());
         }
     }
 }
 
 TEST_F(Markers, BallsKeepALegibleSizeFromAfar) {
     camera.zoom(-15.0, camera.target_m());
-    const Solid proxy = the_one(solids(), Shape::ball);
-    const double radius_m = (point_of(proxy, 0, 0, 1) - point_of(proxy, 0, 0, 0)).norm();
+    const Solid proxy = only_one(solids(), Shape::ball);
+    const double radius_m = (end_of(proxy) - start_of(proxy)).norm();
     EXPECT_GT(radius_m, kProxyRadius_m);
     EXPECT_GT(radius_m / camera.metres_per_pixel(state.proxy_m, 520.0), 3.0);
 }
 
 TEST_F(Markers, TargetRingFacesTheCamera) {
     camera.orbit(123.0, 45.0);
-    const Solid target = the_one(solids(), Shape::ring);
-    const Vector3 axis = (point_of(target, 0, 0, 1) - point_of(target, 0, 0, 0)).normalized();
+    const Solid target = only_one(solids(), Shape::ring);
+    const Vector3 axis = (end_of(target) - start_of(target)).normalized();
     EXPECT_NEAR(std::abs(axis.dot(camera.forward())), 1.0, 1e-5);
 }
 
