@@ -252,26 +252,6 @@ TEST_F(KioskInTheWindow, ComesBackWhenItsDeviceIsPluggedInAgainAndAPersonLetsItG
     EXPECT_NE(log_text.find("the device was lost 1 time;"), std::string::npos) << log_text;
 }
 
-TEST(KioskOptions, RefusesWhatIsNotForVisitorsInOneLine) {
-    const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
-        {{"--kiosk", "--scene", "a.gltf"}, "--scene: not with --kiosk"},
-        {{"--kiosk", "a.gltf"}, "file: not with --kiosk"},
-        {{"--kiosk", "--open", "a.rec"}, "--open: not with --kiosk"},
-        {{"--kiosk", "--at-zero"}, "--at-zero: not with --kiosk"},
-        {{"--kiosk", "--assistant"}, "--assistant: not with --kiosk"},
-        {{"--kiosk", "--path", "a.csv"}, "--path: not with --kiosk"},
-        {{"--kiosk", "--settings", "a"}, "--settings: not with --kiosk"},
-        {{"--kiosk", "--model", "auto"}, "--model auto: not with --kiosk"},
-        {{"--kiosk", "--log", "/nowhere/day.log"}, "--log /nowhere/day.log: cannot be written"},
-        {{"--kiosk", "--log", "/dev/full"}, "--log /dev/full: cannot be written"},
-        {{"--log", "day.log"}, "add --kiosk"}};
-    for (const auto &[arguments, says] : refused) {
-        std::vector<std::string> words{"demo"};
-        words.insert(words.end(), arguments.begin(), arguments.end());
-        testing::expect_refused(testing::run_program(words), says);
-    }
-}
-
 /// As its service expects, which then starts it again.
 TEST(KioskDisplay, AHangEndsTheProgramByItsAlarm) {
     const fs::path log = testing::fresh_folder("kiosk_hanging") / "day.log";
