@@ -1,4 +1,5 @@
 // Covers what a person does with the plots: app/plots.
+#include "tests/support/csv.h"
 #include "tests/support/devices.h"
 #include "tests/support/shown_boxes.h"
 #include "tests/support/shown_window.h"
@@ -15,7 +16,6 @@
 #include <fstream>
 #include <limits>
 #include <map>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -136,22 +136,12 @@ using Columns = std::map<std::string, std::vector<double>>;
 
 /// NaN for an empty cell.
 Columns columns_of(const std::filesystem::path &csv) {
-    std::ifstream stream(csv);
-    std::string line;
-    std::getline(stream, line);
-    std::vector<std::string> names;
-    std::istringstream header(line);
-    for (std::string name; std::getline(header, name, ',');) {
-        names.push_back(name);
-    }
+    const std::string text = testing::contents_of(csv);
+    const std::vector<std::string> names = testing::parsed_csv(text).front();
     Columns columns;
-    while (std::getline(stream, line)) {
-        std::istringstream cells(line);
-        for (const std::string &name : names) {
-            std::string cell;
-            std::getline(cells, cell, ',');
-            columns[name].push_back(cell.empty() ? std::numeric_limits<double>::quiet_NaN()
-                                                 : std::stod(cell));
+    for (const std::vector<double> &row : testing::parsed_numbers(text)) {
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            columns[names[i]].push_back(row.at(i));
         }
     }
     return columns;
