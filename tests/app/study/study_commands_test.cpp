@@ -217,10 +217,6 @@ TEST(StudyPlan, TellsWhatAPrecisionTakes) {
     testing::expect_refused(study({"plan", without}), "--threshold and --slope");
 }
 
-TEST(StudyCommandLine, NamesOptionsThatCouldBeMeant) {
-    testing::expect_one_line(study({"run", "x.toml", "--particpant", "P01"}), 2, "--particpant");
-}
-
 ForgedStudy forged(const std::string &name) {
     return {name, {"forged", testing::shortened("stiffness"), "1.0"}};
 }

@@ -399,13 +399,6 @@ TEST(StudyWindows, GoOnAfterAKillAsTheSameDecisionsDoWithoutThem) {
     run_through("killed", shortest_study(), {});
 }
 
-TEST(StudyWindows, StoreWhatTheSameDecisionsGiveWithoutThem) {
-    if (testing::cases(0, 1) == 0) {
-        GTEST_SKIP() << "tests/long study-windows";
-    }
-    run_through("stiffness", shortest_study(), kAllEvents);
-}
-
 class StudyWindowsOf : public ::testing::TestWithParam<const char *> {};
 
 TEST_P(StudyWindowsOf, AnIncludedProtocolStoreWhatTheSameDecisionsGiveWithoutThem) {

@@ -342,7 +342,7 @@ TEST(WindowHabits, PicturesAndRecentFilesAreOfferedAndTextGrowsNoFurtherThanPane
                       "it says why not");
 }
 
-TEST(WindowHabits, DamagedSettingsAreSaidInOneLineAndKept) {
+TEST(WindowHabits, DamagedSettingsAreSaidInOneLineAndKeptUnlessTheyAreReset) {
     const fs::path folder = testing::fresh_folder("habits_damaged");
     std::ofstream(folder / "settings") << "\ntext_size = \"huge\"\n";
     ShownWindow window({"--settings", folder / "settings"});
@@ -356,16 +356,13 @@ TEST(WindowHabits, DamagedSettingsAreSaidInOneLineAndKept) {
               std::string::npos);
     EXPECT_NE(testing::contents_of(folder / "settings.damaged").find("= \"huge\""),
               std::string::npos);
-}
-
-TEST(WindowHabits, ResetSettingsBeginsAnewAlsoWithADamagedFile) {
-    const fs::path folder = testing::fresh_folder("habits_reset");
+    fs::remove(folder / "settings.damaged");
     std::ofstream(folder / "settings") << "damaged\n";
-    ShownWindow window({"--settings", folder / "settings", "--reset-settings"});
-    window.wait_until_running();
-    EXPECT_TRUE(window.look().find("Start"));
-    EXPECT_EQ(window.program().end(SIGTERM).exit_status, 0);
-    EXPECT_EQ(window.program().error().find("damaged"), std::string::npos);
+    ShownWindow anew({"--settings", folder / "settings", "--reset-settings"});
+    anew.wait_until_running();
+    EXPECT_TRUE(anew.look().find("Start"));
+    EXPECT_EQ(anew.program().end(SIGTERM).exit_status, 0);
+    EXPECT_EQ(anew.program().error().find("damaged"), std::string::npos);
     EXPECT_FALSE(fs::exists(folder / "settings.damaged"));
 }
 
