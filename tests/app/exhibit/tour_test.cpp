@@ -81,12 +81,6 @@ TEST_P(ExhibitTourIn, IsTouchedByTheScriptedHandWithoutAStop) {
     EXPECT_GT(largest(session, "force_N"), 0.7);
     EXPECT_LT(largest(session, "force_N"), kiosk_limits().tip_force_N);
     EXPECT_FALSE(session.latest().contact.touching); // for the visitor
-    std::printf("%s: %.1f s, %.1f s of them in contact, force %.2f N, e_W %.1f V, %.2f m/s\n",
-                std::string(stop.scene).c_str(), showing->path.end_s(), touched_s,
-                largest(session, "force_N"),
-                std::max({largest(session, "e_W1_V"), largest(session, "e_W2_V"),
-                          largest(session, "e_W3_V")}),
-                largest(session, "tip_speed_m_per_s"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ExhibitTourIn, ::testing::ValuesIn(kTour),

@@ -1,9 +1,11 @@
-// Covers app/plots/plot.cpp, drawn into pictures.
+// Covers app/plots/plot.cpp, and how stiffness_curves.cpp draws, drawn into pictures.
 #include "app/plots/plot.h"
 
 #include "app/plots/channel_look.h"
 #include "app/plots/plot_panel.h"
+#include "app/plots/stiffness_curves.h"
 #include "tests/support/channel_stores.h"
+#include "tests/support/devices.h"
 #include "tests/support/imgui_frame.h"
 #include "tests/support/xml_check.h"
 
@@ -397,6 +399,28 @@ TEST_F(PlotTest, AnXyPlotTellsIdealFromMeasuredAsItsLegendDoes) {
         // Crosses: lines of two points.
         EXPECT_EQ(in_plot.contains("1.0 0 2"), is_ideal);
         EXPECT_EQ(looks(legend.lines, channel(name)).contains("1.0 0 2"), is_ideal);
+    }
+}
+
+TEST_F(PlotTest, CurvesOfStiffnessAreGreyAndDifferInDashAndLightness) {
+    loops::SpringDrive drive;
+    drive.motor = testing::phantom_motor();
+    StiffnessCurves curves;
+    curves.update(drive);
+    LineCanvas canvas;
+    static_cast<void>(curves.draw(canvas, kPlace, plot_of(PlotKind::stiffness, {})));
+    std::erase_if(canvas.lines, [](const LineCanvas::Line &line) { // grids
+        return line.stroke.width <= 1.0F;
+    });
+    ASSERT_EQ(canvas.lines.size(), 2U);
+    const Stroke &first = canvas.lines[0].stroke;
+    const Stroke &second = canvas.lines[1].stroke;
+    EXPECT_NE(first.dash, second.dash);
+    EXPECT_GT(std::abs(first.colour.x - second.colour.x), 0.1F);
+    for (const ImVec4 &colour : {first.colour, second.colour}) {
+        // Unlike the colours of the maps and the force.
+        const auto [least, greatest] = std::minmax({colour.x, colour.y, colour.z});
+        EXPECT_LT(greatest - least, 0.12F);
     }
 }
 

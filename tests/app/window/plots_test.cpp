@@ -242,28 +242,15 @@ TEST(PlotsInTheWindow, AreZoomedMovedMadeLargerAndClosed) {
     EXPECT_EQ(returned.x_to, 0.0);
     EXPECT_EQ(returned.y_from, live.y_from);
     EXPECT_EQ(returned.y_to, live.y_to);
-    // No zoom is too much.
+    // Over frequency; far beyond each limit is covered by axis and view themselves.
     window.choose("Plots/sets", "spectrum of the force");
-    const auto zoom = [&window](std::size_t index, int notches) {
-        const Point mouse = plots_of(window.look()).at(index).point(0.9);
+    for (const int notches : {4, -20}) {
+        const ShownPlot then = first_plot(window);
+        const Point mouse = then.point(0.9);
         window.person().wheel(mouse.x, mouse.y, notches);
-        const ShownPlot plot = plots_of(window.look()).at(index);
-        EXPECT_TRUE(std::isfinite(plot.x_from) && std::isfinite(plot.x_to)) << plot.id;
-        EXPECT_LT(plot.x_from, plot.x_to) << plot.id;
-    };
-    zoom(0, -20); // over frequency
-    for (int i = 0; i < 6; ++i) {
-        zoom(0, -1); // one per frame
+        const ShownPlot zoomed = first_plot(window);
+        EXPECT_EQ(zoomed.x_to / zoomed.x_from<then.x_to / then.x_from, notches> 0);
     }
-    const ShownPlot wide = plots_of(window.look()).at(0);
-    EXPECT_LT(std::log10(wide.x_to / wide.x_from), 250.0); // decades
-    zoom(0, 30);
-    zoom(1, 55); // over time, to less than a tick
-    zoom(1, -80);
-    // At the limit of zoom the view over time stays.
-    const ShownPlot far = plots_of(window.look()).at(1);
-    window.person().wheel(far.point(0.2).x, far.point(0.2).y, -5);
-    expect_same_x(plots_of(window.look()).at(1), far);
     EXPECT_TRUE(window.look().shows("running"));
     // Larger ones cover the scene, and each can be closed.
     const auto height = [&] { return window.look().item("Plots").at("height").get<double>(); };
