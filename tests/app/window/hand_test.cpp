@@ -284,10 +284,6 @@ TEST(PlantInTheWindow, RateDelayEffectsAndDeviceChangeWhileItRunsAndTheDoctorNam
         "the other device is used");
 }
 
-std::string scene_of(const std::string &name) {
-    return testing::assets() / "scenes" / (name + ".gltf");
-}
-
 /// The angle that the plate shows for a map; −1 if none.
 double shown_deg(const Report &report, const std::string &map) {
     const auto *const item = report.find("lesson/" + map);
@@ -299,7 +295,7 @@ TEST(SceneInTheWindow, OneKeyShowsTheWrongDirectionAndTheRightOne) {
     const std::filesystem::path folder = testing::fresh_folder("wrong_direction");
     std::ofstream(folder / "press.csv") // on the scene's spot, 6 mm deep
         << "t,x,y,z\n0,0,0,0\n1.2,0,0,0\n2,0,-0.030,0.040\n2.6,0,-0.0468,0.0337\n";
-    ShownWindow window({"--scene", scene_of("wrong_direction"), "--path", folder / "press.csv",
+    ShownWindow window({"--scene", scene_file("wrong_direction"), "--path", folder / "press.csv",
                         "--map", "inverse"});
     EXPECT_TRUE(window.look().shows("The wrong direction"));
     EXPECT_EQ(shown_deg(window.look(), "inverse"), -1.0);
@@ -328,7 +324,7 @@ TEST(SceneInTheWindow, TheSentenceIsPutAwayAndTheTourGoesFromSceneToScene) {
         << R"("count":3,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[)"
         << R"({"byteLength":36,"uri":"data:;base64,)" // (0, 0, 0), (1, 0, 0), (0, 1, 0)
         << R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
-    ShownWindow window({"--scene", scene_of("plate")}, {}, folder);
+    ShownWindow window({"--scene", scene_file("plate")}, {}, folder);
     EXPECT_TRUE(window.look().shows("Press on it"));
     window.click("lesson/put away");
     EXPECT_FALSE(window.look().shows("Press on it"));
@@ -361,7 +357,7 @@ TEST(SceneInTheWindow, TheSentenceIsPutAwayAndTheTourGoesFromSceneToScene) {
 TEST(LegendInTheWindow, EachSwitchAddsOrTakesAwayWhatItNames) {
     const std::filesystem::path folder = testing::fresh_folder("legend");
     std::ofstream(folder / "down.csv") << "t,x,y,z\n0,0,0.06,0\n1.5,0,0.06,0\n2.2,0,-0.008,0\n";
-    ShownWindow window({"--scene", scene_of("plate"), "--path", folder / "down.csv"});
+    ShownWindow window({"--scene", scene_file("plate"), "--path", folder / "down.csv"});
     window.wait_until(
         [](const Report &report) {
             return report.column("touching") != 0.0 && report.column("time_s") > 4.0;
@@ -407,7 +403,7 @@ TEST(SceneMessagesInTheWindow, ATipThatStartsInsideIsPulledOutByTheButton) {
     const std::filesystem::path folder = testing::fresh_folder("starts_inside");
     // The hand holds still there, and can be moved after a moment.
     std::ofstream(folder / "held.csv") << "t,x,y,z\n0,0,-0.009,0\n0.2,0,-0.009,0\n";
-    ShownWindow window({"--scene", scene_of("plate"), "--path", folder / "held.csv"});
+    ShownWindow window({"--scene", scene_file("plate"), "--path", folder / "held.csv"});
     window.wait_until(
         [](const Report &report) { return report.find("inside/pull it out") != nullptr; },
         "the tip is inside");
@@ -426,7 +422,7 @@ TEST(SceneMessagesInTheWindow, AResetInContactSaysWhatIsMissingAndAButtonLiftsTh
     const std::filesystem::path folder = testing::fresh_folder("lifted");
     // Down into the plate, where it stays until the path's end, and a second longer.
     std::ofstream(folder / "down.csv") << "t,x,y,z\n0,0,0.06,0\n1.5,0,0.06,0\n2.5,0,-0.01,0\n";
-    ShownWindow window({"--scene", scene_of("plate"), "--path", folder / "down.csv"});
+    ShownWindow window({"--scene", scene_file("plate"), "--path", folder / "down.csv"});
     window.wait_until([](const Report &report) { return report.column("touching") != 0.0; },
                       "the tip touches");
     window.person().key("F12");
