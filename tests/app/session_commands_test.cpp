@@ -407,14 +407,10 @@ TEST_F(Demo, LockstepRunsRepeatToTheLastBit) {
 }
 
 TEST_F(Demo, ASignalEndsItProperly) {
-    const std::filesystem::path folder = testing::fresh_folder("signal");
-    for (const int signal : {SIGTERM, SIGINT}) {
-        const std::filesystem::path telemetry = folder / (std::to_string(signal) + ".rec");
-        const testing::Ending ending = testing::run_program(
-            {"--width", "640", "--height", "400", "--record", telemetry}, signal, telemetry);
-        EXPECT_EQ(ending.exit_status, 0) << ending.error;
-        RecordProperty("seconds_after_signal", std::to_string(ending.after_signal.count()));
-    }
+    const std::filesystem::path record = testing::fresh_folder("signal") / "t.rec";
+    const testing::Ending ending = testing::run_program( // SIGTERM ends windows in their own tests
+        {"--width", "640", "--height", "400", "--record", record}, SIGINT, record);
+    EXPECT_EQ(ending.exit_status, 0) << ending.error;
 }
 
 } // namespace

@@ -189,26 +189,6 @@ TEST_F(Visiting, EndsWithTheVisitorsOwnCurveAndLeavesNoFile) {
     EXPECT_EQ(listing(folder), then);
 }
 
-TEST_F(Visiting, SaysThatNothingCanBeFeltWithoutADevice) {
-    plan_.has_device = false;
-    auto &method = std::get<study::QuestPlus>(plan_.protocol.method);
-    method.min_trials = method.max_trials = 1;
-    plan_.protocol.practice = {};
-    std::string start;
-    std::string result;
-    run([&](const Moment &now) {
-        if (is_start(now.picture)) {
-            start = now.picture.text;
-        } else if (now.picture.curve) {
-            result = now.picture.heading;
-            now.ends_all = true;
-        }
-        return willing(now);
-    });
-    EXPECT_NE(start.find("there is nothing to feel"), std::string::npos) << start;
-    EXPECT_NE(result.find("These were guesses"), std::string::npos) << result;
-}
-
 /// The first leaves after two trials, the second one by Escape.
 TEST_F(Visiting, IsOverWhenTheVisitorGoesAndBeginsAfreshForTheNext) {
     double last_act_s = 0.0;

@@ -417,6 +417,7 @@ TEST_F(VisitorsInTheWindow, FromTheStartToTheCurveAndToTheNextOneWithoutAFile) {
     EXPECT_EQ(start.all().at("window").at("width"), 1280.0); // it fills the screen
     EXPECT_EQ(start.all().at("window").at("height"), 720.0);
     EXPECT_TRUE(start.shows("Nothing of this is kept"));
+    EXPECT_TRUE(start.shows("there is nothing to feel"));
     click_choice(2); // "Guess"
     wait_for("Hold the pen");
     click_choice(1); // "Go on"
