@@ -170,7 +170,7 @@ TEST(StabilityGrid, EveryCellIsWhatASingleTuningGives) {
     EXPECT_LT(stable, 43);
 }
 
-TEST(StabilityGrid, EndsEarlyWhereNobodyWantsIt) {
+TEST(StabilityGrid, EndsEarlyWhereItIsCancelled) {
     BackgroundTalk talk;
     talk.is_cancelled = true;
     const StabilityGrid grid = stability_grid(testing::firm(), talk);

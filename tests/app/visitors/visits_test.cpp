@@ -124,7 +124,7 @@ protected:
     /// What somebody presses who does all that is asked for.
     [[nodiscard]] std::string willing(const Moment &now) const {
         if (is_start(now.picture)) {
-            return plan_.has_device ? "enter" : "2";
+            return "enter";
         }
         switch (now.state.step) {
         case SittingStep::instructions:
