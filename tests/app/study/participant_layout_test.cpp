@@ -6,8 +6,8 @@
 #include "app/study/participant/participant_view.h"
 #include "app/study/participant/participant_window.h"
 #include "base/input_error.h"
-#include "tests/app/study/participant_pictures.h"
 #include "tests/app/study/made_up_people.h"
+#include "tests/app/study/participant_pictures.h"
 
 #include <gtest/gtest.h>
 #include <imgui_internal.h>
