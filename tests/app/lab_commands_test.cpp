@@ -438,9 +438,9 @@ TEST(TouchCommand, TellsFiguresOfEveryPath) {
 
 TEST(TouchCommand, WritesEveryStepAsCsv) {
     const std::filesystem::path folder = testing::fresh_folder("touch_files");
-    const testing::Ending ending =
-        run_on_scene("touch", {kSphere, "--steps", "300", "--csv", folder / "steps.csv", "--json",
-                               folder / "figures.json", "--strict"});
+    const testing::Ending ending = run_on_scene(
+        "touch", {kSphere, "--steps", "300", "--check", "all", "--csv", folder / "steps.csv",
+                  "--json", folder / "figures.json", "--strict"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(ending.out, "");
     EXPECT_EQ(json::parse(testing::contents_of(folder / "figures.json"))["steps"], 300);
@@ -469,10 +469,6 @@ TEST(TouchCommand, SaysWhatItCouldHaveMissed) {
     EXPECT_GT(few["steps_to_sample"], 1000);
     EXPECT_NEAR(few["rate_not_excluded"].get<double>(), 0.0295, 1e-4); // 1 − 0.05^(1/100)
     EXPECT_EQ(few["confidence"], 0.95);
-    const json all = touched({kSphere, "--steps", "3000", "--check", "all"});
-    EXPECT_EQ(all["steps_sampled"], all["steps_to_sample"]);
-    EXPECT_EQ(all["steps_sampled"], all["steps_in_contact"]);
-    EXPECT_EQ(all["steps_sampled_lagging"], 0);
     expect_says(run_on_scene("touch", {kSphere, "--steps", "3000", "--check", "100"}).out,
                 {"a rate below 1 in 33 could have been missed (95 %)"});
     expect_says(run_on_scene("touch", {kSphere, "--steps", "500", "--seed", "7"}).out,

@@ -249,20 +249,6 @@ TEST_F(StudyRun, ResumesNobodyWhereTwoPersonsAreInTheMidstOfIt) {
                             "no participant P03");
 }
 
-TEST_F(StudyRun, LeavesAStudyOfANewerVersionAsItIs) {
-    const fs::path study_file = study_of_three();
-    constexpr std::streamoff kUserVersion = 60; // of SQLite's header, big-endian
-    std::fstream bytes(study_file, std::ios::in | std::ios::out | std::ios::binary);
-    bytes.seekp(kUserVersion + 3);
-    bytes.put(99);
-    bytes.close();
-    const std::string newer = testing::contents_of(study_file);
-    for (const char *command : {"status", "resume", "analyse"}) {
-        testing::expect_refused(study({command, study_file}), "version");
-    }
-    EXPECT_EQ(testing::contents_of(study_file), newer);
-}
-
 TEST_F(StudyRun, GoesOnWhenAFullDiskHasSpaceAgain) {
     const fs::path whole = file("whole.study");
     const fs::path study_file = file("full.study");
