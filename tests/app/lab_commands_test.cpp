@@ -369,6 +369,7 @@ TEST(InspectCommand, TellsLessonPreparationAndFit) {
     EXPECT_FALSE(fitted["in_metres"]);
     EXPECT_GT(fitted["metres_per_unit"], 0.0);
     EXPECT_LT(fitted["metres_per_unit"], 1.0);
+    expect_says(inspect(kScenes + "organic.gltf").out, {"fitted to the workspace"});
 
     const testing::Ending table = inspect(kSphere);
     EXPECT_EQ(table.error, "");

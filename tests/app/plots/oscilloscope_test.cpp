@@ -135,6 +135,19 @@ TEST(Spectrum, ASineOnABinShowsItsAmplitudeThereAndHalfOfItBeside) {
     }
 }
 
+TEST(Spectrum, BetweenTwoBinsASineShowsWhatTheWindowPasses) {
+    for (int step = -5; step <= 5; ++step) {
+        const double offset = 0.1 * step;
+        const Spectrum spectrum = amplitude_spectrum(sine(64.0 + offset), kRate_Hz);
+        const double x = pi * offset;
+        const double sinc = step == 0 ? 1.0 : std::sin(x) / x;
+        // The sine's negative frequency is 128 bins away.
+        EXPECT_NEAR(spectrum.amplitude[64], sinc / (1.0 - offset * offset), 1e-5) << offset;
+        const double largest = std::ranges::max(spectrum.amplitude);
+        EXPECT_LT(20.0 * std::log10(1.0 / largest), 1.4237) << offset;
+    }
+}
+
 TEST(Spectrum, TheDensityOfWhiteNoiseIsFlatAndSumsUpToItsVariance) {
     constexpr double kSigma = 0.7;
     constexpr std::size_t kSamples = 200'000; // 11 segments

@@ -73,6 +73,11 @@ TEST(StudyCommand, ChecksWhatItHasWritten) {
     EXPECT_NE(bad.out.find("error: condition \"light press\""), std::string::npos) << bad.out;
     EXPECT_NE(bad.out.find("is unstable"), std::string::npos) << bad.out;
     EXPECT_NE(bad.error.find("2 errors"), std::string::npos) << bad.error;
+
+    text.replace(text.find("K_P_V_per_rad = 90.0"), 20, "K_P_V_per_rad = 900.0");
+    std::ofstream(file) << text;
+    testing::expect_refused(study({"check", file}),
+                            "K_P_V_per_rad is 900; it must be a number from 0");
 }
 
 TEST(StudyCommand, FindsWhatKeepsPersonsOutBeforeAStudyBegins) {
@@ -229,16 +234,22 @@ std::vector<std::vector<std::string>> commands_on(const fs::path &file) {
             {"remove", file, "P01", "--yes"}};
 }
 
-/// Other forgeries: study_store_test.cpp.
 TEST(StudyHostile, IsRefusedByEachCommandInALine) {
-    const ForgedStudy one = forged("hostile_commands");
-    one.forge_removal();
-    one.forge_records_folder("..");
-    for (const std::vector<std::string> &command : commands_on(one.file())) {
-        testing::expect_refused(study(command), "h.study");
-        EXPECT_TRUE(one.is_rest_untouched()) << command.front();
+    using Forge = void (*)(const ForgedStudy &);
+    for (const Forge forge :
+         {Forge([](const ForgedStudy &one) { one.forge_records_folder(".."); }),
+          Forge([](const ForgedStudy &one) { one.forge_code("../beside/P01"); }),
+          Forge([](const ForgedStudy &one) { one.forge_record("../beside/P01/kept"); }),
+          Forge([](const ForgedStudy &one) { one.forge_journal(one.canary()); })}) {
+        const ForgedStudy one = forged("hostile_commands");
+        one.forge_removal();
+        forge(one);
+        for (const std::vector<std::string> &command : commands_on(one.file())) {
+            testing::expect_refused(study(command), "h.study");
+            EXPECT_TRUE(one.is_rest_untouched()) << command.front();
+        }
+        EXPECT_TRUE(fs::exists(one.records() / "P01"));
     }
-    EXPECT_TRUE(fs::exists(one.records() / "P01"));
 }
 
 /// A deletion that seems to have been interrupted, of records that may be somebody else's.

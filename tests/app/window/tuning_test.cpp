@@ -106,6 +106,8 @@ TEST(TuningInTheWindow, NumbersAreAsTypedOrSaidAndNotSet) {
     window.enter(field, "6,5");
     wait_for_K_P(window, 6.5);
     EXPECT_FALSE(window.look().shows("out of range"));
+    window.enter("K_D_Vs_per_rad/typed", "0,01");
+    EXPECT_EQ(window.look().item("K_D_Vs_per_rad/typed").at("value"), 0.01);
 
     window.click(field);
     window.person().settle_by([] {}); // all of it within one frame
