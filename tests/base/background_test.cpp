@@ -1,9 +1,15 @@
-// Covers base/background.h.
+// Covers base/background.h, base/background_release.h, base/cancellation.h, and how base/parallel.h
+// passes on the cancellation.
 #include "base/background.h"
+
+#include "base/background_release.h"
+#include "base/cancellation.h"
+#include "base/parallel.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cstddef>
 #include <future>
 #include <stdexcept>
 
@@ -111,6 +117,74 @@ TEST(Background, CancellingDoesNotWaitButTheDestructorDoes) {
         may_end = true;
     }
     EXPECT_EQ(ended, 3);
+}
+
+std::atomic<int> alive{0};
+std::atomic<bool> may_go{false};
+
+struct Heavy {
+    Heavy() { ++alive; }
+    ~Heavy() {
+        may_go.wait(false);
+        --alive;
+    }
+    Heavy(const Heavy &) = delete;
+    Heavy &operator=(const Heavy &) = delete;
+};
+
+TEST(BackgroundRelease, ReleasesAllWithoutBlockingTheCaller) {
+    {
+        BackgroundRelease<Heavy> release;
+        for (int i = 0; i < 20; ++i) {
+            release.let_go(std::make_unique<Heavy>());
+        }
+        EXPECT_EQ(alive, 20); // reached although none can have been destroyed
+        may_go = true;
+        may_go.notify_all();
+    }
+    EXPECT_EQ(alive, 0); // joined
+}
+
+TEST(BackgroundRelease, EndsImmediatelyWithNothingToRelease) {
+    const BackgroundRelease<Heavy> release;
+    EXPECT_EQ(alive, 0);
+}
+
+TEST(Wanted, WorkWithoutAFlagContinues) { EXPECT_NO_THROW(stop_if_given_up()); }
+
+TEST(Wanted, CancelledWorkEndsAtTheNextCheck) {
+    std::atomic<bool> is_cancelled{false};
+    const StopScope by(&is_cancelled);
+    EXPECT_NO_THROW(stop_if_given_up());
+    is_cancelled = true;
+    EXPECT_THROW(stop_if_given_up(), Cancelled);
+    {
+        const StopScope without_hand(nullptr);
+        EXPECT_NO_THROW(stop_if_given_up());
+    }
+    EXPECT_THROW(stop_if_given_up(), Cancelled);
+}
+
+TEST(Wanted, HelperThreadsShareTheFlag) {
+    std::atomic<bool> is_cancelled{false};
+    const StopScope by(&is_cancelled);
+    std::atomic<std::size_t> done{0};
+    EXPECT_THROW(for_each_in_parallel(100'000, 3,
+                                      [&](std::size_t) {
+                                          if (++done == 1000) {
+                                              is_cancelled = true;
+                                          }
+                                      }),
+                 Cancelled);
+    EXPECT_LT(done, 50'000U);
+    std::atomic<int> looked{0};
+    EXPECT_THROW(in_chunks(3, 3,
+                           [&](unsigned, std::size_t, std::size_t) {
+                               ++looked;
+                               stop_if_given_up();
+                           }),
+                 Cancelled);
+    EXPECT_EQ(looked, 3);
 }
 
 } // namespace
