@@ -1,6 +1,6 @@
 // Targets of the fuzzer for both ends of the wire protocol. Each takes any bytes, and throws
 // whatever its subject throws unexpectedly, or a Violation. The fuzzer makes the inputs
-// (tests/fuzz/run); tests/device/usb/fuzz_corpus_test.cpp replays those in tests/fuzz/corpus.
+// (tests/fuzz/run); tests/device/usb/protocol_test.cpp replays those in tests/fuzz/corpus.
 #pragma once
 
 #include "device/usb/protocol.h"

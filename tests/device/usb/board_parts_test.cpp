@@ -1,10 +1,15 @@
-// Covers device/usb/board/loop_parts.h, values.h, exchange.h, and the limits of commands in link.h.
+// Covers device/usb/board/encoder.h, matrix.h, command_limits.h, current_offset.h, winding_heat.h,
+// state_machine.h and exchange.h, and tests/device/usb/core_checks.h.
+#include "device/usb/board/command_limits.h"
+#include "device/usb/board/current_offset.h"
+#include "device/usb/board/encoder.h"
 #include "device/usb/board/exchange.h"
 #include "device/usb/board/link.h"
 #include "device/usb/board/loop_parts.h"
 
 #include "base/vector.h"
-#include "device/core/motor/winding_heat.h"
+#include "device/core/motor/winding_temperature.h"
+#include "tests/device/usb/core_checks.h"
 #include "tests/support/devices.h"
 
 #include <Eigen/Eigenvalues>
@@ -394,6 +399,14 @@ TEST(Published, GivesTheNewestValue) {
         EXPECT_EQ(number.copy(), i);
         EXPECT_EQ(number.newest(), i);
     }
+}
+
+// On the host; device/usb/board/arm/build runs the same checks on an emulated Cortex-M4.
+TEST(CoreChecks, Hold) {
+    for (const testing::CoreCheck &check : testing::kCoreChecks) {
+        EXPECT_TRUE(check.holds()) << check.name;
+    }
+    EXPECT_EQ(testing::trial_checksum(), testing::kTrialChecksum);
 }
 
 } // namespace

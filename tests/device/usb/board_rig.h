@@ -4,6 +4,9 @@
 
 #include "device/usb/board/board.h"
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -158,5 +161,38 @@ private:
     std::uint64_t loops_ = 0;
     std::uint32_t number_ = 100;
 };
+
+/// A command that drives all motors.
+inline usb::Command drive(float e_W_V = 0.2F, float R_hat_Ohm = 1.68F) {
+    usb::Command command;
+    command.mode = usb::Mode::drive;
+    command.e_W_V = {e_W_V, -e_W_V, 0.5F * e_W_V};
+    command.cancelled_resistance_Ohm.diagonal = {R_hat_Ohm, R_hat_Ohm, R_hat_Ohm};
+    return command;
+}
+
+inline usb::Command mode(usb::Mode mode) {
+    usb::Command command;
+    command.mode = mode;
+    return command;
+}
+
+/// A rig that drives.
+class DrivingRig : public BoardRig {
+public:
+    explicit DrivingRig(std::uint32_t start_us = 0)
+        : BoardRig({.motors_start_cold = true}, start_us) {
+        start();
+        command = drive();
+        run_ms(5);
+        EXPECT_EQ(state(), board::State::driving);
+        EXPECT_EQ(faults(), 0);
+    }
+};
+
+inline bool all_stages(const board::BridgeOrder &order, board::Stage stage) {
+    return std::all_of(order.stage.begin(), order.stage.end(),
+                       [&](board::Stage one) { return one == stage; });
+}
 
 } // namespace springdrive::testing

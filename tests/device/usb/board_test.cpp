@@ -1,11 +1,12 @@
 // Covers device/usb/board/loop.{h,cpp}, link.{h,cpp} and board.h, with
-// tests/device/usb/board_rig.h.
-#include "device/usb/board/board.h"
+// tests/device/usb/board_rig.h; for their faults see board_faults_test.cpp.
+#include "device/usb/board/hardware.h"
 #include "tests/device/usb/board_rig.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -14,41 +15,13 @@
 namespace springdrive::board {
 namespace {
 
+using testing::all_stages;
 using testing::BoardRig;
+using testing::drive;
+using testing::DrivingRig;
+using testing::mode;
 using usb::Faults;
 using usb::FrameStatus;
-
-usb::Command drive(float e_W_V = 0.2F, float R_hat_Ohm = 1.68F) {
-    usb::Command command;
-    command.mode = usb::Mode::drive;
-    command.e_W_V = {e_W_V, -e_W_V, 0.5F * e_W_V};
-    command.cancelled_resistance_Ohm.diagonal = {R_hat_Ohm, R_hat_Ohm, R_hat_Ohm};
-    return command;
-}
-
-usb::Command mode(usb::Mode mode) {
-    usb::Command command;
-    command.mode = mode;
-    return command;
-}
-
-/// A rig that drives.
-class DrivingRig : public BoardRig {
-public:
-    explicit DrivingRig(std::uint32_t start_us = 0)
-        : BoardRig({.motors_start_cold = true}, start_us) {
-        start();
-        command = drive();
-        run_ms(5);
-        EXPECT_EQ(state(), State::driving);
-        EXPECT_EQ(faults(), 0);
-    }
-};
-
-bool all_stages(const BridgeOrder &order, Stage stage) {
-    return std::all_of(order.stage.begin(), order.stage.end(),
-                       [&](Stage one) { return one == stage; });
-}
 
 TEST(Board, MeasuresOffsetsWhileOpenThenBrakes) {
     BoardRig rig;
@@ -229,243 +202,6 @@ TEST(BoardWatchdog, HoldsAcrossTheRolloverOfTime) {
     rig.host_sends = false;
     rig.run_ms(6);
     EXPECT_EQ(rig.state(), State::fault_braking);
-}
-
-struct FaultCase {
-    const char *name;
-    std::uint16_t fault;
-    State state;
-    std::function<void(Samples &)> tamper;
-};
-
-std::vector<FaultCase> fault_cases() {
-    return {
-        {"stage", Faults::kAmplifier, State::fault_open, [](Samples &s) { s.stage_failed = true; }},
-        {"sensor", Faults::kSensor, State::fault_open,
-         [](Samples &s) { s.current_A[1] = kNotMeasured; }},
-        {"sensor infinite", Faults::kSensor, State::fault_open,
-         [](Samples &s) { s.current_A[1] = std::numeric_limits<float>::infinity(); }},
-        {"current", Faults::kOverCurrent, State::fault_braking,
-         [](Samples &s) { s.current_A[0] = 6.61F; }},
-        {"current, other way", Faults::kOverCurrent, State::fault_braking,
-         [](Samples &s) { s.current_A[2] = -6.61F; }},
-        {"supply low", Faults::kSupply, State::fault_braking,
-         [](Samples &s) { s.supply_V = 12.99F; }},
-        {"supply high", Faults::kSupply, State::fault_braking,
-         [](Samples &s) { s.supply_V = 18.01F; }},
-        {"supply unknown", Faults::kSupply, State::fault_braking,
-         [](Samples &s) { s.supply_V = kNotMeasured; }},
-        {"supply zero", Faults::kSupply, State::fault_braking,
-         [](Samples &s) { s.supply_V = 0.0F; }},
-        {"temperature", Faults::kTemperature, State::fault_braking,
-         [](Samples &s) { s.temperature_C[0] = 85.1F; }},
-        {"temperature unknown", Faults::kTemperature, State::fault_braking,
-         [](Samples &s) { s.temperature_C[0] = kNotMeasured; }},
-        {"stop switch", Faults::kStop, State::fault_braking,
-         [](Samples &s) { s.is_stopped = true; }},
-        {"enable line", Faults::kStop, State::fault_braking,
-         [](Samples &s) { s.is_enabled = false; }},
-    };
-}
-
-TEST(BoardFaults, BrakeOrOpenLatchAndNeedAReset) {
-    for (const FaultCase &fault : fault_cases()) {
-        SCOPED_TRACE(fault.name);
-        DrivingRig rig;
-        rig.tamper = fault.tamper;
-        rig.run_loops(3 * 16 + 1); // slow checks, three times in a row
-        EXPECT_EQ(rig.state(), fault.state);
-        EXPECT_EQ(rig.faults(), fault.fault);
-        EXPECT_TRUE(
-            all_stages(rig.order, fault.state == State::fault_open ? Stage::open : Stage::brake));
-        rig.command = mode(usb::Mode::brake);
-        rig.begin(true);
-        rig.run_loops(1);
-        EXPECT_EQ(rig.state(), fault.state); // the cause persists: not even for a moment
-        rig.run_ms(2);
-        EXPECT_EQ(rig.state(), fault.state);
-        rig.tamper = nullptr;
-        rig.command = drive();
-        rig.run_ms(3);
-        EXPECT_EQ(rig.state(), fault.state); // latched
-        EXPECT_EQ(rig.report.faults, fault.fault);
-        rig.command = mode(usb::Mode::brake);
-        rig.begin(true);
-        rig.run_ms(40);
-        EXPECT_EQ(rig.state(), State::braking);
-        EXPECT_EQ(rig.faults(), 0);
-    }
-}
-
-TEST(BoardFaults, ValuesWithinTheLimitsAreNone) {
-    DrivingRig rig;
-    rig.tamper = [](Samples &s) {
-        s.supply_V = 13.01F;
-        s.temperature_C[0] = 84.9F;
-        s.temperature_C[1] = 200.0F; // not a sensor of this board
-    };
-    rig.run_ms(10);
-    rig.tamper = [](Samples &s) { s.supply_V = 17.99F; };
-    rig.run_ms(10);
-    EXPECT_EQ(rig.state(), State::driving);
-}
-
-TEST(BoardFaults, ASpikeOfCurrentIsNone) {
-    DrivingRig rig;
-    int loops = 0;
-    rig.tamper = [&](Samples &s) {
-        if (++loops % 10 < 2) {
-            s.current_A[0] = 7.0F;
-        }
-    };
-    rig.run_ms(5);
-    EXPECT_EQ(rig.faults() & Faults::kOverCurrent, 0);
-}
-
-TEST(BoardFaults, CurrentThatBrakingDoesNotEndOpens) {
-    DrivingRig rig;
-    rig.tamper = [](Samples &s) { s.current_A[0] = 7.0F; };
-    rig.run_ms(4);
-    EXPECT_EQ(rig.state(), State::fault_braking);
-    rig.run_ms(2);
-    EXPECT_EQ(rig.state(), State::fault_open);
-    EXPECT_EQ(rig.faults(), Faults::kOverCurrent | Faults::kAmplifier);
-}
-
-TEST(BoardFaults, AnImpossibleJumpOfAnEncoder) {
-    for (const int jump : {64, 65}) {
-        DrivingRig rig;
-        bool has_jumped = false;
-        rig.tamper = [&](Samples &s) {
-            s.encoder[1] = static_cast<std::uint16_t>(s.encoder[1] + jump);
-            has_jumped = true;
-        };
-        rig.run_ms(1);
-        EXPECT_EQ(rig.faults(), jump > 64 ? Faults::kEncoder : 0);
-        EXPECT_EQ(rig.state(), jump > 64 ? State::fault_braking : State::driving);
-        EXPECT_TRUE(has_jumped);
-    }
-}
-
-TEST(BoardFaults, ALoopThatIsMuchTooLate) {
-    for (const std::uint32_t pause_us : {50U, 80U}) { // besides its period of 25 µs
-        DrivingRig rig;
-        rig.run_loops(4);
-        rig.pass_time_us(pause_us);
-        rig.run_loops(1);
-        EXPECT_EQ(rig.state(), pause_us > 75 ? State::fault_braking : State::driving);
-        EXPECT_EQ(rig.faults(), pause_us > 75 ? Faults::kOverrun : 0);
-    }
-}
-
-/// Nothing else notices: no time-out elapses, no report is due, and windings do not warm. Checks
-/// come every 16 loops, and the second one after it stood still finds it.
-TEST(BoardFaults, ATimerThatStandsStillOrIsSlow) {
-    constexpr int kLoops = 2 * 16;
-    for (const double pace : {0.0, 0.5, 0.87, 0.9, 1.0}) {
-        for (const int offset : {0, 5, 11, 15}) {
-            DrivingRig rig;
-            rig.run_loops(offset);
-            const std::uint32_t from_us = rig.now_us();
-            rig.tamper = [&](Samples &s) {
-                s.time_us = from_us + static_cast<std::uint32_t>(pace * (s.time_us - from_us));
-            };
-            rig.run_loops(kLoops);
-            EXPECT_EQ(rig.state(), pace < 0.875 ? State::fault_braking : State::driving) << pace;
-            EXPECT_EQ(rig.faults(), pace < 0.875 ? Faults::kOverrun : 0) << pace;
-            if (pace == 0.0) {
-                rig.begin(true);
-                rig.run_loops(kLoops);
-                EXPECT_EQ(rig.state(), State::fault_braking); // not while it stands still
-                rig.host_sends = false;
-                rig.tamper = nullptr;
-                rig.run_loops(kLoops);
-                rig.begin(true);
-                rig.run_loops(1);
-                EXPECT_EQ(rig.state(), State::braking);
-            }
-        }
-    }
-}
-
-/// A host that ignores what windings may have been before power-up, and one that waits.
-TEST(BoardFaults, AfterPowerUpWindingsMayBeHot) {
-    for (const double idle_s : {0.1, 20.0}) {
-        BoardRig rig;
-        rig.start();
-        rig.run_ms(static_cast<int>(1e3 * idle_s));
-        EXPECT_EQ(rig.faults(), 0);
-        rig.command = drive(0.55F, 1.68F); // 1.1 A: for ever
-        rig.run_ms(2000);
-        EXPECT_EQ(rig.state(), State::driving);
-        rig.command = drive(2.0F, 1.68F); // 4 A
-        int held_ms = 0;
-        for (; rig.state() == State::driving && held_ms < 5000; held_ms += 10) {
-            rig.run_ms(10);
-        }
-        EXPECT_EQ(rig.faults(), Faults::kHeat);
-        // 4² · 3.08 Ω into 3.9 J/K are 12.7 K/s less what the housing takes; after 20 s 8 K are
-        // left below the limit.
-        EXPECT_LT(held_ms, idle_s < 1.0 ? 150 : 1200);
-        EXPECT_GT(held_ms, idle_s < 1.0 ? 0 : 400);
-    }
-}
-
-TEST(BoardFaults, AHeldContactTripsBeforeTheWindingIsTooHot) {
-    DrivingRig rig;
-    rig.command = drive(2.5F, 1.68F); // 5 A, the resistance of a winding that stays cold
-    int loops_ms = 0;
-    while (rig.state() == State::driving && loops_ms < 20'000) {
-        rig.run_ms(10);
-        loops_ms += 10;
-    }
-    EXPECT_EQ(rig.faults(), Faults::kHeat);
-    EXPECT_GT(loops_ms, 3000);
-    EXPECT_LT(loops_ms, 6000);
-}
-
-/// Whatever arrives: duty ratios stay finite and within their limit, at every loop.
-TEST(BoardFaults, NothingThatIsNotFiniteReachesTheBridge) {
-    std::mt19937 random(7);
-    const auto any_float = [&] {
-        return std::bit_cast<float>(static_cast<std::uint32_t>(random()));
-    };
-    const auto is_safe = [](const BridgeOrder &order) {
-        return std::all_of(order.duty_ratio.begin(), order.duty_ratio.end(),
-                           [](float duty) { return std::abs(duty) <= 0.95F; }); // not for NaN
-    };
-    int driven = 0;
-    for (int trial = 0; trial < 300; ++trial) {
-        DrivingRig rig;
-        rig.tamper = [&](Samples &s) {
-            switch (trial % 4) {
-            case 0:
-                s.current_A[random() % 3] = any_float();
-                break;
-            case 1:
-                s.supply_V = any_float();
-                break;
-            case 2:
-                s.current_A = {6.0F, -6.0F, std::numeric_limits<float>::denorm_min()};
-                break;
-            default:
-                s.time_us = static_cast<std::uint32_t>(random());
-                s.encoder[0] = static_cast<std::uint16_t>(random());
-                break;
-            }
-        };
-        for (int loop = 0; loop < 40; ++loop) {
-            usb::Command command = drive();
-            command.e_W_V[random() % 3] = any_float();
-            command.cancelled_resistance_Ohm.off_diagonal[random() % 3] = any_float();
-            command.cancelled_inductance_H.diagonal[random() % 3] = any_float() * 1e-3F;
-            (void)rig.send(command);
-            rig.run_loops(1);
-            ASSERT_TRUE(is_safe(rig.order));
-            driven += rig.order.stage[0] == Stage::drive ? 1 : 0;
-        }
-    }
-    EXPECT_GT(driven, 300); // not vacuous
 }
 
 TEST(Board, DenormalCommandsAreObeyed) {

@@ -1,9 +1,8 @@
-// Covers device/usb/emulator/{emulated_board,emulated_plant,packet_line} and device/core/faults:
-// time, delay and packets against their definitions in PROTOCOL.md, forces against the simulated
-// PHANTOM with its own amplifiers, and each fault with and without.
+// Covers device/usb/emulator/{emulated_board,emulated_plant,packet_line} and what
+// device/core/faults do there: time, delay and packets against their definitions in PROTOCOL.md,
+// forces against the simulated PHANTOM with its own amplifiers, and each fault with and without.
 #include "device/usb/emulator/emulated_board.h"
 #include "tests/support/devices.h"
-#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -916,71 +915,6 @@ TEST(EmulatedBoard, IsTheSameForTheSameSeed) {
     };
     EXPECT_EQ(run(4), run(4));
     EXPECT_NE(run(4), run(5));
-}
-
-// Texts.
-
-TEST(FaultTexts, AreRead) {
-    const device::Fault drop = device::parse_fault("drop:in:0.01");
-    EXPECT_EQ(drop.kind, device::FaultKind::drop);
-    EXPECT_EQ(drop.direction, device::Direction::in);
-    EXPECT_EQ(drop.share, 0.01);
-    EXPECT_EQ(drop.begin_s, 0.0);
-    EXPECT_TRUE(std::isinf(drop.end_s));
-    const device::Fault delay = device::parse_fault("delay:out:#7:2.5@1-2.5");
-    EXPECT_EQ(delay.packet, 7U);
-    EXPECT_EQ(delay.periods, 2.5);
-    EXPECT_EQ(delay.begin_s, 1.0);
-    EXPECT_EQ(delay.end_s, 2.5);
-    EXPECT_EQ(device::parse_fault("stuck-encoder:2").channel, 1U);
-    EXPECT_EQ(device::parse_fault("crossed-motors:3:1").other_channel, 0U);
-    EXPECT_EQ(device::parse_fault("unplug@3.5").begin_s, 3.5);
-    EXPECT_EQ(device::parse_fault("lost-counts:2:0.1").share, 0.1);
-    EXPECT_EQ(device::parse_fault("sensor-gain:3:1.1").size[0], 1.1);
-    EXPECT_EQ(device::parse_fault("sensor-gain:3:1.1").channel, 2U);
-    EXPECT_EQ(device::parse_fault("brown-out:9.5").size[0], 9.5);
-    for (const device::FaultName &known : device::kFaultNames) {
-        EXPECT_NE(device::fault_usage().find(std::string(known.name)), std::string::npos);
-    }
-}
-
-TEST(FaultTexts, AreRefusedWithAReason) {
-    const auto error = [](const char *text) {
-        return testing::error_text_of([&] { static_cast<void>(device::parse_fault(text)); });
-    };
-    EXPECT_NE(error("dorp:in").find("nearest name is 'drop'"), std::string::npos);
-    EXPECT_EQ(error("drop:up"), "fault 'drop:up': 'up' is no direction; write "
-                                "drop:in|out[:SHARE|:#NUMBER][@BEGIN[-END]]");
-    EXPECT_NE(error("drop:in:1.5").find("from 0 to 1"), std::string::npos);
-    EXPECT_NE(error("drop:in:nan").find("share"), std::string::npos);
-    for (const char *wrong : {"",
-                              ":",
-                              "@1",
-                              "drop",
-                              "drop:in:",
-                              "drop:in:#0",
-                              "drop:in:#x",
-                              "drop:in:0.1:2",
-                              "delay:in:0.1:x",
-                              "stuck-encoder",
-                              "stuck-encoder:0",
-                              "stuck-encoder:4",
-                              "stuck-encoder:1:2",
-                              "crossed-sensors:2:2",
-                              "crossed-sensors:2",
-                              "brown-out",
-                              "brown-out:-1",
-                              "hot-stage",
-                              "stop:1",
-                              "unplug@",
-                              "unplug@-1",
-                              "unplug@2-1",
-                              "unplug@1-",
-                              "unplug@inf",
-                              "unplug@nan",
-                              "stop@1@2"}) {
-        EXPECT_NE(error(wrong), "") << wrong;
-    }
 }
 
 } // namespace

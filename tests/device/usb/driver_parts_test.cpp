@@ -1,8 +1,15 @@
-// Covers device/usb/driver/report_stream.cpp, by packets made here.
+// Covers device/usb/driver: report_stream, delay_meter and report_phase, by packets made here, and
+// board_survey.
+#include "device/usb/driver/delay_meter.h"
+
+#include "device/usb/driver/board_survey.h"
+#include "device/usb/driver/report_phase.h"
 #include "device/usb/driver/report_stream.h"
+#include "device/usb/emulator/emulated_board.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 #include <set>
 #include <vector>
@@ -191,6 +198,53 @@ TEST(ReportPhase, FollowsTheRoundTripsThatNineteenOfTwentyDoNotExceed) {
     // T − margin − computation − the 95th percentile, 290 µs, to within some steps of 2 to 40 µs.
     EXPECT_NEAR(phase.report_after_us(50e-6, kPeriod_s), 1000 - 60 - 50 - 290, 25);
     EXPECT_EQ(phase.report_after_us(2e-3, kPeriod_s), 0); // never before the command
+}
+
+TEST(BoardSurvey, NamesAPlaceAsSysfsDoes) {
+    using Ports = std::vector<std::uint8_t>;
+    EXPECT_EQ(sysfs_name_of(1, Ports{2}), "1-2");
+    EXPECT_EQ(sysfs_name_of(3, Ports{1, 2, 14}), "3-1.2.14");
+    EXPECT_EQ(sysfs_name_of(2, Ports{}), "usb2");
+}
+
+TEST(BoardSurvey, TakesFirmwareAndSerialFromTheBoardsAnswer) {
+    Identity identity = emulator::emulated_identity("A7");
+    identity.firmware = {1, 20, 300};
+    SurveyedBoard board;
+    take_identity(encode(identity), board);
+    EXPECT_EQ(board.serial, "A7");
+    EXPECT_EQ(board.firmware, "springdrive emulator 1.20.300");
+    EXPECT_EQ(board.obstacle, BoardObstacle::none);
+    EXPECT_EQ(board.problem, "");
+}
+
+TEST(BoardSurvey, AnotherVersionOfTheProtocolIsNamedOnBothSides) {
+    Identity identity = emulator::emulated_identity("A7");
+    for (const auto &[oldest, newest] : {std::pair{0, 0}, {2, 9}}) {
+        identity.oldest_version = static_cast<std::uint8_t>(oldest);
+        identity.newest_version = static_cast<std::uint8_t>(newest);
+        SurveyedBoard board;
+        take_identity(encode(identity), board);
+        EXPECT_EQ(board.obstacle, BoardObstacle::wrong_version);
+        EXPECT_NE(board.problem.find("this program has version 1"), std::string::npos);
+        EXPECT_EQ(board.serial, "A7"); // still known
+    }
+    identity.oldest_version = 0;
+    SurveyedBoard board;
+    take_identity(encode(identity), board);
+    EXPECT_EQ(board.obstacle, BoardObstacle::none);
+}
+
+TEST(BoardSurvey, WhatIsNoAnswerOfABoardSaysSo) {
+    auto damaged = encode(emulator::emulated_identity("A7"));
+    damaged[20] ^= 1U;
+    SurveyedBoard board;
+    take_identity(damaged, board);
+    EXPECT_EQ(board.obstacle, BoardObstacle::no_interface);
+    EXPECT_NE(board.problem.find("checksum"), std::string::npos) << board.problem;
+    SurveyedBoard silent;
+    take_identity({}, silent);
+    EXPECT_NE(silent.problem.find("refuses"), std::string::npos) << silent.problem;
 }
 
 } // namespace
