@@ -1,3 +1,5 @@
+// Random conditions of a fault: when, where and with which hand, from a seed.
+//
 // Runs one fault through a servo on a simulated device, and compares its behaviour with an
 // independent reference (fault_judge.h).
 //
@@ -11,16 +13,50 @@
 // the response of shorted windings to the hand.
 #pragma once
 
+#include "device/simulated/simulation_options.h"
+#include "engine/control/tuning.h"
 #include "engine/lab/rig/servo_rig.h"
-#include "tests/support/fault_case.h"
 #include "tests/support/fault_judge.h"
 
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <random>
+#include <string>
 #include <utility>
 
 namespace springdrive::testing {
+
+/// Number of faults per cause of a trip; tests record it in their property "faults".
+inline constexpr int kFaultsOfACause = 78;
+static_assert(13 * kFaultsOfACause > 1000);
+
+inline const device::HandParameters kLightHand{0.03, 1.0, 100.0, 3.0};
+inline const device::HandParameters kFirmHand{0.3, 30.0, 1500.0, 20.0};
+
+/// Position of the hand when the fault occurs.
+enum class Place : std::uint8_t { anywhere, free, plate, running_free, running_on_plate };
+
+struct FaultCase {
+    std::string tuning_name;
+    control::Tuning tuning;
+    double servo_hz = 1000.0;
+    bool firm = false;
+    bool on_plate = false;
+    Vector3 start_m{Vector3::Zero()};  ///< where it rests initially
+    Vector3 target_m{Vector3::Zero()}; ///< where the hand then moves
+    double hand_m_per_s = 0.2;
+    std::uint64_t at_tick = 0;
+
+    [[nodiscard]] device::HandParameters hand() const;
+    [[nodiscard]] std::string description() const;
+};
+
+/// Tunings, rates and hands cycle with the number of the case; all else is random.
+[[nodiscard]] FaultCase random_case(std::mt19937 &random, int number, Place place);
+
+[[nodiscard]] double uniform(std::mt19937 &random, double minimum, double maximum);
+[[nodiscard]] double log_uniform(std::mt19937 &random, double minimum, double maximum);
 
 /// Which hand holds the tip: that of the case, or that of the simulation's options.
 enum class HandOf : std::uint8_t { fault_case, options };

@@ -1,6 +1,6 @@
 #include "tests/support/hard_meshes.h"
 
-#include "tests/support/random_vector.h"
+#include "tests/support/configurations.h"
 
 #include <algorithm>
 #include <cmath>

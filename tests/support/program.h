@@ -1,10 +1,12 @@
-// Runs the springdrive program as a user would, and captures its output.
+// Runs the springdrive program as a user would, in an environment, and captures its output.
 #pragma once
 
 #include "tests/support/files.h"
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,5 +29,33 @@ void expect_one_line(const Ending &ending, int status, const std::string &names)
 
 /// Expects an error: one line that contains `names`, nothing on standard output.
 void expect_refused(const Ending &ending, const std::string &names);
+
+/// A variable of the environment, which afterwards is what it was.
+class Variable {
+public:
+    /// @param value  none: it is not set
+    Variable(const char *name, const std::optional<std::string> &value) : name_(name) {
+        if (const char *before = std::getenv(name);
+            before != nullptr) { // NOLINT(concurrency-mt-unsafe)
+            before_ = before;
+        }
+        set(value);
+    }
+    ~Variable() { set(before_); }
+    Variable(const Variable &) = delete;
+    Variable &operator=(const Variable &) = delete;
+
+private:
+    void set(const std::optional<std::string> &value) const {
+        if (value) {
+            setenv(name_, value->c_str(), 1); // NOLINT(concurrency-mt-unsafe)
+        } else {
+            unsetenv(name_); // NOLINT(concurrency-mt-unsafe)
+        }
+    }
+
+    const char *name_;
+    std::optional<std::string> before_;
+};
 
 } // namespace springdrive::testing

@@ -6,8 +6,8 @@
 #include "engine/lab/rig/servo_rig.h"
 #include "tests/support/cases.h"
 #include "tests/support/devices.h"
-#include "tests/support/fault_case.h"
 #include "tests/support/fault_judge.h"
+#include "tests/support/fault_trial.h"
 #include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 #include "engine/contact/mesh/mesh_preparation.h"
 #include "engine/contact/mesh/mesh_triangle.h"
 #include "engine/contact/mesh/triangle_soup.h"
-#include "tests/support/random_vector.h"
+#include "tests/support/configurations.h"
 
 #include <Eigen/Geometry>
 

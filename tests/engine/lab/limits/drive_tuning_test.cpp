@@ -10,9 +10,7 @@
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/lab/limits/drive_comparison.h"
 #include "engine/lab/limits/stability_simulation.h"
-#include "engine/lab/loops/tip_stiffness.h"
-#include "tests/support/devices.h"
-#include "tests/support/random_loops.h"
+#include "tests/support/stability_cases.h"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>

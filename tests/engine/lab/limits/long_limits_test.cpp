@@ -7,8 +7,7 @@
 #include "engine/lab/limits/stability_limits.h"
 #include "engine/lab/limits/stability_simulation.h"
 #include "tests/support/cases.h"
-#include "tests/support/delayed_limits.h"
-#include "tests/support/random_loops.h"
+#include "tests/support/stability_cases.h"
 
 #include <gtest/gtest.h>
 

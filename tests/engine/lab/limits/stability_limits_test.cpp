@@ -4,8 +4,6 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/stability_limits.h"
 #include "engine/lab/limits/stability_map.h"
-#include "engine/lab/limits/stability_simulation.h"
-#include "tests/support/random_loops.h"
 #include "tests/support/runge_kutta_loop.h"
 #include "tests/support/stability_cases.h"
 

@@ -8,8 +8,6 @@
 #include "engine/lab/loops/stability_parameters.h"
 #include "engine/lab/loops/tuning_constraints.h"
 #include "tests/support/configurations.h"
-#include "tests/support/devices.h"
-#include "tests/support/random_loops.h"
 #include "tests/support/sampled_loop.h"
 #include "tests/support/stability_cases.h"
 

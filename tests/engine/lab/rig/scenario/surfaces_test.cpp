@@ -11,7 +11,7 @@
 #include "base/input_error.h"
 #include "engine/contact/mesh/nearest.h"
 #include "engine/contact/proxy/haptic_surface.h"
-#include "tests/support/random_vector.h"
+#include "tests/support/configurations.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
