@@ -1,10 +1,10 @@
 #include "tests/support/person.h"
 
-#include "tests/support/dropped_files.h"
-
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <poll.h>
 #include <stdexcept>
@@ -14,6 +14,7 @@
 
 // Last: these define macros such as None and Bool.
 #include <X11/XKBlib.h>
+#include <X11/Xatom.h>
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>
 #include <X11/extensions/XTest.h>
@@ -63,6 +64,160 @@ std::vector<std::string> words_of(const std::string &chord) {
     }
     words.push_back(chord.substr(begin));
     return words;
+}
+
+constexpr std::chrono::seconds kMaxAnswer{20};
+constexpr long kXdndVersion = 5;
+
+/// The side of the protocol XDND, version 5, that offers files dragged from a file manager. Its
+/// methods throw std::runtime_error if the window does not take files, or does not answer within
+/// 20 s.
+class FileSource {
+public:
+    FileSource(const VirtualDisplay &display, Window target, std::string uris,
+               std::function<void()> settle)
+        : display_(XOpenDisplay(display.name().c_str())), target_(target), uris_(std::move(uris)),
+          settle_(std::move(settle)) {
+        if (display_ == nullptr) {
+            throw std::runtime_error("dropped files: no connection to " + display.name());
+        }
+        window_ = XCreateSimpleWindow(display_, DefaultRootWindow(display_), 0, 0, 1, 1, 0, 0, 0);
+        selection_ = atom("XdndSelection");
+        uri_list_ = atom("text/uri-list");
+        targets_ = atom("TARGETS");
+    }
+    ~FileSource() { XCloseDisplay(display_); }
+    FileSource(const FileSource &) = delete;
+    FileSource &operator=(const FileSource &) = delete;
+
+    void drop_at(int x, int y) {
+        const long version = std::min(kXdndVersion, version_of_target());
+        XSetSelectionOwner(display_, selection_, window_, CurrentTime);
+        tell("XdndEnter", {version << 24, static_cast<long>(uri_list_), 0, 0});
+        tell("XdndPosition", {0, (static_cast<long>(x) << 16) | y, CurrentTime,
+                              static_cast<long>(atom("XdndActionCopy"))});
+        if ((answer("XdndStatus") & 1) == 0) {
+            tell("XdndLeave", {});
+            throw std::runtime_error("dropped files: the window does not take them");
+        }
+        tell("XdndDrop", {0, CurrentTime, 0, 0});
+        // Not only the lowest bit, as GLFW answers with the length of the list.
+        if (answer("XdndFinished") == 0) {
+            throw std::runtime_error("dropped files: the program could not read the list");
+        }
+    }
+
+private:
+    [[nodiscard]] Atom atom(const char *name) const { return XInternAtom(display_, name, False); }
+
+    /// @throw std::runtime_error  it does not know the protocol
+    [[nodiscard]] long version_of_target() const {
+        Atom type = 0;
+        int format = 0;
+        unsigned long count = 0;
+        unsigned long rest = 0;
+        unsigned char *value = nullptr;
+        XGetWindowProperty(display_, target_, atom("XdndAware"), 0, 1, False, AnyPropertyType,
+                           &type, &format, &count, &rest, &value);
+        if (value == nullptr || count == 0 || format != 32) {
+            throw std::runtime_error("dropped files: the window does not know XDND");
+        }
+        const long version = *reinterpret_cast<const long *>(value); // Xlib's form of 32 bits
+        XFree(value);
+        return version;
+    }
+
+    /// Sends a message with this window's id and `rest`.
+    void tell(const char *what, const std::array<long, 4> &rest) {
+        XEvent event{};
+        event.xclient.type = ClientMessage;
+        event.xclient.window = target_;
+        event.xclient.message_type = atom(what);
+        event.xclient.format = 32;
+        event.xclient.data.l[0] = static_cast<long>(window_);
+        std::copy(rest.begin(), rest.end(), event.xclient.data.l + 1);
+        XSendEvent(display_, target_, False, NoEventMask, &event);
+        XFlush(display_);
+    }
+
+    /// Waits for this message of the target and serves requests for the list until then.
+    /// @return its flags
+    [[nodiscard]] long answer(const char *what) {
+        const Atom expected = atom(what);
+        const Clock::time_point deadline = Clock::now() + kMaxAnswer;
+        while (Clock::now() < deadline) {
+            if (XPending(display_) == 0) {
+                pollfd watched{ConnectionNumber(display_), POLLIN, 0};
+                settle_ ? settle_() : static_cast<void>(poll(&watched, 1, 100));
+                continue;
+            }
+            XEvent event;
+            XNextEvent(display_, &event);
+            if (event.type == SelectionRequest) {
+                serve(event.xselectionrequest);
+            } else if (event.type == ClientMessage && event.xclient.message_type == expected) {
+                return event.xclient.data.l[1];
+            }
+        }
+        throw std::runtime_error(std::string("dropped files: no ") + what + " from the program");
+    }
+
+    void serve(const XSelectionRequestEvent &request) {
+        XEvent reply{};
+        reply.xselection.type = SelectionNotify;
+        reply.xselection.requestor = request.requestor;
+        reply.xselection.selection = request.selection;
+        reply.xselection.target = request.target;
+        reply.xselection.property = request.property;
+        reply.xselection.time = request.time;
+        if (request.target == uri_list_) {
+            XChangeProperty(display_, request.requestor, request.property, uri_list_, 8,
+                            PropModeReplace, reinterpret_cast<const unsigned char *>(uris_.data()),
+                            static_cast<int>(uris_.size()));
+        } else if (request.target == targets_) {
+            const std::array<Atom, 2> offered{targets_, uri_list_};
+            XChangeProperty(display_, request.requestor, request.property, XA_ATOM, 32,
+                            PropModeReplace,
+                            reinterpret_cast<const unsigned char *>(offered.data()),
+                            static_cast<int>(offered.size()));
+        } else {
+            reply.xselection.property = None;
+        }
+        XSendEvent(display_, request.requestor, False, NoEventMask, &reply);
+        XFlush(display_);
+    }
+
+    Display *display_;
+    Window target_;
+    std::string uris_;
+    std::function<void()> settle_;
+    Window window_ = 0;
+    Atom selection_ = 0;
+    Atom uri_list_ = 0;
+    Atom targets_ = 0;
+};
+
+/// As file managers write them: one file URI per line, with everything except letters, digits and
+/// -._~/ percent-encoded.
+/// @param paths  relative ones are meant from the folder of the test
+std::string uri_list(const std::vector<std::filesystem::path> &paths) {
+    constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                        "0123456789-._~/";
+    constexpr std::string_view kDigits = "0123456789ABCDEF";
+    std::string list;
+    for (const std::filesystem::path &path : paths) {
+        list += "file://";
+        for (const char letter : std::filesystem::absolute(path).string()) {
+            if (kPlain.find(letter) != std::string_view::npos) {
+                list += letter;
+            } else {
+                const auto byte = static_cast<unsigned char>(letter);
+                list += {'%', kDigits[byte / 16U], kDigits[byte % 16U]};
+            }
+        }
+        list += "\r\n";
+    }
+    return list;
 }
 
 } // namespace
@@ -439,8 +594,8 @@ void Person::clear_field() {
 
 void Person::drop_files(float x, float y, const std::vector<std::filesystem::path> &paths) {
     move_to(x, y);
-    drop_on_window(display_, connection_->window(), static_cast<int>(std::lround(x)),
-                   static_cast<int>(std::lround(y)), paths, settle_);
+    FileSource(display_, connection_->window(), uri_list(paths), settle_)
+        .drop_at(static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)));
     settle();
 }
 

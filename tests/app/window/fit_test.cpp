@@ -2,7 +2,6 @@
 // its contents, or what stands beside it.
 #include "base/text.h"
 #include "tests/support/devices.h"
-#include "tests/support/shown_boxes.h"
 #include "tests/support/shown_window.h"
 
 #include <gtest/gtest.h>

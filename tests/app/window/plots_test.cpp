@@ -1,7 +1,6 @@
 // Covers what a person does with the plots: app/plots.
 #include "tests/support/csv.h"
 #include "tests/support/devices.h"
-#include "tests/support/shown_boxes.h"
 #include "tests/support/shown_window.h"
 #include "tests/support/xml_check.h"
 
