@@ -7,9 +7,7 @@
 #include "base/input_error.h"
 #include "engine/record/record_reader.h"
 #include "tests/engine/session/session_fixture.h"
-#include "tests/support/error_text.h"
 #include "tests/support/files.h"
-#include "tests/support/full_disk.h"
 #include "tests/support/program.h"
 
 #include <gtest/gtest.h>

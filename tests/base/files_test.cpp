@@ -8,7 +8,6 @@
 #include "base/new_file.h"
 #include "base/sha256.h"
 #include "tests/support/files.h"
-#include "tests/support/modes.h"
 
 #include <gtest/gtest.h>
 

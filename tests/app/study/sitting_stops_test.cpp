@@ -1,10 +1,8 @@
 // Covers app/study/sitting/{sitting,trial_presenter,device_stops}.cpp: a device that is stopped or
 // lost, and a disk that is full.
 #include "base/error_text.h"
-#include "tests/app/study/made_up_people.h"
-#include "tests/support/child_process.h"
-#include "tests/support/full_disk.h"
-#include "tests/support/modes.h"
+#include "tests/app/study/sitting_rig.h"
+#include "tests/support/files.h"
 
 #include <gtest/gtest.h>
 

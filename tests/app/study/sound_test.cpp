@@ -4,7 +4,6 @@
 #include "app/study/sound/masking_noise.h"
 #include "base/input_error.h"
 #include "base/split_mix.h"
-#include "tests/support/child_process.h"
 #include "tests/support/files.h"
 
 #include <fmt/core.h>

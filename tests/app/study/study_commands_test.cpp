@@ -4,7 +4,7 @@
 #include "engine/study/store/study_store.h"
 #include "tests/app/study/study_program.h"
 #include "tests/engine/study/store/forged_study.h"
-#include "tests/support/modes.h"
+#include "tests/support/files.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include "app/commands/study/study_turns.h"
 #include "engine/study/store/study_store.h"
 #include "tests/app/study/study_program.h"
-#include "tests/support/full_disk.h"
+#include "tests/support/files.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,7 @@
 
 #include "engine/record/record_format.h"
 #include "tests/engine/record/samples.h"
-#include "tests/support/csv.h"
-#include "tests/support/full_disk.h"
+#include "tests/support/files.h"
 
 #include <gtest/gtest.h>
 #include <matio.h>

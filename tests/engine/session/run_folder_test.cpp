@@ -6,11 +6,9 @@
 #include "engine/record/record_reader.h"
 #include "engine/session/telemetry_history.h"
 #include "tests/engine/record/samples.h"
-#include "tests/support/child_process.h"
 #include "tests/support/devices.h"
 #include "tests/support/error_text.h"
 #include "tests/support/files.h"
-#include "tests/support/full_disk.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,6 @@
 #include "tests/support/csv.h"
 #include "tests/support/error_text.h"
 #include "tests/support/files.h"
-#include "tests/support/full_disk.h"
-#include "tests/support/modes.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -6,7 +6,6 @@
 #include "tests/engine/study/store/failing_disk.h"
 #include "tests/engine/study/store/sample_study.h"
 #include "tests/support/cases.h"
-#include "tests/support/child_process.h"
 #include "tests/support/error_text.h"
 #include "tests/support/files.h"
 

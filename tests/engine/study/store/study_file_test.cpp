@@ -7,10 +7,8 @@
 #include "engine/study/store/study_store.h"
 #include "tests/engine/study/store/sample_study.h"
 #include "tests/support/cases.h"
-#include "tests/support/child_process.h"
 #include "tests/support/error_text.h"
 #include "tests/support/files.h"
-#include "tests/support/full_disk.h"
 
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -22,6 +20,8 @@
 #include <fstream>
 #include <functional>
 #include <optional>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace springdrive::study {
 namespace {

@@ -5,7 +5,6 @@
 #include "tests/engine/study/store/sample_study.h"
 #include "tests/support/error_text.h"
 #include "tests/support/files.h"
-#include "tests/support/modes.h"
 
 #include <gtest/gtest.h>
 
