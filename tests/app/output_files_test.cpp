@@ -1,11 +1,8 @@
 // Covers app/commands/output_files.cpp and app/host/{output,output_dir,asset_folder}.cpp, and from
 // outside that commands keep to them: which files are written, where, and which never.
 #include "app/commands/output_files.h"
-#include "app/host/asset_folder.h"
-#include "app/host/output_dir.h"
-#include "tests/support/devices.h"
-#include "tests/support/error_text.h"
-#include "tests/support/files.h"
+
+#include "base/error_text.h"
 #include "tests/support/program.h"
 #include "tests/support/variable.h"
 
@@ -24,7 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::contents_of;
-using testing::error_text_of;
 
 void write(const fs::path &file, const std::string &text) { std::ofstream(file) << text; }
 

@@ -1,5 +1,6 @@
 // The driver by libusb against an emulated board by FunctionFS, with a kernel between them. Needs
 // root and a device controller: run by tests/usb/virtual_machine.
+#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/usb/driver/board_port.h"
@@ -8,7 +9,6 @@
 #include "device/usb/emulator/gadget.h"
 #include "tests/support/devices.h"
 #include "tests/support/emulated_port.h"
-#include "tests/support/error_text.h"
 #include "tests/usb/bare_echo.h"
 #include "tests/usb/emulator_process.h"
 
@@ -243,7 +243,7 @@ void unplug_and_back(const EmulatorProcess &emulator, UsbDevice &device, double 
     std::string error;
     do {
         std::this_thread::sleep_for(20ms);
-        error = testing::error_text_of([&] { device.reconnect(); });
+        error = error_text_of([&] { device.reconnect(); });
     } while (!error.empty() && seconds() < plugged_s + 10.0);
     ASSERT_EQ(error, "");
     Measurement measured = device.read();
@@ -290,14 +290,14 @@ TEST(OnUsb, SurvivesAnEmulatorThatIsKilled) {
         wait_until([&] { return device->read().health == DeviceHealth::lost; });
     }
     const EmulatorProcess another(wish);
-    wait_until([&] { return testing::error_text_of([&] { device->reconnect(); }).empty(); });
+    wait_until([&] { return error_text_of([&] { device->reconnect(); }).empty(); });
     EXPECT_EQ(device->read().health, DeviceHealth::ok);
     EXPECT_FALSE(device->is_zeroed()); // it is another board, with the same number
 }
 
 TEST(OnUsb, SaysInOneLineWhyABoardCannotBeUsed) {
     const auto error = [](const std::string &serial) {
-        return testing::error_text_of([&] {
+        return error_text_of([&] {
             const UsbDevice device(usb::make_libusb_port(), described(), serial, 1e-3,
                                    Pacing::reports);
         });

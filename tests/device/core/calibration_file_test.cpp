@@ -1,9 +1,9 @@
 // Covers device/core/device_file.cpp.
 #include "device/core/device_file.h"
 
+#include "base/error_text.h"
 #include "base/input_error.h"
 #include "tests/support/devices.h"
-#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <fmt/format.h>
@@ -41,7 +41,7 @@ std::string error(const Calibration &calibration, const std::string &from = "",
     const std::size_t at = text.rfind(from);
     EXPECT_NE(at, std::string::npos) << from;
     text.replace(at, from.size(), to);
-    return testing::error_text_of([&] { static_cast<void>(read_device_text(text, "mine.toml")); });
+    return error_text_of([&] { static_cast<void>(read_device_text(text, "mine.toml")); });
 }
 
 void expect_same(const Calibration &one, const Calibration &other, double share) {
@@ -170,8 +170,7 @@ TEST(CalibrationFile, IsOfOneDevice) {
     EXPECT_NO_THROW(require_calibration_of(device, "any"));
     device.calibration = possible();
     EXPECT_NO_THROW(require_calibration_of(device, "board-7"));
-    const std::string message =
-        testing::error_text_of([&] { require_calibration_of(device, "board-8"); });
+    const std::string message = error_text_of([&] { require_calibration_of(device, "board-8"); });
     for (const char *part : {"board-7", "board-8", "device calibrate"}) {
         EXPECT_NE(message.find(part), std::string::npos) << message;
     }

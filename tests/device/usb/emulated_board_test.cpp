@@ -1,6 +1,7 @@
 // Covers device/usb/emulator/{emulated_board,emulated_plant,packet_line} and what
 // device/core/faults do there: time, delay and packets against their definitions in PROTOCOL.md,
 // forces against the simulated PHANTOM with its own amplifiers, and each fault with and without.
+#include "base/error_text.h"
 #include "device/usb/emulator/emulated_board.h"
 #include "tests/support/devices.h"
 
@@ -481,7 +482,7 @@ TEST(EmulatedPlant, KeepsACalibrationThroughARestart) {
 TEST(EmulatedPlant, RefusesWhatABoardCannotHave) {
     EmulatedBoardOptions with = options();
     const auto error = [&] {
-        return testing::error_text_of([&] { EmulatedBoard(testing::phantom_1_0(), with); });
+        return error_text_of([&] { EmulatedBoard(testing::phantom_1_0(), with); });
     };
     EXPECT_EQ(error(), "");
     with.simulation.dynamics = simulated::PlantDynamics::rigid_body;
@@ -492,12 +493,8 @@ TEST(EmulatedPlant, RefusesWhatABoardCannotHave) {
     with = options();
     with.delay_periods = 8.5;
     EXPECT_NE(error().find("8.5 periods"), std::string::npos);
-    EXPECT_NE(
-        testing::error_text_of([] { static_cast<void>(emulated_identity("a serial number")); }),
-        "");
-    EXPECT_EQ(
-        testing::error_text_of([] { static_cast<void>(emulated_identity("0123456789abcdef")); }),
-        "");
+    EXPECT_NE(error_text_of([] { static_cast<void>(emulated_identity("a serial number")); }), "");
+    EXPECT_EQ(error_text_of([] { static_cast<void>(emulated_identity("0123456789abcdef")); }), "");
 }
 
 // Faults of the link.

@@ -2,10 +2,10 @@
 // replaces that of the system in this program.
 #include "device/usb/driver/libusb_boards.h"
 
+#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/usb/driver/board_survey.h"
 #include "device/usb/protocol.h"
-#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -179,7 +179,7 @@ TEST(LibusbBoards, AloneTheyAreSaidToHaveTheNumbersOnly) {
     EXPECT_TRUE(boards_present().empty());
     EXPECT_TRUE(survey_boards().empty());
     const std::string error =
-        testing::error_text_of([] { static_cast<void>(open_board_named(nullptr, "")); });
+        error_text_of([] { static_cast<void>(open_board_named(nullptr, "")); });
     EXPECT_EQ(error.find("no USB board is connected; plug one in"), 0U) << error;
     EXPECT_NE(error.find("bus 1 device 1 has a board's numbers, but not its interface"),
               std::string::npos)
@@ -188,7 +188,7 @@ TEST(LibusbBoards, AloneTheyAreSaidToHaveTheNumbersOnly) {
 
 TEST(LibusbBoards, OneOfSeveralIsNamed) {
     plugged_in = {board("A7"), others().front(), board("B8")};
-    EXPECT_EQ(testing::error_text_of([] { static_cast<void>(open_board_named(nullptr, "")); }),
+    EXPECT_EQ(error_text_of([] { static_cast<void>(open_board_named(nullptr, "")); }),
               "several USB boards are connected: A7, B8; name one by --device usb:SERIAL");
     EXPECT_EQ(open_board_named(nullptr, "B8").serial, "B8");
 }

@@ -1,11 +1,11 @@
 // The driver against the board's core in process: with a frame clock, and with time and jitter.
 #include "device/usb/driver/usb_device.h"
 
+#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"
 #include "tests/support/emulated_port.h"
-#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -159,7 +159,7 @@ TEST(UsbDevice, IsLostWhenUnpluggedAndTheBoardBrakesAtOnce) {
     for (int i = 0; i < 1000; ++i) { // the servo goes on
         rig.tick(driving());
     }
-    EXPECT_NE(testing::error_text_of([&] { rig.device.reconnect(); }), "");
+    EXPECT_NE(error_text_of([&] { rig.device.reconnect(); }), "");
 
     rig.port->is_plugged = true;
     rig.device.reconnect();
@@ -361,7 +361,7 @@ TEST(UsbDevice, FullSpeedHasItsOwnRateAndSaysSo) {
     rig.port->is_high_speed = false;
     rig.device.reconnect();
     EXPECT_EQ(rig.device.link()->speed, "full speed (12 Mbit/s)");
-    const std::string error = testing::error_text_of([&] { rig.device.set_period(0.25e-3); });
+    const std::string error = error_text_of([&] { rig.device.set_period(0.25e-3); });
     EXPECT_NE(error.find("full speed"), std::string::npos) << error;
     EXPECT_NE(error.find("servo rate of 1000 Hz"), std::string::npos) << error;
     EXPECT_EQ(rig.tick().health, DeviceHealth::ok); // as before
@@ -415,7 +415,7 @@ private:
 std::string error_about(const std::function<void(Kind, std::span<std::uint8_t>)> &alter,
                         const EmulatedBoardOptions &what = options()) {
     EmulatedBoard board(testing::phantom_1_0(), what);
-    return testing::error_text_of([&] {
+    return error_text_of([&] {
         const UsbDevice device(std::make_unique<AlteredPort>(board, alter), testing::phantom_1_0(),
                                "", kTick_s, Pacing::reports);
     });

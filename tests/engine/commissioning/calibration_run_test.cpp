@@ -2,6 +2,7 @@
 // against their truth, and against the information bound of their sensors.
 #include "engine/commissioning/calibration_run.h"
 
+#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/factory/device_factory.h"
 #include "device/factory/emulated_device.h"
@@ -11,7 +12,6 @@
 #include "tests/support/calibrations.h"
 #include "tests/support/cases.h"
 #include "tests/support/devices.h"
-#include "tests/support/error_text.h"
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
@@ -497,8 +497,7 @@ TEST(CalibrationRun, RefusesWhereNothingCanBeLearned) {
     for (const auto &[file, part] :
          {std::pair(exact, "resistance_tolerance"), std::pair(separate, "shared_with_amplifier")}) {
         simulated::SimulatedPhantom phantom(file, {}, Vector3::Zero());
-        const std::string message =
-            testing::error_text_of([&] { const CalibrationRun run(phantom); });
+        const std::string message = error_text_of([&] { const CalibrationRun run(phantom); });
         EXPECT_NE(message.find(part), std::string::npos) << message;
     }
 }
@@ -520,8 +519,8 @@ TEST(Calibration, IsRefusedOnAnotherDevice) {
     simulated.simulation.device_seed = 8;
     board.emulation.identity = emulator::emulated_identity("sim-1-8");
     for (const std::string &message :
-         {testing::error_text_of([&] { static_cast<void>(factory::open_device(simulated)); }),
-          testing::error_text_of([&] { static_cast<void>(factory::open_board(board)); })}) {
+         {error_text_of([&] { static_cast<void>(factory::open_device(simulated)); }),
+          error_text_of([&] { static_cast<void>(factory::open_board(board)); })}) {
         for (const char *part : {"sim-1-7", "sim-1-8", "device calibrate"}) {
             EXPECT_NE(message.find(part), std::string::npos) << message;
         }
@@ -611,8 +610,7 @@ TEST(Calibration, ADamagedOneOnTheBoardIsRefused) {
             rig.damage(1, exponent_of_R - 1, 0x80);
         }
         const auto device = rig.connect();
-        const std::string message =
-            testing::error_text_of([&] { factory::use_calibration(*device); });
+        const std::string message = error_text_of([&] { factory::use_calibration(*device); });
         for (const char *expected : {part, "board-7", "device calibrate --to-board"}) {
             EXPECT_NE(message.find(expected), std::string::npos) << message;
         }

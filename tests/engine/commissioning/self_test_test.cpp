@@ -2,13 +2,13 @@
 #include "engine/commissioning/self_test.h"
 
 #include "base/degrees.h"
+#include "base/error_text.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/factory/device_factory.h"
 #include "device/simulated/hand_tours.h"
 #include "device/simulated/plant_setup.h"
 #include "tests/support/cases.h"
 #include "tests/support/devices.h"
-#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -269,7 +269,7 @@ TEST(SelfTestOnBoard, AStopOfAnyTimeEndsIt) {
 TEST(SelfTestOnBoard, SilenceIsSaid) {
     Tried tried;
     tried.request.emulation.faults = {device::parse_fault("stall:in@3.5")};
-    const std::string said = testing::error_text_of([&] { static_cast<void>(tried.run()); });
+    const std::string said = error_text_of([&] { static_cast<void>(tried.run()); });
     EXPECT_NE(said.find("no reports"), std::string::npos) << said;
 }
 

@@ -3,6 +3,7 @@
 #include "engine/commissioning/sweep.h"
 
 #include "base/degrees.h"
+#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/core/haptic_device.h"
 #include "device/core/phantom/kinematics.h"
@@ -12,7 +13,6 @@
 #include "engine/control/force_direction.h"
 #include "engine/control/tuning_file.h"
 #include "tests/support/devices.h"
-#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -454,7 +454,7 @@ TEST(StiffnessSweep, RefusesOptionsBeyondTheirRanges) {
     const auto error = [&](const std::function<void(SweepOptions &)> &change) {
         SweepOptions options;
         change(options);
-        return testing::error_text_of([&] { const StiffnessSweep sweep(*open.device, options); });
+        return error_text_of([&] { const StiffnessSweep sweep(*open.device, options); });
     };
     const auto set = [&](auto member, const auto &value) {
         return error([&](SweepOptions &options) { options.*member = value; });
@@ -492,9 +492,8 @@ TEST(StiffnessSweep, RefusesOptionsBeyondTheirRanges) {
     EXPECT_NE(error([&](SweepOptions &options) { options.tuning.K_P_V_per_rad = kNone; }), "");
     WatchedDevice device(*open.device);
     device.is_known = false;
-    EXPECT_NE(
-        testing::error_text_of([&] { const StiffnessSweep sweep(device); }).find("not zeroed"),
-        std::string::npos);
+    EXPECT_NE(error_text_of([&] { const StiffnessSweep sweep(device); }).find("not zeroed"),
+              std::string::npos);
 }
 
 } // namespace

@@ -21,7 +21,6 @@ namespace springdrive::record {
 namespace {
 
 using testing::contents_of;
-using testing::error_text_of;
 using testing::fresh_folder;
 using testing::number_at;
 

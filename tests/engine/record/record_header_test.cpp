@@ -21,7 +21,6 @@
 namespace springdrive::record {
 namespace {
 
-using testing::error_text_of;
 using testing::random_sample;
 using testing::row_of;
 

@@ -101,7 +101,7 @@ TEST(Recorder, RestartsWithFreshStatus) {
     Recorder recorder(ring);
     recorder.start(folder / "a.rec", record_header(testing::kServo_hz), Mode::pumped);
     push(ring, 0, 12);
-    EXPECT_NE(testing::error_text_of([&] { // stops the first, too
+    EXPECT_NE(error_text_of([&] { // stops the first, too
                   recorder.start(folder / "a.rec", record_header(testing::kServo_hz), Mode::pumped);
               })
                   .find("exists already"),
@@ -124,8 +124,7 @@ TEST(Recorder, RejectsATooLongNote) {
     SampleRing<servo::ServoSample> ring(8);
     Recorder recorder(ring);
     recorder.start(file, record_header(testing::kServo_hz), Mode::pumped);
-    EXPECT_NE(testing::error_text_of(
-                  [&] { recorder.note(std::string(RecordWriter::kMaxNote + 1, ' ')); }),
+    EXPECT_NE(error_text_of([&] { recorder.note(std::string(RecordWriter::kMaxNote + 1, ' ')); }),
               "");
     recorder.stop();
     EXPECT_EQ(log_of(file), "");

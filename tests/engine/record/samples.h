@@ -2,11 +2,11 @@
 // documentation alone, without the code under test.
 #pragma once
 
+#include "base/error_text.h"
 #include "base/input_error.h"
 #include "engine/record/record_writer.h"
 #include "engine/record/row_codec.h"
 #include "engine/record/telemetry_columns.h"
-#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <cstdint>

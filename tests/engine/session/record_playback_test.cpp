@@ -53,7 +53,7 @@ Record record_from(const std::filesystem::path &file, double from_s = -kForever,
 }
 
 std::string error_about(const std::filesystem::path &file, double from_s = -kForever) {
-    return testing::error_text_of([&] { static_cast<void>(record_from(file, from_s)); });
+    return error_text_of([&] { static_cast<void>(record_from(file, from_s)); });
 }
 
 /// Frames until `is_so`; false after ten seconds.

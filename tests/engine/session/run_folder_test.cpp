@@ -1,13 +1,13 @@
 // Covers engine/session/run_folder.cpp, and write_record of record.cpp.
 #include "engine/session/run_folder.h"
 
+#include "base/error_text.h"
 #include "base/input_error.h"
 #include "engine/control/tuning_file.h"
 #include "engine/record/record_reader.h"
 #include "engine/session/telemetry_history.h"
 #include "tests/engine/record/samples.h"
 #include "tests/support/devices.h"
-#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,6 @@ namespace springdrive::session {
 namespace {
 
 using testing::contents_of;
-using testing::error_text_of;
 using testing::fresh_folder;
 using testing::FullDisk;
 

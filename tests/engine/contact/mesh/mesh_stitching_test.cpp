@@ -1,10 +1,10 @@
 // Covers the closing of cracks in engine/contact/mesh: vertex_welding.cpp, boundary_stitching.cpp,
 // t_junction_removal.cpp with point_tree.cpp, and that no stage exceeds what it is allowed.
+#include "base/error_text.h"
 #include "engine/contact/mesh/mesh_stitching.h"
 #include "engine/contact/mesh/point_tree.h"
 #include "engine/contact/mesh/preparation_allowance.h"
 #include "tests/engine/contact/mesh/soups.h"
-#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,6 @@ namespace {
 
 using testing::add_triangle;
 using testing::edges_of;
-using testing::error_text_of;
 using testing::mesh_of;
 using testing::random_direction;
 using testing::random_vector;

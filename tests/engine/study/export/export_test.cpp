@@ -1,10 +1,10 @@
 // Covers engine/study/export/.
 #include "engine/study/export/trial_table.h"
 
+#include "base/error_text.h"
 #include "engine/study/store/study_store.h"
 #include "tests/engine/study/store/sample_study.h"
 #include "tests/support/csv.h"
-#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,6 @@ namespace springdrive::study {
 namespace {
 
 using testing::contents_of;
-using testing::error_text_of;
 using testing::fresh_folder;
 using testing::kStart;
 using testing::parsed_csv;

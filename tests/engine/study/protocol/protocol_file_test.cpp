@@ -1,14 +1,14 @@
-// Covers engine/study/protocol/protocol_file.cpp and protocol.cpp: what is read, and what is
-// refused, with key, value and range; assets/protocols; the tables of docs/study_protocol.md; and
-// of docs/study_privacy.md the limits of the device files and the tests that it names.
+// Covers engine/study/protocol/protocol_file.cpp and protocol.cpp:
+// what is read, and what is refused, with key, value and range.
+#include "engine/study/protocol/protocol_file.h"
+
+#include "base/error_text.h"
 #include "base/input_error.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/study/methods/random_key.h"
 #include "engine/study/protocol/protocol_check.h"
 #include "engine/study/protocol/protocol_file.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
-#include "tests/support/error_text.h"
-#include "tests/support/files.h"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -278,8 +278,7 @@ const std::vector<Malformed> &malformed() {
 TEST(ProtocolFile, RefusesEveryMalformedOneInOneLine) {
     for (const Malformed &one : malformed()) {
         const std::string text = with(kPlainProtocol, one.from, one.to);
-        const std::string line =
-            testing::error_text_of([&text] { static_cast<void>(protocol_of(text)); });
+        const std::string line = error_text_of([&text] { static_cast<void>(protocol_of(text)); });
         EXPECT_EQ(line.substr(0, 7), "p.toml:") << one.to << ": " << line;
         EXPECT_EQ(std::ranges::count(line, '\n'), 0) << line;
         for (const std::string &part : one.said) {

@@ -1,7 +1,7 @@
 #include "tests/engine/study/store/sample_study.h"
 
+#include "base/error_text.h"
 #include "engine/study/store/rows.h"
-#include "tests/support/error_text.h"
 
 #include <fmt/core.h>
 

@@ -1,12 +1,12 @@
 // Covers engine/study/store/ as a whole: a running study whose program is killed, whose machine
 // loses power, or whose disk is full, at a call of SQLite to the system that a seed chooses; and
 // the deletion of a participant, after which no byte is left of what the study knew of them.
+#include "base/error_text.h"
 #include "engine/study/store/database.h"
 #include "engine/study/store/study_store.h"
 #include "tests/engine/study/store/failing_disk.h"
 #include "tests/engine/study/store/sample_study.h"
 #include "tests/support/cases.h"
-#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,6 @@ namespace {
 using testing::are_identical;
 using testing::contents_of;
 using testing::DiskFailure;
-using testing::error_text_of;
 using testing::fresh_folder;
 using testing::kStart;
 using testing::sample_study;

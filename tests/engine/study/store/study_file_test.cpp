@@ -1,5 +1,6 @@
 // Covers engine/study/store/{study_file,database}.cpp: files that are no studies, or
 // damaged; one writer, any number of readers.
+#include "base/error_text.h"
 #include "base/parallel.h"
 #include "base/sha256.h"
 #include "engine/study/store/rows.h"
@@ -7,7 +8,6 @@
 #include "engine/study/store/study_store.h"
 #include "tests/engine/study/store/sample_study.h"
 #include "tests/support/cases.h"
-#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,6 @@ namespace {
 
 using testing::are_identical;
 using testing::contents_of;
-using testing::error_text_of;
 using testing::fresh_folder;
 using testing::said_in_child;
 using testing::said_on_opening;

@@ -1,9 +1,9 @@
 // Covers engine/study/store/{study_store,rows,study_contents}.cpp, and what the store does with
 // studies from people who mean harm.
+#include "base/error_text.h"
 #include "engine/study/store/study_store.h"
 #include "tests/engine/study/store/forged_study.h"
 #include "tests/engine/study/store/sample_study.h"
-#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,6 @@ namespace {
 using namespace std::string_literals;
 using testing::are_identical;
 using testing::contents_of;
-using testing::error_text_of;
 using testing::ForgedStudy;
 using testing::fresh_folder;
 using testing::kStart;
