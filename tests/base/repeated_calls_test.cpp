@@ -1,5 +1,7 @@
-// Covers base/bisection.h.
+// Covers what calls a function again and again: base/bisection.h and base/timing.h.
 #include "base/bisection.h"
+
+#include "base/timing.h"
 
 #include <gtest/gtest.h>
 
@@ -64,6 +66,24 @@ TEST(Bisection, TakesAnotherMiddle) {
     EXPECT_EQ(tried, 6);
     EXPECT_EQ(bracket.holds_at, 512.0);
     EXPECT_EQ(bracket.fails_at, 1024.0);
+}
+
+TEST(Timing, LeastMedianAndGreatestOfTimes) {
+    const Cost odd = cost_of_times({5.0, 1.0, 9.0});
+    EXPECT_EQ(odd.min_ns, 1.0);
+    EXPECT_EQ(odd.median_ns, 5.0);
+    EXPECT_EQ(odd.max_ns, 9.0);
+    EXPECT_EQ(cost_of_times({4.0, 1.0, 3.0, 2.0}).median_ns, 2.5);
+    EXPECT_EQ(cost_of_times({7.0}).median_ns, 7.0);
+}
+
+TEST(Timing, RunsOnceMoreThanItRepeats) {
+    int runs = 0;
+    const Cost cost = cost_of(6, 10.0, [&] { ++runs; });
+    EXPECT_EQ(runs, 7);
+    EXPECT_GE(cost.min_ns, 0.0);
+    EXPECT_LE(cost.min_ns, cost.median_ns);
+    EXPECT_LE(cost.median_ns, cost.max_ns);
 }
 
 } // namespace
