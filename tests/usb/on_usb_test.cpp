@@ -2,27 +2,42 @@
 // root and a device controller: run by tests/usb/virtual_machine.
 #include "base/error_text.h"
 #include "base/input_error.h"
+#include "base/real_time_thread.h"
+#include "device/core/device_file.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/usb/driver/board_port.h"
 #include "device/usb/driver/board_survey.h"
 #include "device/usb/driver/usb_device.h"
+#include "device/usb/emulator/emulated_board.h"
 #include "device/usb/emulator/gadget.h"
 #include "tests/support/devices.h"
 #include "tests/support/emulated_port.h"
+#include "tests/support/real_time_watch.h"
 #include "tests/usb/bare_echo.h"
-#include "tests/usb/emulator_process.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <random>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <sys/types.h>
+#include <sys/wait.h>
 #include <thread>
+#include <unistd.h>
+#include <utility>
 #include <vector>
 
 namespace springdrive::usb_test {
@@ -35,6 +50,155 @@ using emulator::BoardClock;
 using usb::Pacing;
 using usb::UsbDevice;
 using namespace std::chrono_literals;
+
+/// The device of both ends: phantom_1_0.toml, in the current folder.
+device::DeviceDescription described() { return device::read_device_file("phantom_1_0.toml"); }
+
+/// What the emulator's command line holds.
+struct EmulatorWish {
+    std::string serial = "EMU-1";
+    emulator::BoardClock clock = emulator::BoardClock::frame;
+    double delay_periods = 0.3;
+    double loop_hz = 40'000.0;
+    double hand_N_per_m = 300.0;
+};
+
+emulator::EmulatedBoardOptions board_options(const EmulatorWish &wish) {
+    emulator::EmulatedBoardOptions options;
+    options.identity = emulator::emulated_identity(wish.serial);
+    options.settings.loop_rate_hz = static_cast<std::uint32_t>(std::lround(wish.loop_hz));
+    options.start_tip_m = testing::kOffCentre_m;
+    options.simulation.hand.stiffness_N_per_m = wish.hand_N_per_m;
+    options.clock = wish.clock;
+    options.delay_periods = wish.delay_periods;
+    return options;
+}
+
+constexpr std::string_view kAsked = "--emulate";
+
+int emulate(const EmulatorWish &wish) {
+    emulator::EmulatedBoard board(described(), board_options(wish));
+    emulator::GadgetOptions options;
+    options.serial = wish.serial;
+    options.name = wish.serial;
+    emulator::Gadget gadget(board, options);
+    std::atomic<bool> must_end{false};
+    const auto is_done = [] {
+        [[maybe_unused]] const ssize_t size = write(STDOUT_FILENO, "done\n", 5);
+    };
+    gadget.plug_in();
+    std::thread orders([&] {
+        for (char order = 0; read(STDIN_FILENO, &order, 1) == 1;) {
+            order == 'u' ? gadget.unplug() : gadget.plug_in();
+            is_done();
+        }
+        must_end = true;
+        gadget.wake();
+    });
+    is_done();
+    gadget.run([&] { return must_end.load(); });
+    orders.join();
+    return 0;
+}
+
+/// An emulated board as a USB device of this machine, in a process of its own.
+class EmulatorProcess {
+public:
+    /// Plugged in when it returns. @throw std::runtime_error if it cannot be started
+    explicit EmulatorProcess(const EmulatorWish &wish = {});
+    ~EmulatorProcess(); ///< unplugged, and ended
+    EmulatorProcess(const EmulatorProcess &) = delete;
+    EmulatorProcess &operator=(const EmulatorProcess &) = delete;
+
+    void unplug() const { order('u'); }
+    void plug_in() const { order('p'); }
+    void kill();
+
+private:
+    void order(char letter) const;
+    [[nodiscard]] std::string answer() const;
+
+    pid_t process_ = -1;
+    int orders_ = -1;
+    int answers_ = -1;
+};
+
+EmulatorProcess::EmulatorProcess(const EmulatorWish &wish) {
+    std::array<int, 2> orders{};
+    std::array<int, 2> answers{};
+    if (pipe(orders.data()) != 0 || pipe(answers.data()) != 0) {
+        throw std::runtime_error("no pipes");
+    }
+    const std::string clock = wish.clock == emulator::BoardClock::frame ? "frame" : "wall";
+    const std::string delay = std::to_string(wish.delay_periods);
+    const std::string loop = std::to_string(wish.loop_hz);
+    const std::string hand = std::to_string(wish.hand_N_per_m);
+    process_ = fork();
+    if (process_ == 0) {
+        dup2(orders[0], STDIN_FILENO);
+        dup2(answers[1], STDOUT_FILENO);
+        for (const int file : {orders[0], orders[1], answers[0], answers[1]}) {
+            close(file);
+        }
+        execl("/proc/self/exe", "emulator", kAsked.data(), wish.serial.c_str(), clock.c_str(),
+              delay.c_str(), loop.c_str(), hand.c_str(), nullptr);
+        _exit(127);
+    }
+    close(orders[0]);
+    close(answers[1]);
+    orders_ = orders[1];
+    answers_ = answers[0];
+    if (answer() != "done") {
+        throw std::runtime_error("the emulator did not start");
+    }
+}
+
+EmulatorProcess::~EmulatorProcess() {
+    if (process_ > 0) {
+        close(orders_);
+        waitpid(process_, nullptr, 0);
+        close(answers_);
+    }
+}
+
+void EmulatorProcess::kill() {
+    ::kill(process_, SIGKILL);
+    waitpid(std::exchange(process_, -1), nullptr, 0);
+    close(orders_);
+    close(answers_);
+}
+
+void EmulatorProcess::order(char letter) const {
+    if (write(orders_, &letter, 1) != 1 || answer() != "done") {
+        throw std::runtime_error("the emulator has ended");
+    }
+}
+
+std::string EmulatorProcess::answer() const {
+    std::string line;
+    for (char letter = 0; read(answers_, &letter, 1) == 1 && letter != '\n';) {
+        line += letter;
+    }
+    return line;
+}
+
+/// The whole of the process, if these are its arguments; for `main`.
+/// @return its exit status, or −1 if they are not
+int emulate_if_asked(int argc, char **argv) {
+    if (argc != 7 || argv[1] != kAsked) {
+        return -1;
+    }
+    signal(SIGPIPE, SIG_IGN);
+    try {
+        return emulate({argv[2],
+                        argv[3] == std::string_view("frame") ? emulator::BoardClock::frame
+                                                             : emulator::BoardClock::wall,
+                        std::stod(argv[4]), std::stod(argv[5]), std::stod(argv[6])});
+    } catch (const std::exception &error) {
+        std::fprintf(stderr, "emulator: %s\n", error.what());
+        return 1;
+    }
+}
 
 /// From the environment, so that one program serves quick and long runs.
 int count_of(const char *name, int otherwise) {
@@ -312,6 +476,35 @@ TEST(OnUsb, SaysInOneLineWhyABoardCannotBeUsed) {
     EXPECT_NE(error("").find("another program uses it"), std::string::npos) << error("");
     EXPECT_EQ(device->read().health, DeviceHealth::ok); // which goes on
 }
+
+#ifdef SPRINGDRIVE_WATCHES_HEAP
+/// The thread of the driver's port, with a kernel's USB: libusb allocates on it with each transfer,
+/// where no other thread does.
+TEST(HeapOnUsb, ThePortsThreadAllocatesWhereNoOtherDoes) {
+    const EmulatorWish wish;
+    const EmulatorProcess emulator(wish);
+    testing::watch_heaps();
+    ASSERT_TRUE(reserve_heaps());
+    std::thread([] { static_cast<void>(std::make_unique<std::string>(100, ' ')); }).join();
+    std::unique_ptr<usb::UsbDevice> device;
+    for (int attempt = 0; !device && attempt < 500; ++attempt) { // it takes a moment to be there
+        try {
+            device = std::make_unique<usb::UsbDevice>(usb::make_libusb_port(), described(),
+                                                      wish.serial, 1e-3, usb::Pacing::reports);
+        } catch (const InputError &) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+    }
+    ASSERT_TRUE(device);
+    for (int tick = 0; tick < 500; ++tick) {
+        static_cast<void>(device->read());
+        device->write(device::DeviceCommand::braking());
+        static_cast<void>(std::make_unique<std::string>(100, ' '));
+    }
+    EXPECT_EQ(testing::watched().allocating_threads, 1);
+    EXPECT_EQ(testing::watched().shared_allocations, 0);
+}
+#endif
 
 } // namespace
 } // namespace springdrive::usb_test
