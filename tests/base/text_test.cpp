@@ -1,15 +1,37 @@
-// Covers base/one_line.h, base/print.h and base/machine_name.cpp. Formats that must not compile are
-// tested by tests/forbidden_formats.
+// Covers texts: base/one_line.h, base/print.h, base/machine_name.cpp, base/quoting.cpp,
+// base/table.cpp, and what of base/strict_toml.cpp the tests of device and tuning files leave:
+// flags, choices, lists, rows and the nearest name. Formats that must not compile are tested by
+// tests/forbidden_formats.
 #include "base/one_line.h"
 
+#include "base/error_text.h"
 #include "base/machine_name.h"
 #include "base/print.h"
+#include "base/quoting.h"
+#include "base/strict_toml.h"
+#include "base/table.h"
+#include "tests/support/csv.h"
+#include "tests/support/files.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <random>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace springdrive {
 namespace {
@@ -86,6 +108,241 @@ TEST(MachineName, MayBeUnknown) {
 TEST(MachineName, EndsWithTheCores) {
     EXPECT_NE(machine_name().find(" core"), std::string::npos);
     EXPECT_EQ(machine_name().back(), ')');
+}
+
+TEST(FormulaGuard, LetsNoTextBeginLikeAFormula) {
+    for (const auto &[text, guarded] : std::vector<std::pair<std::string, std::string>>{
+             {"=1+1", "'=1+1"},
+             {"=HYPERLINK(\"http://x\")", "'=HYPERLINK(\"http://x\")"},
+             {"+49 30 1234", "'+49 30 1234"},
+             {"-", "'-"},
+             {"-2 to 3", "'-2 to 3"},
+             {"@SUM(A1)", "'@SUM(A1)"},
+             {"\t=1", "'\t=1"},
+             {"\r=1", "'\r=1"},
+             {"＝1+1", "'＝1+1"},
+             {"'=1", "''=1"},
+             {"'-5", "''-5"}}) {
+        EXPECT_EQ(guard_formula(text), guarded);
+    }
+}
+
+TEST(FormulaGuard, LeavesNumbersAndOrdinaryTextsAsTheyAre) {
+    for (const std::string text : {"", "-5", "-0", "-1e-300", "-inf", "-1e999", "5", "a=b", "'",
+                                   "'tis", "a - b", "n/a", "ä"}) {
+        EXPECT_EQ(guard_formula(text), text);
+    }
+}
+
+TEST(FormulaGuard, IsInEachCellOfACsvFile) {
+    EXPECT_EQ(csv_cell("=1,2"), "\"'=1,2\"");
+    EXPECT_EQ(csv_cell("\r=1"), "\"'\r=1\"");
+    EXPECT_EQ(csv_cell(-0.5), "-0.5");
+    EXPECT_EQ(csv_cell("-0.5"), "-0.5");
+}
+
+TEST(CsvCell, IsQuotedIfNeeded) {
+    EXPECT_EQ(csv_cell("100 µs"), "100 µs");
+    EXPECT_EQ(csv_cell("a, \"b\""), "\"a, \"\"b\"\"\"");
+    EXPECT_EQ(csv_cell("two\nlines"), "\"two\nlines\"");
+    EXPECT_EQ(csv_cell(""), "");
+}
+
+TEST(CsvCell, OfANumberReadsBackAsTheSameNumber) {
+    std::mt19937_64 random(1);
+    for (int trial = 0; trial < 1000; ++trial) {
+        const auto number = std::bit_cast<double>(random());
+        if (std::isfinite(number)) {
+            EXPECT_EQ(std::strtod(csv_cell(number).c_str(), nullptr), number);
+        }
+    }
+    EXPECT_EQ(csv_cell(0.1), "0.1");
+    EXPECT_EQ(csv_cell(INFINITY), "");
+    EXPECT_EQ(csv_cell(NAN), "");
+}
+
+TEST(TsvCell, IsOnOneLineAndNeverEmpty) {
+    EXPECT_EQ(tsv_cell("a\t\"b\"\nc"), "\"a \"\"b\"\" c\"");
+    EXPECT_EQ(tsv_cell("=1"), "'=1");
+    EXPECT_EQ(tsv_cell("a, b"), "a, b");
+    EXPECT_EQ(tsv_cell(""), "n/a");
+}
+
+TEST(GnuplotString, IsReadBackByGnuplot) {
+    const std::string text = "it's \\n {x}_1 %g `ls` $x\n\"q\" µ";
+    EXPECT_EQ(gnuplot_string("it's\n"), "'it''s '");
+    const std::filesystem::path script = testing::fresh_folder("gnuplot_string") / "script";
+    std::ofstream(script) << "set print '-'\nprint " << gnuplot_string(text) << '\n';
+    FILE *const gnuplot = popen(("gnuplot " + script.string() + " 2>&1").c_str(), "r");
+    ASSERT_NE(gnuplot, nullptr);
+    std::string printed;
+    for (int c = fgetc(gnuplot); c != EOF; c = fgetc(gnuplot)) {
+        printed += static_cast<char>(c);
+    }
+    if (pclose(gnuplot) != 0) {
+        GTEST_SKIP() << printed; // it is not installed
+    }
+    EXPECT_EQ(printed, "it's \\n {x}_1 %g `ls` $x \"q\" µ\n");
+}
+
+TEST(TomlText, IsReadBackAsItWas) {
+    const std::string all = "a \"b\" \\ 'c' # = [µ]\n\t\x01\x7f";
+    StrictTomlTable table = StrictTomlTable::parse(
+        "texts = " + toml_list(std::vector{all, std::string()}) + "\nnumber = " + toml_number(3.0) +
+            "\nsmall = " + toml_number(-1e-300),
+        "t.toml");
+    EXPECT_EQ(table.texts("texts", 2), (std::vector<std::string>{all, ""}));
+    EXPECT_EQ(table.number("number"), 3.0);
+    EXPECT_EQ(table.number("small"), -1e-300);
+    EXPECT_EQ(toml_number(3.0), "3.0"); // another reader would take 3 for an integer
+}
+
+TEST(XmlText, HasNoTagsNorCharactersThatXmlForbids) {
+    EXPECT_EQ(xml_text("a < b & \"c\" > d\x01\tµ"), "a &lt; b &amp; \"c\" &gt; d\tµ");
+}
+
+constexpr std::array<std::string_view, 3> kColours{"red", "green", "blue"};
+
+StrictTomlTable table_of(const std::string &text) { return StrictTomlTable::parse(text, "t.toml"); }
+
+std::string error(const std::string &text, const std::function<void(StrictTomlTable &)> &read) {
+    return error_text_of([&] {
+        StrictTomlTable table = table_of(text);
+        read(table);
+    });
+}
+
+TEST(StrictToml, ReadsFlagsChoicesAndLists) {
+    StrictTomlTable table = table_of("a = true\nb = 'blue'\nc = [1, 2.5]\nd = ['x', 'y']\n"
+                                     "e = ['blue', 'red']\nf = []");
+    EXPECT_TRUE(table.flag("a"));
+    EXPECT_EQ(table.choice("b", kColours), 2U);
+    EXPECT_EQ(table.numbers("c", {0.0, 3.0}, 2), (std::vector{1.0, 2.5}));
+    EXPECT_EQ(table.texts("d", 2), (std::vector<std::string>{"x", "y"}));
+    EXPECT_EQ(table.choices("e", kColours), (std::vector<std::size_t>{2, 0}));
+    EXPECT_TRUE(table.choices("f", kColours).empty());
+    table.refuse_unknown_keys();
+}
+
+TEST(StrictToml, RefusesWhatIsNone) {
+    const auto flag = [](StrictTomlTable &t) { static_cast<void>(t.flag("a")); };
+    EXPECT_EQ(error("a = 1", flag), "t.toml:1: a is 1; it must be true or false");
+    EXPECT_EQ(error("b = 1", flag), "t.toml:1: a is missing; it must be true or false");
+    const auto choice = [](StrictTomlTable &t) { static_cast<void>(t.choice("a", kColours)); };
+    EXPECT_EQ(error("\na = \"pink\"", choice),
+              "t.toml:2: a is \"pink\"; it must be red, green or blue");
+    EXPECT_EQ(error("a = 3", choice), "t.toml:1: a is 3; it must be red, green or blue");
+    const auto numbers = [](StrictTomlTable &t) {
+        static_cast<void>(t.numbers("a", {0.0, 3.0}, 2));
+    };
+    EXPECT_EQ(
+        error("a = [1, 4]", numbers),
+        "t.toml:1: a has 4; it must be 1 to 2 numbers in brackets, each a number from 0 to 3");
+    for (const char *text : {"a = []", "a = [1, 2, 3]", "a = 1", "a = ['x']", "a = [nan]", ""}) {
+        EXPECT_NE(error(text, numbers), "") << text;
+    }
+    const auto choices = [](StrictTomlTable &t) { static_cast<void>(t.choices("a", kColours)); };
+    EXPECT_EQ(error("a = ['red',\n 'pink']", choices),
+              "t.toml:1: a has 'pink'; it must be a list, each of it red, green or blue");
+    for (const char *text : {"a = 'red'", "a = [1]", ""}) {
+        EXPECT_NE(error(text, choices), "") << text;
+    }
+    const auto texts = [](StrictTomlTable &t) { static_cast<void>(t.texts("a", 2)); };
+    for (const char *text : {"a = []", "a = ['x', 'y', 'z']", "a = 'x'", "a = ['x', 1]", ""}) {
+        EXPECT_NE(error(text, texts), "") << text;
+    }
+}
+
+TEST(StrictToml, ReadsRowsUpToALimit) {
+    const std::string two = "[[r]]\nx = 1\n[[r]]\nx = 2\n";
+    StrictTomlTable table = table_of(two);
+    std::vector<double> seen;
+    table.rows("r", 2, [&seen](StrictTomlTable &row) { seen.push_back(row.number("x")); });
+    EXPECT_EQ(seen, (std::vector{1.0, 2.0}));
+    const auto rows = [](StrictTomlTable &t) {
+        t.rows("r", 1, [](StrictTomlTable &row) { row.refuse_unknown_keys(); });
+    };
+    EXPECT_EQ(error(two, rows), "t.toml:1: r appears 2 times; it must appear 1 to 1 times");
+    EXPECT_EQ(error("", rows), "t.toml:1: r is missing; add a table [[r]]");
+    EXPECT_NE(error("r = [1]", rows), "");
+    EXPECT_NE(error("r = {x = 1}", rows), "");
+    EXPECT_EQ(error("[[r]]\nx = 1", rows).substr(0, 30), "t.toml:2: r[1].x is not known;");
+}
+
+TEST(StrictToml, NamesTheNearestKeyThatItKnows) {
+    const auto read = [](StrictTomlTable &t) {
+        static_cast<void>(t.has_optional("height_m"));
+        static_cast<void>(t.has_optional("width_m"));
+        t.refuse_unknown_keys();
+    };
+    EXPECT_EQ(error("hieght_m = 1", read),
+              "t.toml:1: hieght_m is not known; the nearest is height_m; the known keys are "
+              "height_m, width_m");
+    EXPECT_EQ(error("width_m = 1", read), "");
+}
+
+using Lines = std::vector<std::vector<std::string>>;
+
+std::string text_of(void (*write)(std::ostream &, const Table &), const Table &table) {
+    std::ostringstream out;
+    write(out, table);
+    return out.str();
+}
+
+TEST(Table, IsReadBackFromCsvByAnotherReader) {
+    const Lines texts{{"name", "a, \"b\""},
+                      {"two\nlines", "\"\""},
+                      {" blanks ", "crlf\r\n"},
+                      {"µ·字", "'tis"},
+                      {"", ","}};
+    Table table{.columns = {{texts[0][0]}, {texts[0][1]}}};
+    for (std::size_t i = 1; i < texts.size(); ++i) {
+        table.rows.push_back({texts[i][0], texts[i][1]});
+    }
+    EXPECT_EQ(testing::parsed_csv(text_of(write_csv, table)), texts);
+}
+
+TEST(Table, GuardsTextsInCsvButNoNumbers) {
+    Table table = Table::with_columns("a,b,c");
+    table.rows = {{"=1+1", -1, -0.5}, {"-", -1e-300, "-0.5"}};
+    EXPECT_EQ(text_of(write_csv, table), "a,b,c\n'=1+1,-1,-0.5\n'-,-1e-300,-0.5\n");
+}
+
+TEST(Table, WritesNumbersWithTheFormatOfTheirColumn) {
+    Table table = Table::with_columns("exact:,rounded", ".3g");
+    table.rows = {{0.1, 1.0 / 3.0},
+                  {1e300, 1},
+                  {std::numeric_limits<std::uint64_t>::max(), "text"},
+                  {true, std::optional<double>(12345.0)}};
+    EXPECT_EQ(text_of(write_csv, table),
+              "exact,rounded\n0.1,0.333\n1e+300,1\n18446744073709551615,text\n1,1.23e+04\n");
+}
+
+TEST(Table, LeavesWhatIsNotKnownEmpty) {
+    Table table = Table::with_columns("a,b,c,d");
+    table.rows = {{Cell(), NAN, INFINITY, std::optional<int>()}, {"x", 1, 2.5, std::optional(4)}};
+    EXPECT_EQ(text_of(write_csv, table), "a,b,c,d\n,,,\nx,1,2.5,4\n");
+    EXPECT_EQ(text_of(write_tsv, table), "a\tb\tc\td\nn/a\tn/a\tn/a\tn/a\nx\t1\t2.5\t4\n");
+    EXPECT_EQ(text_of(write_text, table), "a  b    c  d\n–  –    –  –\nx  1  2.5  4\n");
+}
+
+TEST(Table, AlignsNumbersAtTheRightAndTextsAtTheLeft) {
+    Table table = Table::with_columns("who,force\nN:.2f,K_θ,95 %,remark");
+    table.rows = {{"Ω", 1.234, 5, Cell::like_number("1 to 2"), ""},
+                  {"longer", -10.0, "none", Cell(), "a remark"}};
+    EXPECT_EQ(text_of(write_text, table), "         force\n"
+                                          "who          N   K_θ    95 %  remark\n"
+                                          "Ω         1.23     5  1 to 2\n"
+                                          "longer  -10.00  none       –  a remark\n");
+}
+
+TEST(Table, IsADocumentsTable) {
+    Table table = Table::with_columns("method,limit:.3g");
+    table.rows = {{"|A| > 1", 1234.5}, {"other", Cell()}};
+    EXPECT_EQ(text_of(write_markdown, table), "| method | limit |\n"
+                                              "| --- | ---: |\n"
+                                              "| \\|A\\| > 1 | 1.23e+03 |\n"
+                                              "| other | – |\n");
 }
 
 } // namespace
