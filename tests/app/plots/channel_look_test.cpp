@@ -7,7 +7,7 @@
 #include "engine/control/tuning.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/session/telemetry_history.h"
-#include "tests/support/channel_stores.h"
+#include "tests/support/plots.h"
 
 #include <gtest/gtest.h>
 

@@ -3,10 +3,10 @@
 #include "app/plots/plot_panel.h"
 
 #include "app/widgets/widgets.h"
-#include "tests/support/channel_stores.h"
+#include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/imgui_frame.h"
-#include "tests/support/xml_check.h"
+#include "tests/support/plots.h"
 
 #include <gtest/gtest.h>
 

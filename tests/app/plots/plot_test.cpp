@@ -3,11 +3,8 @@
 
 #include "app/plots/channel_look.h"
 #include "app/plots/plot_panel.h"
-#include "app/plots/stiffness_curves.h"
-#include "tests/support/channel_stores.h"
-#include "tests/support/devices.h"
 #include "tests/support/imgui_frame.h"
-#include "tests/support/xml_check.h"
+#include "tests/support/plots.h"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>

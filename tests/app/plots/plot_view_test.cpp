@@ -3,7 +3,7 @@
 
 #include "engine/control/tuning.h"
 #include "engine/servo/safety_status.h"
-#include "tests/support/channel_stores.h"
+#include "tests/support/plots.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Covers what a person does with the plots: app/plots.
 #include "tests/support/csv.h"
 #include "tests/support/devices.h"
+#include "tests/support/plots.h"
 #include "tests/support/shown_window.h"
-#include "tests/support/xml_check.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,7 @@
 #include "device/simulated/simulated_phantom.h"
 #include "engine/record/telemetry_columns.h"
 #include "tests/support/devices.h"
-#include "tests/support/own_clock_device.h"
-#include "tests/support/planted_device.h"
+#include "tests/support/servo_devices.h"
 #include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>
