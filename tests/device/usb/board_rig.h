@@ -1,15 +1,20 @@
-// A board in process, with windings and rotors behind its bridge, a clock, and a host that sends
-// commands. All in double precision, independent of the board's own arithmetic.
+// Boards in process: one with windings and rotors behind its bridge, a clock, and a host that sends
+// commands, all in double precision, independent of the board's own arithmetic; and the host of an
+// emulated one.
 #pragma once
 
 #include "device/usb/board/board.h"
+#include "device/usb/emulator/emulated_board.h"
+#include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <map>
 
 namespace springdrive::testing {
 
@@ -194,5 +199,102 @@ inline bool all_stages(const board::BridgeOrder &order, board::Stage stage) {
     return std::all_of(order.stage.begin(), order.stage.end(),
                        [&](board::Stage one) { return one == stage; });
 }
+
+/// Of an emulated board whose hand rests off the centre.
+inline emulator::EmulatedBoardOptions emulated_options() {
+    emulator::EmulatedBoardOptions options;
+    options.simulation.effects.coulomb_friction = false; // it would leave the place of rest open
+    options.simulation.hand = {0.2, 8.0, 300.0, 20.0, 0.4};
+    options.start_tip_m = kOffCentre_m;
+    return options;
+}
+
+inline usb::Command driving(const Vector3 &e_W_V) {
+    constexpr double kR_hat_Ohm = 1.68;
+    usb::Command command;
+    command.mode = usb::Mode::drive;
+    for (std::size_t j = 0; j < 3; ++j) {
+        command.e_W_V[j] = static_cast<float>(e_W_V[static_cast<Eigen::Index>(j)]);
+        command.cancelled_resistance_Ohm.diagonal[j] = static_cast<float>(kR_hat_Ohm);
+    }
+    return command;
+}
+
+template <class Value> Value ask(emulator::EmulatedBoard &board, usb::Kind kind) {
+    std::array<std::uint8_t, board::kMaxPayload> payload{};
+    const std::size_t size = board.control_in(static_cast<std::uint8_t>(kind), 0, payload);
+    Value value;
+    EXPECT_EQ(usb::decode(payload.data(), size, value), usb::FrameStatus::ok);
+    return value;
+}
+
+template <class Value>
+bool order(emulator::EmulatedBoard &board, usb::Kind kind, const Value &value) {
+    return board.control_out(static_cast<std::uint8_t>(kind), 0, usb::encode(value));
+}
+
+/// Answers each report with one packet, as the frame clock wants it.
+class Host {
+public:
+    explicit Host(const emulator::EmulatedBoardOptions &with = emulated_options())
+        : board(phantom_1_0(), with) {}
+
+    /// Up to a first accepted command, which brakes.
+    void begin(int periods = 3) {
+        board.attach(true);
+        usb::Command first;
+        first.begins_numbering = true;
+        for (int i = 0; i < periods; ++i) {
+            exchange(first);
+        }
+    }
+
+    void send(usb::Command command) {
+        command.number = ++number;
+        measured_at_us[number] = report.measured_at_us;
+        board.put(usb::encode(command));
+    }
+
+    /// @return whether a valid report came
+    bool receive() {
+        usb::Frame frame;
+        const std::size_t size = board.take(frame);
+        status = usb::decode(frame.data(), size, report);
+        reports += status == usb::FrameStatus::ok ? 1 : 0;
+        return status == usb::FrameStatus::ok;
+    }
+
+    bool exchange(const usb::Command &command) {
+        const bool has_report = receive();
+        send(command);
+        return has_report;
+    }
+    void exchange(const usb::Command &command, int times) {
+        for (int i = 0; i < times; ++i) {
+            exchange(command);
+        }
+    }
+
+    /// d of the report's newest command, if it has been applied.
+    [[nodiscard]] double delay_s() const {
+        const auto from = measured_at_us.find(report.command_number);
+        if (!report.has_command || report.applied_after_us == usb::kNotApplied ||
+            from == measured_at_us.end()) {
+            return std::nan("");
+        }
+        return 1e-6 * usb::difference(report.command_arrived_at_us + report.applied_after_us,
+                                      from->second);
+    }
+
+    [[nodiscard]] usb::BoardState state() const { return board.board().loop().state(); }
+    [[nodiscard]] std::uint16_t faults() const { return board.board().loop().faults(); }
+
+    emulator::EmulatedBoard board;
+    usb::Report report;
+    usb::FrameStatus status = usb::FrameStatus::ok;
+    int reports = 0;
+    std::uint32_t number = 0;
+    std::map<std::uint32_t, std::uint32_t> measured_at_us; ///< by the command computed from it
+};
 
 } // namespace springdrive::testing

@@ -1,129 +1,37 @@
-// Covers device/usb/emulator/{emulated_board,emulated_plant,packet_line} and what
-// device/core/faults do there: time, delay and packets against their definitions in PROTOCOL.md,
-// forces against the simulated PHANTOM with its own amplifiers, and each fault with and without.
+// Covers device/usb/emulator/{emulated_board,emulated_plant,packet_line}: time, delay and packets
+// against their definitions in PROTOCOL.md, and the plant. For faults see emulated_faults_test.cpp.
 #include "base/error_text.h"
 #include "device/usb/emulator/emulated_board.h"
+#include "tests/device/usb/board_rig.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
-#include <map>
 #include <string>
+#include <vector>
 
 namespace springdrive::emulator {
 namespace {
 
-using board::kMaxPayload;
 using simulated::SimulatedPhantom;
+using testing::ask;
+using testing::driving;
+using testing::emulated_options;
+using testing::Host;
+using testing::order;
 using usb::BoardState;
-using usb::ChannelFindings;
 using usb::Command;
 using usb::Counters;
 using usb::Faults;
 using usb::FrameStatus;
 using usb::Kind;
-using usb::Mode;
 using usb::Report;
 
 constexpr double kServo_s = 1e-3;
-constexpr double kR_hat_Ohm = 1.68;
-
-EmulatedBoardOptions options() {
-    EmulatedBoardOptions options;
-    options.simulation.effects.coulomb_friction = false; // it would leave the place of rest open
-    options.simulation.hand = {0.2, 8.0, 300.0, 20.0, 0.4};
-    options.start_tip_m = testing::kOffCentre_m;
-    return options;
-}
-
-Command driving(const Vector3 &e_W_V) {
-    Command command;
-    command.mode = Mode::drive;
-    for (std::size_t j = 0; j < 3; ++j) {
-        command.e_W_V[j] = static_cast<float>(e_W_V[static_cast<Eigen::Index>(j)]);
-        command.cancelled_resistance_Ohm.diagonal[j] = static_cast<float>(kR_hat_Ohm);
-    }
-    return command;
-}
-
-template <class Value> Value ask(EmulatedBoard &board, Kind kind) {
-    std::array<std::uint8_t, kMaxPayload> payload{};
-    const std::size_t size = board.control_in(static_cast<std::uint8_t>(kind), 0, payload);
-    Value value;
-    EXPECT_EQ(usb::decode(payload.data(), size, value), FrameStatus::ok);
-    return value;
-}
-
-template <class Value> bool order(EmulatedBoard &board, Kind kind, const Value &value) {
-    return board.control_out(static_cast<std::uint8_t>(kind), 0, usb::encode(value));
-}
-
-/// Answers each report with one packet, as the frame clock wants it.
-class Host {
-public:
-    explicit Host(const EmulatedBoardOptions &with = options())
-        : board(testing::phantom_1_0(), with) {}
-
-    /// Up to a first accepted command, which brakes.
-    void begin(int periods = 3) {
-        board.attach(true);
-        Command first;
-        first.begins_numbering = true;
-        for (int i = 0; i < periods; ++i) {
-            exchange(first);
-        }
-    }
-
-    void send(Command command) {
-        command.number = ++number;
-        measured_at_us[number] = report.measured_at_us;
-        board.put(usb::encode(command));
-    }
-
-    /// @return whether a valid report came
-    bool receive() {
-        usb::Frame frame;
-        const std::size_t size = board.take(frame);
-        status = usb::decode(frame.data(), size, report);
-        reports += status == FrameStatus::ok ? 1 : 0;
-        return status == FrameStatus::ok;
-    }
-
-    bool exchange(const Command &command) {
-        const bool has_report = receive();
-        send(command);
-        return has_report;
-    }
-    void exchange(const Command &command, int times) {
-        for (int i = 0; i < times; ++i) {
-            exchange(command);
-        }
-    }
-
-    /// d of the report's newest command, if it has been applied.
-    [[nodiscard]] double delay_s() const {
-        const auto from = measured_at_us.find(report.command_number);
-        if (!report.has_command || report.applied_after_us == usb::kNotApplied ||
-            from == measured_at_us.end()) {
-            return std::nan("");
-        }
-        return 1e-6 * usb::difference(report.command_arrived_at_us + report.applied_after_us,
-                                      from->second);
-    }
-
-    [[nodiscard]] BoardState state() const { return board.board().loop().state(); }
-    [[nodiscard]] std::uint16_t faults() const { return board.board().loop().faults(); }
-
-    EmulatedBoard board;
-    Report report;
-    FrameStatus status = FrameStatus::ok;
-    int reports = 0;
-    std::uint32_t number = 0;
-    std::map<std::uint32_t, std::uint32_t> measured_at_us; ///< by the command computed from it
-};
 
 // Time.
 
@@ -157,7 +65,7 @@ TEST(FrameClock, MovesByOneReportForEachPacket) {
 
 TEST(FrameClock, PassesWithoutDriftAndModulo32Bits) {
     for (const std::uint32_t rate_hz : {40'000U, 60'000U, 30'011U}) {
-        EmulatedBoardOptions with = options();
+        EmulatedBoardOptions with = emulated_options();
         with.settings.loop_rate_hz = rate_hz;
         with.start_us = 0xffffffffU - 100'000U;
         Host host(with);
@@ -181,7 +89,7 @@ TEST(FrameClock, ImposesTheDelayToWithinALoop) {
     for (const std::uint32_t rate_hz : {40'000U, 60'000U}) {
         for (const std::uint32_t period_us : {500U, 1000U}) {
             for (const double d : {0.1, 0.3, 1.0, 1.7, 2.4, 8.0}) {
-                EmulatedBoardOptions with = options();
+                EmulatedBoardOptions with = emulated_options();
                 with.settings.loop_rate_hz = rate_hz;
                 with.delay_periods = d;
                 Host host(with);
@@ -205,7 +113,7 @@ TEST(FrameClock, ImposesTheDelayToWithinALoop) {
 }
 
 TEST(FrameClock, KeepsTheOrderOfPacketsWhenThePeriodChanges) {
-    EmulatedBoardOptions with = options();
+    EmulatedBoardOptions with = emulated_options();
     with.delay_periods = 4.0;
     Host host(with);
     host.begin(8);
@@ -217,7 +125,7 @@ TEST(FrameClock, KeepsTheOrderOfPacketsWhenThePeriodChanges) {
 }
 
 TEST(FrameClock, NamesItsLeastDelay) {
-    EmulatedBoardOptions with = options();
+    EmulatedBoardOptions with = emulated_options();
     with.delay_periods = 0.0;
     Host host(with);
     host.begin();
@@ -300,7 +208,7 @@ TEST(FrameClock, KeepsTheDelayOfAHostThatWasSilentForAWhile) {
 
 /// Reports with the times at which they are measured.
 std::string wall_clock_run(const std::vector<double> &pieces_s, double total_s) {
-    EmulatedBoardOptions with = options();
+    EmulatedBoardOptions with = emulated_options();
     with.clock = BoardClock::wall;
     Host host(with);
     host.board.attach(true);
@@ -331,7 +239,7 @@ TEST(WallClock, DoesNotDependOnHowItIsCut) {
 }
 
 TEST(WallClock, FallsBehindRatherThanCatchesUp) {
-    EmulatedBoardOptions with = options();
+    EmulatedBoardOptions with = emulated_options();
     with.clock = BoardClock::wall;
     Host host(with);
     host.board.attach(true);
@@ -347,7 +255,7 @@ TEST(WallClock, FallsBehindRatherThanCatchesUp) {
 }
 
 TEST(WallClock, TakesPacketsWhenTheyArePut) {
-    EmulatedBoardOptions with = options();
+    EmulatedBoardOptions with = emulated_options();
     with.clock = BoardClock::wall;
     Host host(with);
     host.board.attach(true);
@@ -371,7 +279,8 @@ TEST(WallClock, TakesPacketsWhenTheyArePut) {
 
 /// A plant without a board.
 EmulatedPlant bare_plant(std::uint32_t start_us = 0) {
-    return {testing::phantom_1_0(), {}, options().simulation, testing::kOffCentre_m, start_us};
+    return {
+        testing::phantom_1_0(), {}, emulated_options().simulation, testing::kOffCentre_m, start_us};
 }
 
 TEST(EmulatedPlant, AppliesVoltagesHalfALoopAfterTheSamples) {
@@ -449,7 +358,7 @@ std::array<std::int32_t, 3> counts_of(const SimulatedPhantom &device) {
 
 TEST(EmulatedPlant, CountsFromPowerUp) {
     Host host;
-    const SimulatedPhantom unmoved(testing::phantom_1_0(), options().simulation,
+    const SimulatedPhantom unmoved(testing::phantom_1_0(), emulated_options().simulation,
                                    testing::kOffCentre_m);
     const auto at_power_up = counts_of(unmoved);
     host.begin();
@@ -480,377 +389,21 @@ TEST(EmulatedPlant, KeepsACalibrationThroughARestart) {
 }
 
 TEST(EmulatedPlant, RefusesWhatABoardCannotHave) {
-    EmulatedBoardOptions with = options();
+    EmulatedBoardOptions with = emulated_options();
     const auto error = [&] {
         return error_text_of([&] { EmulatedBoard(testing::phantom_1_0(), with); });
     };
     EXPECT_EQ(error(), "");
     with.simulation.dynamics = simulated::PlantDynamics::rigid_body;
     EXPECT_NE(error().find("choose electromechanical"), std::string::npos);
-    with = options();
+    with = emulated_options();
     with.settings.counts_per_turn[1] = 2000;
     EXPECT_NE(error().find("2000 counts"), std::string::npos);
-    with = options();
+    with = emulated_options();
     with.delay_periods = 8.5;
     EXPECT_NE(error().find("8.5 periods"), std::string::npos);
     EXPECT_NE(error_text_of([] { static_cast<void>(emulated_identity("a serial number")); }), "");
     EXPECT_EQ(error_text_of([] { static_cast<void>(emulated_identity("0123456789abcdef")); }), "");
-}
-
-// Faults of the link.
-
-/// Twenty packets with one fault, by a host that brakes.
-struct LinkRun {
-    Counters counters;
-    std::vector<FrameStatus> statuses;  ///< of what was taken
-    std::vector<std::uint32_t> numbers; ///< of valid reports
-    std::uint64_t strikes = 0;
-
-    [[nodiscard]] std::uint32_t commands(FrameStatus status) const {
-        return counters.frames[static_cast<std::size_t>(status)];
-    }
-    [[nodiscard]] std::ptrdiff_t reports(FrameStatus status) const {
-        return std::ranges::count(statuses, status);
-    }
-};
-
-LinkRun link_run(const std::string &fault, std::uint64_t seed = 1, int packets = 20) {
-    EmulatedBoardOptions with = options();
-    with.seed = seed;
-    if (!fault.empty()) {
-        with.faults.push_back(device::parse_fault(fault));
-    }
-    Host host(with);
-    host.board.attach(true);
-    LinkRun run;
-    const auto receive_all = [&] {
-        usb::Frame frame;
-        while (const std::size_t size = host.board.take(frame)) {
-            run.statuses.push_back(usb::decode(frame.data(), size, host.report));
-            if (run.statuses.back() == FrameStatus::ok) {
-                run.numbers.push_back(host.report.number);
-            }
-        }
-    };
-    receive_all();
-    for (int i = 0; i < packets; ++i) {
-        Command command;
-        command.begins_numbering = i < 2;
-        host.send(command);
-        receive_all();
-    }
-    run.counters = ask<Counters>(host.board, Kind::counters);
-    if (!with.faults.empty()) {
-        const device::Fault &set = with.faults.front();
-        run.strikes = host.board.line(set.direction).faults()[static_cast<std::size_t>(set.kind)];
-    }
-    return run;
-}
-
-bool are_consecutive(const std::vector<std::uint32_t> &numbers) {
-    for (std::size_t i = 1; i < numbers.size(); ++i) {
-        if (numbers[i] != numbers[i - 1] + 1) {
-            return false;
-        }
-    }
-    return true;
-}
-
-TEST(LinkFaults, AreNotThereUnlessSet) {
-    const LinkRun run = link_run("");
-    EXPECT_EQ(run.commands(FrameStatus::ok), 20U);
-    EXPECT_EQ(run.reports(FrameStatus::ok), 21);
-    EXPECT_EQ(run.statuses.size(), 21U);
-    EXPECT_TRUE(are_consecutive(run.numbers));
-}
-
-TEST(LinkFaults, DropPackets) {
-    EXPECT_EQ(link_run("drop:out:#10").commands(FrameStatus::ok), 19U);
-    const LinkRun in = link_run("drop:in:#10");
-    EXPECT_EQ(in.reports(FrameStatus::ok), 20);
-    EXPECT_EQ(in.numbers.back() - in.numbers.front(), 20U); // one is missing
-    EXPECT_EQ(in.commands(FrameStatus::ok), 20U);
-    EXPECT_EQ(link_run("stall:out").commands(FrameStatus::ok), 0U);
-    EXPECT_EQ(link_run("stall:in").statuses.size(), 0U);
-}
-
-TEST(LinkFaults, DelayPackets) {
-    // By a period and a half, number 10 arrives after number 11.
-    const LinkRun out = link_run("delay:out:#10:1.5");
-    EXPECT_EQ(out.commands(FrameStatus::ok), 19U);
-    EXPECT_EQ(out.commands(FrameStatus::stale), 1U);
-    const LinkRun in = link_run("delay:in:#10:2");
-    ASSERT_EQ(in.numbers.size(), 21U);
-    EXPECT_FALSE(are_consecutive(in.numbers));
-    // 11 without 10; 12 together with 10.
-    EXPECT_EQ(in.numbers[9], in.numbers[8] + 2);
-    EXPECT_EQ(in.numbers[10], in.numbers[8] + 1);
-}
-
-TEST(LinkFaults, SwapPackets) {
-    const LinkRun out = link_run("reorder:out:#10");
-    EXPECT_EQ(out.commands(FrameStatus::ok), 19U);
-    EXPECT_EQ(out.commands(FrameStatus::stale), 1U);
-    const LinkRun in = link_run("reorder:in:#10");
-    ASSERT_EQ(in.numbers.size(), 21U);
-    EXPECT_EQ(in.numbers[9], in.numbers[8] + 2);
-    EXPECT_EQ(in.numbers[10], in.numbers[8] + 1);
-    EXPECT_EQ(in.numbers[11], in.numbers[8] + 3);
-}
-
-TEST(LinkFaults, DamagePackets) {
-    const LinkRun corrupt = link_run("corrupt:out:#10");
-    EXPECT_EQ(corrupt.commands(FrameStatus::ok), 19U);
-    EXPECT_EQ(corrupt.commands(FrameStatus::wrong_crc), 1U);
-    EXPECT_EQ(link_run("corrupt:in:1").reports(FrameStatus::wrong_crc), 21);
-    EXPECT_EQ(link_run("truncate:out").commands(FrameStatus::wrong_size), 20U);
-    EXPECT_EQ(link_run("truncate:in:#3").reports(FrameStatus::wrong_size), 1);
-}
-
-TEST(LinkFaults, RepeatPackets) {
-    const LinkRun out = link_run("repeat:out:#10");
-    EXPECT_EQ(out.commands(FrameStatus::ok), 20U);
-    EXPECT_EQ(out.commands(FrameStatus::repeated), 1U);
-    const LinkRun in = link_run("repeat:in:#10");
-    ASSERT_EQ(in.numbers.size(), 22U);
-    EXPECT_EQ(in.numbers[9], in.numbers[10]);
-}
-
-TEST(LinkFaults, StrikeAtRandomByTheirSeed) {
-    const LinkRun run = link_run("drop:in:0.3", 7, 400);
-    // Binomial: 120 of 401, with a standard deviation of 9.
-    EXPECT_NEAR(static_cast<double>(run.strikes), 120.3, 45.0);
-    EXPECT_EQ(run.numbers, link_run("drop:in:0.3", 7, 400).numbers);
-    EXPECT_NE(run.numbers, link_run("drop:in:0.3", 8, 400).numbers);
-}
-
-// Faults of the device.
-
-/// State and report after a fault acted on a driving board.
-struct DeviceRun {
-    BoardState state = BoardState::starting;
-    std::uint16_t faults = 0;
-    Report report;
-};
-
-DeviceRun device_run(const std::string &fault) {
-    Host host;
-    host.begin();
-    host.exchange(driving({0.2, -0.15, 0.2}), 20);
-    if (!fault.empty()) {
-        host.board.set_fault(device::parse_fault(fault));
-    }
-    host.exchange(driving({0.2, -0.15, 0.2}), 20);
-    host.receive();
-    return {host.state(), host.faults(), host.report};
-}
-
-TEST(DeviceFaults, AreNoticedByTheBoard) {
-    const DeviceRun sound = device_run("");
-    EXPECT_EQ(sound.state, BoardState::driving);
-    EXPECT_EQ(sound.faults, 0);
-    struct Case {
-        std::string fault;
-        std::uint16_t faults = 0;
-        BoardState state = BoardState::fault_braking;
-    };
-    for (const Case &wanted :
-         {Case{"stop", Faults::kStop}, Case{"disable", Faults::kStop},
-          Case{"brown-out:12", Faults::kSupply}, Case{"brown-out:20", Faults::kSupply},
-          Case{"hot-stage:95", Faults::kTemperature},
-          Case{"failed-stage", Faults::kAmplifier, BoardState::fault_open},
-          Case{"failed-sensor:2", Faults::kSensor, BoardState::fault_open}}) {
-        const DeviceRun run = device_run(wanted.fault);
-        EXPECT_EQ(run.faults, wanted.faults) << wanted.fault;
-        EXPECT_EQ(run.state, wanted.state) << wanted.fault;
-        EXPECT_EQ(run.report.faults, wanted.faults) << wanted.fault;
-    }
-    EXPECT_TRUE(device_run("stop").report.is_stopped);
-    EXPECT_FALSE(device_run("disable").report.is_enabled);
-    EXPECT_TRUE(usb::is_nan(device_run("failed-sensor:2").report.current_A[1]));
-    EXPECT_FALSE(usb::is_nan(device_run("failed-sensor:2").report.current_A[0]));
-}
-
-/// Counts and currents of a device whose hand and drives move it.
-struct Moved {
-    std::array<std::int32_t, 3> counts{};
-    std::array<double, 3> current_A{}; ///< reported
-    Vector3 true_A{Vector3::Zero()};
-    double largest_A = 0.0; ///< true, of channel 2, from 5 ms on
-};
-
-Moved moved_with(const std::string &fault) {
-    EmulatedBoardOptions with = options();
-    if (!fault.empty()) {
-        with.faults.push_back(device::parse_fault(fault));
-    }
-    Host host(with);
-    host.begin();
-    host.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.01, 0.02, 0.01));
-    Moved moved;
-    for (int i = 0; i < 150; ++i) {
-        host.exchange(driving({0.1, 0.25, -0.2}));
-        if (i > 5) {
-            moved.largest_A =
-                std::max(moved.largest_A, std::abs(host.board.phantom().truth().current_A[1]));
-        }
-    }
-    EXPECT_EQ(host.state(), BoardState::driving) << fault;
-    moved.counts = host.report.counts;
-    for (std::size_t i = 0; i < 3; ++i) {
-        moved.current_A[i] = static_cast<double>(host.report.current_A[i]);
-    }
-    moved.true_A = host.board.phantom().truth().current_A;
-    return moved;
-}
-
-TEST(DeviceFaults, OfEncodersChangeCounts) {
-    const Moved sound = moved_with("");
-    for (const std::int32_t counts : sound.counts) {
-        EXPECT_GT(std::abs(counts), 50);
-    }
-    EXPECT_EQ(moved_with("stuck-encoder:2").counts,
-              (std::array<std::int32_t, 3>{sound.counts[0], 0, sound.counts[2]}));
-    EXPECT_EQ(moved_with("reversed-encoder:1").counts,
-              (std::array<std::int32_t, 3>{-sound.counts[0], sound.counts[1], sound.counts[2]}));
-    EXPECT_EQ(moved_with("crossed-encoders:1:3").counts,
-              (std::array<std::int32_t, 3>{sound.counts[2], sound.counts[1], sound.counts[0]}));
-}
-
-TEST(DeviceFaults, OfSensorsChangeCurrents) {
-    const Moved sound = moved_with("");
-    for (std::size_t i = 0; i < 3; ++i) {
-        EXPECT_GT(std::abs(sound.current_A[i]), 0.05);
-        EXPECT_NEAR(sound.current_A[i], sound.true_A[static_cast<Eigen::Index>(i)], 1e-3);
-    }
-    const Moved reversed = moved_with("reversed-sensor:2");
-    EXPECT_NEAR(reversed.current_A[1], -reversed.true_A[1], 1e-3);
-    EXPECT_NEAR(reversed.current_A[0], reversed.true_A[0], 1e-3);
-    const Moved crossed = moved_with("crossed-sensors:2:3");
-    EXPECT_NEAR(crossed.current_A[1], crossed.true_A[2], 1e-3);
-    EXPECT_NEAR(crossed.current_A[2], crossed.true_A[1], 1e-3);
-}
-
-TEST(DeviceFaults, OfMotorsChangeTorques) {
-    EXPECT_GT(moved_with("").largest_A, 0.3);
-    // Some milliamperes of 0.4 A remain, by the change of speed in a loop.
-    EXPECT_LT(moved_with("open-winding:2").largest_A, 5e-3);
-    const Moved crossed = moved_with("crossed-motors:2:3");
-    EXPECT_NEAR(crossed.current_A[1], crossed.true_A[2], 1e-3);
-    EXPECT_GT(crossed.true_A[2], 0.1); // driven by 0.25 V, not by −0.2 V
-    EXPECT_LT(crossed.true_A[1], -0.1);
-}
-
-/// The board's own test of a device.
-usb::SelfTestResult self_test(const std::string &fault) {
-    EmulatedBoardOptions with = options();
-    if (!fault.empty()) {
-        with.faults.push_back(device::parse_fault(fault));
-    }
-    Host host(with);
-    host.begin();
-    host.exchange({}, 200); // until it hangs still
-    EXPECT_TRUE(order(host.board, Kind::self_test, usb::SelfTestOrder{0.8F, 20'000}));
-    host.exchange({}, 700);
-    const auto result = ask<usb::SelfTestResult>(host.board, Kind::self_test);
-    EXPECT_EQ(result.state, usb::SelfTestState::completed) << fault;
-    return result;
-}
-
-TEST(DeviceFaults, AreFoundByTheSelfTest) {
-    const usb::SelfTestResult sound = self_test("");
-    for (const usb::ChannelTest &channel : sound.channel) {
-        EXPECT_EQ(channel.findings, 0);
-        EXPECT_NEAR(channel.resistance_Ohm, 2.18, 0.05 * 2.18);
-    }
-    struct Case {
-        std::string fault;
-        std::uint16_t finding = 0; ///< of channel 2
-    };
-    for (const Case &wanted : {Case{"open-winding:2", ChannelFindings::kOpenWinding},
-                               Case{"reversed-sensor:2", ChannelFindings::kReversedSensor},
-                               Case{"crossed-sensors:2:3", ChannelFindings::kCrossedSensor},
-                               Case{"stuck-encoder:2", ChannelFindings::kNoMotion},
-                               Case{"reversed-encoder:2", ChannelFindings::kReversedEncoder},
-                               Case{"crossed-encoders:2:3", ChannelFindings::kCrossedEncoder}}) {
-        EXPECT_NE(self_test(wanted.fault).channel[1].findings & wanted.finding, 0) << wanted.fault;
-    }
-}
-
-TEST(DeviceFaults, RestartTheBoard) {
-    for (const char *fault : {"restart@0.1-0.11", "brown-out:3@0.1-0.11"}) {
-        EmulatedBoardOptions with = options();
-        with.faults.push_back(device::parse_fault(fault));
-        Host host(with);
-        host.begin();
-        host.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.01, 0.02, 0.01));
-        host.exchange(driving({0.2, 0.2, 0.2}), 50);
-        EXPECT_EQ(host.state(), BoardState::driving);
-        EXPECT_GT(std::abs(host.report.counts[0]), 10);
-        EXPECT_FALSE(host.board.unplug_wanted());
-        const std::uint32_t before_us = host.report.measured_at_us;
-        bool was_off = false;
-        for (int i = 0; i < 40; ++i) {
-            host.exchange(driving({0.2, 0.2, 0.2}));
-            was_off = was_off || host.board.unplug_wanted();
-        }
-        EXPECT_EQ(was_off, std::string(fault).starts_with("brown-out"));
-        EXPECT_EQ(host.board.restarts(), 1U);
-        EXPECT_LT(host.report.measured_at_us, before_us);
-        EXPECT_EQ(host.report.number, host.report.measured_at_us / 1000 + 1);
-        EXPECT_FALSE(host.report.has_command);
-        EXPECT_EQ(host.report.last_rejection, FrameStatus::stale);
-        EXPECT_EQ(host.state(), BoardState::starting);
-        host.exchange(driving({0.2, 0.2, 0.2}), 30);
-        EXPECT_EQ(host.state(), BoardState::braking);
-        Command first;
-        first.begins_numbering = true;
-        host.exchange(first);
-        host.exchange(driving({0.2, 0.2, 0.2}), 3);
-        EXPECT_EQ(host.state(), BoardState::driving);
-    }
-}
-
-TEST(DeviceFaults, EndAtTheirTimeOrOnCall) {
-    EmulatedBoardOptions with = options();
-    with.faults.push_back(device::parse_fault("stop@0.06-0.08"));
-    Host host(with);
-    host.begin();
-    while (host.board.time_s() < 0.058) {
-        host.exchange(driving({0.1, 0.1, 0.1}));
-    }
-    EXPECT_EQ(host.state(), BoardState::driving);
-    host.exchange(driving({0.1, 0.1, 0.1}), 5);
-    EXPECT_EQ(host.faults(), Faults::kStop);
-    EXPECT_TRUE(host.report.is_stopped);
-    host.exchange(driving({0.1, 0.1, 0.1}), 20);
-    EXPECT_FALSE(host.report.is_stopped);
-    Command reset;
-    reset.resets_faults = true;
-    host.exchange(reset, 3);
-    EXPECT_EQ(host.state(), BoardState::braking);
-    host.board.set_fault(device::parse_fault("stop"));
-    host.exchange(reset, 3);
-    EXPECT_EQ(host.faults(), Faults::kStop);
-    host.board.clear_faults();
-    host.exchange(reset, 3);
-    EXPECT_EQ(host.faults(), 0);
-}
-
-TEST(DeviceFaults, AskForAnUnplug) {
-    EmulatedBoardOptions with = options();
-    with.faults.push_back(device::parse_fault("unplug@0.05-0.07"));
-    Host host(with);
-    host.begin();
-    host.exchange(driving({0.1, 0.1, 0.1}), 5);
-    EXPECT_FALSE(host.board.unplug_wanted());
-    host.exchange(driving({0.1, 0.1, 0.1}), 20);
-    EXPECT_TRUE(host.board.unplug_wanted());
-    host.board.detach();
-    for (int i = 0; i < 30; ++i) {
-        host.board.pass(1e-3);
-    }
-    EXPECT_FALSE(host.board.unplug_wanted());
 }
 
 TEST(EmulatedBoard, BrakesAtOnceWhenUnplugged) {
@@ -874,7 +427,7 @@ TEST(EmulatedBoard, BrakesAtOnceWhenUnplugged) {
 }
 
 TEST(EmulatedBoard, LosesWhatIsUnderWayWhenUnplugged) {
-    EmulatedBoardOptions with = options();
+    EmulatedBoardOptions with = emulated_options();
     with.delay_periods = 4.0;
     with.faults.push_back(device::parse_fault("delay:in:#3:4"));
     Host host(with);
@@ -893,7 +446,7 @@ TEST(EmulatedBoard, LosesWhatIsUnderWayWhenUnplugged) {
 
 TEST(EmulatedBoard, IsTheSameForTheSameSeed) {
     const auto run = [](std::uint64_t seed) {
-        EmulatedBoardOptions with = options();
+        EmulatedBoardOptions with = emulated_options();
         with.seed = seed;
         with.simulation.device_seed = 3; // noisy sensors
         with.simulation.effects.coulomb_friction = true;
