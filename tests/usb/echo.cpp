@@ -5,28 +5,22 @@
 //   echo [--round-trips N] [--cycles N] [--kills N] [--full-speed]
 #include "base/input_error.h"
 #include "device/usb/emulator/gadget.h"
-#include "tests/usb/bare_echo.h"
+#include "tests/usb/both_ends.h"
 
 #include <array>
-#include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fmt/core.h>
 #include <functional>
-#include <initializer_list>
 #include <iterator>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <sys/wait.h>
 #include <thread>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -44,8 +38,7 @@ double seconds_since(Clock::time_point begin) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// The gadget's process: one letter on standard input is an order, one line on standard output the
-/// answer; the end of input ends it.
+/// The gadget's process; at its end it says how often it was attached.
 int run_gadget(bool is_high_speed) {
     Echo echo;
     emulator::GadgetOptions options;
@@ -55,26 +48,7 @@ int run_gadget(bool is_high_speed) {
     options.is_high_speed = is_high_speed;
     options.takes_out = Echo::takes_out;
     std::optional<emulator::Gadget> gadget(std::in_place, echo, options);
-    std::atomic<bool> must_end{false};
-    gadget->plug_in();
-    const auto is_done = [] {
-        [[maybe_unused]] const ssize_t size = write(STDOUT_FILENO, "done\n", 5);
-    };
-    std::thread orders([&] {
-        for (char order = 0; read(STDIN_FILENO, &order, 1) == 1;) {
-            if (order == 'u') {
-                gadget->unplug();
-            } else {
-                gadget->plug_in();
-            }
-            is_done();
-        }
-        must_end = true;
-        gadget->wake();
-    });
-    is_done();
-    gadget->run([&] { return must_end.load(); });
-    orders.join();
+    run_by_orders(*gadget);
     const std::uint64_t refused_too_late = gadget->refused_too_late();
     gadget.reset();
     fmt::print("attached {} times at {} speed, detached {} times; {} requests refused too late\n",
@@ -83,81 +57,10 @@ int run_gadget(bool is_high_speed) {
     return 0;
 }
 
-/// The process that `run_gadget` is.
-class GadgetProcess {
-public:
-    explicit GadgetProcess(bool is_high_speed) {
-        std::array<int, 2> orders{};
-        std::array<int, 2> answers{};
-        if (pipe(orders.data()) != 0 || pipe(answers.data()) != 0) {
-            throw HostError("no pipes");
-        }
-        process_ = fork();
-        if (process_ == 0) {
-            dup2(orders[0], STDIN_FILENO);
-            dup2(answers[1], STDOUT_FILENO);
-            close_all({orders[0], orders[1], answers[0], answers[1]});
-            execl("/proc/self/exe", "echo", "--gadget", is_high_speed ? "high" : "full", nullptr);
-            _exit(127);
-        }
-        close_all({orders[0], answers[1]});
-        orders_ = orders[1];
-        answers_ = answers[0];
-        if (answer() != "done") {
-            throw HostError("the gadget did not start");
-        }
-    }
-    GadgetProcess(const GadgetProcess &) = delete;
-    GadgetProcess &operator=(const GadgetProcess &) = delete;
-    ~GadgetProcess() {
-        if (process_ > 0) {
-            kill();
-        }
-    }
-
-    void order(char letter) const {
-        if (write(orders_, &letter, 1) != 1 || answer() != "done") {
-            throw HostError("the gadget has ended");
-        }
-    }
-    void kill() {
-        ::kill(process_, SIGKILL);
-        waitpid(std::exchange(process_, -1), nullptr, 0);
-        close_all({orders_, answers_});
-    }
-    /// @return what it says at its end
-    std::string end() {
-        close(std::exchange(orders_, -1));
-        std::string farewell = answer();
-        int status = 0;
-        waitpid(std::exchange(process_, -1), &status, 0);
-        close(answers_);
-        if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-            throw HostError("the gadget ended with status " + std::to_string(status));
-        }
-        return farewell;
-    }
-
-private:
-    static void close_all(std::initializer_list<int> descriptors) {
-        for (const int descriptor : descriptors) {
-            if (descriptor > STDERR_FILENO) {
-                close(descriptor);
-            }
-        }
-    }
-    [[nodiscard]] std::string answer() const {
-        std::string line;
-        for (char letter = 0; read(answers_, &letter, 1) == 1 && letter != '\n';) {
-            line += letter;
-        }
-        return line;
-    }
-
-    pid_t process_ = -1;
-    int orders_ = -1;
-    int answers_ = -1;
-};
+/// The arguments of the process that `run_gadget` is.
+std::vector<std::string> gadget_arguments(bool is_high_speed) {
+    return {"echo", "--gadget", is_high_speed ? "high" : "full"};
+}
 
 struct EndContext {
     void operator()(libusb_context *context) const { libusb_exit(context); }
@@ -345,7 +248,7 @@ void check_plugging(const GadgetProcess &gadget, int cycles) {
         const Host host;
         PendingRead read(host);
         const Clock::time_point begin = Clock::now();
-        gadget.order('u');
+        gadget.unplug();
         const int status = read.wait();
         fmt::print("unplugged: a pending read ends after {:.1f} ms with status {}\n",
                    1e3 * seconds_since(begin), status);
@@ -353,14 +256,14 @@ void check_plugging(const GadgetProcess &gadget, int cycles) {
               "a read survives the unplugging");
     }
     Clock::time_point begin = Clock::now();
-    gadget.order('p');
+    gadget.plug_in();
     Host().echo(20);
     fmt::print("plugged in again: echoes after {:.0f} ms\n", 1e3 * seconds_since(begin));
 
     begin = Clock::now();
     for (int i = 0; i < cycles; ++i) {
-        gadget.order('u');
-        gadget.order('p');
+        gadget.unplug();
+        gadget.plug_in();
     }
     const double duration_s = seconds_since(begin);
     Host().echo(20);
@@ -370,8 +273,8 @@ void check_plugging(const GadgetProcess &gadget, int cycles) {
     // Now as quickly as the host can follow, with echoes each time.
     begin = Clock::now();
     for (int i = 0; i < cycles; ++i) {
-        gadget.order('u');
-        gadget.order('p');
+        gadget.unplug();
+        gadget.plug_in();
         Host().echo(5);
     }
     fmt::print("{} times with echoes each time, {:.0f} ms each\n", cycles,
@@ -389,7 +292,7 @@ void check_kills(std::optional<GadgetProcess> &gadget, bool is_high_speed, int k
             read.wait();
         }
         const Clock::time_point begin = Clock::now();
-        gadget.emplace(is_high_speed);
+        gadget.emplace(gadget_arguments(is_high_speed));
         longest_start_s = std::max(longest_start_s, seconds_since(begin));
         Host().echo(20);
     }
@@ -434,7 +337,7 @@ struct Options {
 
 int run_host(const Options &options) {
     const Clock::time_point begin = Clock::now();
-    std::optional<GadgetProcess> gadget(options.is_high_speed);
+    std::optional<GadgetProcess> gadget(gadget_arguments(options.is_high_speed));
     {
         const Host host;
         fmt::print("found after {:.0f} ms, at {} speed\n", 1e3 * seconds_since(begin),
@@ -453,7 +356,7 @@ int run_host(const Options &options) {
     check_errors();
     fmt::print("{}\n", gadget->end());
     check(gadgets_in_configfs() == 0, "gadgets are left in configfs");
-    gadget.emplace(options.is_high_speed);
+    gadget.emplace(gadget_arguments(options.is_high_speed));
     check_kills(gadget, options.is_high_speed, options.kills);
     gadget->end();
     check(gadgets_in_configfs() == 0, "gadgets are left in configfs");

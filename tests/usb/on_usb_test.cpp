@@ -13,12 +13,11 @@
 #include "tests/support/devices.h"
 #include "tests/support/emulated_port.h"
 #include "tests/support/real_time_watch.h"
-#include "tests/usb/bare_echo.h"
+#include "tests/usb/both_ends.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -30,14 +29,9 @@
 #include <functional>
 #include <memory>
 #include <random>
-#include <stdexcept>
 #include <string>
 #include <string_view>
-#include <sys/types.h>
-#include <sys/wait.h>
 #include <thread>
-#include <unistd.h>
-#include <utility>
 #include <vector>
 
 namespace springdrive::usb_test {
@@ -82,105 +76,19 @@ int emulate(const EmulatorWish &wish) {
     options.serial = wish.serial;
     options.name = wish.serial;
     emulator::Gadget gadget(board, options);
-    std::atomic<bool> must_end{false};
-    const auto is_done = [] {
-        [[maybe_unused]] const ssize_t size = write(STDOUT_FILENO, "done\n", 5);
-    };
-    gadget.plug_in();
-    std::thread orders([&] {
-        for (char order = 0; read(STDIN_FILENO, &order, 1) == 1;) {
-            order == 'u' ? gadget.unplug() : gadget.plug_in();
-            is_done();
-        }
-        must_end = true;
-        gadget.wake();
-    });
-    is_done();
-    gadget.run([&] { return must_end.load(); });
-    orders.join();
+    run_by_orders(gadget);
     return 0;
 }
 
 /// An emulated board as a USB device of this machine, in a process of its own.
-class EmulatorProcess {
+class EmulatorProcess : public GadgetProcess {
 public:
-    /// Plugged in when it returns. @throw std::runtime_error if it cannot be started
-    explicit EmulatorProcess(const EmulatorWish &wish = {});
-    ~EmulatorProcess(); ///< unplugged, and ended
-    EmulatorProcess(const EmulatorProcess &) = delete;
-    EmulatorProcess &operator=(const EmulatorProcess &) = delete;
-
-    void unplug() const { order('u'); }
-    void plug_in() const { order('p'); }
-    void kill();
-
-private:
-    void order(char letter) const;
-    [[nodiscard]] std::string answer() const;
-
-    pid_t process_ = -1;
-    int orders_ = -1;
-    int answers_ = -1;
+    explicit EmulatorProcess(const EmulatorWish &wish = {})
+        : GadgetProcess({"emulator", std::string(kAsked), wish.serial,
+                         wish.clock == BoardClock::frame ? "frame" : "wall",
+                         std::to_string(wish.delay_periods), std::to_string(wish.loop_hz),
+                         std::to_string(wish.hand_N_per_m)}) {}
 };
-
-EmulatorProcess::EmulatorProcess(const EmulatorWish &wish) {
-    std::array<int, 2> orders{};
-    std::array<int, 2> answers{};
-    if (pipe(orders.data()) != 0 || pipe(answers.data()) != 0) {
-        throw std::runtime_error("no pipes");
-    }
-    const std::string clock = wish.clock == emulator::BoardClock::frame ? "frame" : "wall";
-    const std::string delay = std::to_string(wish.delay_periods);
-    const std::string loop = std::to_string(wish.loop_hz);
-    const std::string hand = std::to_string(wish.hand_N_per_m);
-    process_ = fork();
-    if (process_ == 0) {
-        dup2(orders[0], STDIN_FILENO);
-        dup2(answers[1], STDOUT_FILENO);
-        for (const int file : {orders[0], orders[1], answers[0], answers[1]}) {
-            close(file);
-        }
-        execl("/proc/self/exe", "emulator", kAsked.data(), wish.serial.c_str(), clock.c_str(),
-              delay.c_str(), loop.c_str(), hand.c_str(), nullptr);
-        _exit(127);
-    }
-    close(orders[0]);
-    close(answers[1]);
-    orders_ = orders[1];
-    answers_ = answers[0];
-    if (answer() != "done") {
-        throw std::runtime_error("the emulator did not start");
-    }
-}
-
-EmulatorProcess::~EmulatorProcess() {
-    if (process_ > 0) {
-        close(orders_);
-        waitpid(process_, nullptr, 0);
-        close(answers_);
-    }
-}
-
-void EmulatorProcess::kill() {
-    ::kill(process_, SIGKILL);
-    waitpid(std::exchange(process_, -1), nullptr, 0);
-    close(orders_);
-    close(answers_);
-}
-
-void EmulatorProcess::order(char letter) const {
-    if (write(orders_, &letter, 1) != 1 || answer() != "done") {
-        throw std::runtime_error("the emulator has ended");
-    }
-}
-
-std::string EmulatorProcess::answer() const {
-    std::string line;
-    for (char letter = 0; read(answers_, &letter, 1) == 1 && letter != '\n';) {
-        line += letter;
-    }
-    return line;
-}
 
 /// The whole of the process, if these are its arguments; for `main`.
 /// @return its exit status, or −1 if they are not

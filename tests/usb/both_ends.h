@@ -1,15 +1,19 @@
-// The link alone: an echo instead of a board, and how long a packet takes there and back. Times on
+// Both ends of a USB on one machine: a gadget in a process of its own, and a plain libusb host. Of
+// the link alone: an echo instead of a board, and how long a packet takes there and back. Times on
 // an emulated machine are the emulation's; those of a board are given in relation to these,
 // measured in the same run.
 #pragma once
 
+#include "device/usb/emulator/gadget.h"
 #include "device/usb/emulator/peripheral.h"
 #include "device/usb/protocol.h"
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -19,6 +23,10 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <sys/types.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -68,10 +76,7 @@ public:
         packets_.clear();
     }
     void detach() override { ++detachments_; }
-    double pass(double elapsed_s) override {
-        passed_s_ += elapsed_s;
-        return 5e-3;
-    }
+    double pass(double /*elapsed_s*/) override { return 5e-3; }
 
     /// For GadgetOptions.
     [[nodiscard]] static bool takes_out(std::uint8_t request, std::uint16_t value,
@@ -81,7 +86,6 @@ public:
     [[nodiscard]] bool is_high_speed() const { return is_high_speed_; }
     [[nodiscard]] int attachments() const { return attachments_; }
     [[nodiscard]] int detachments() const { return detachments_; }
-    [[nodiscard]] double passed_s() const { return passed_s_; }
 
 private:
     static constexpr std::size_t kMaxQueue = 64;
@@ -90,7 +94,6 @@ private:
     bool is_high_speed_ = false;
     int attachments_ = 0;
     int detachments_ = 0;
-    double passed_s_ = 0.0;
 };
 
 /// Of packets that were all echoed, in order and unchanged.
@@ -112,12 +115,114 @@ struct EchoFigures {
 class HostError : public std::runtime_error {
 public:
     HostError(const std::string &what, int error)
-        : std::runtime_error(what + ": " + libusb_error_name(error)), error_(error) {}
+        : std::runtime_error(what + ": " + libusb_error_name(error)) {}
     explicit HostError(const std::string &what) : std::runtime_error(what) {}
-    [[nodiscard]] int error() const { return error_; }
+};
+
+/// Plugs the gadget in, then obeys one letter of standard input after the other, u to unplug and p
+/// to plug in, and answers each with a line, until the end of input.
+inline void run_by_orders(emulator::Gadget &gadget) {
+    std::atomic<bool> must_end{false};
+    const auto is_done = [] {
+        [[maybe_unused]] const ssize_t size = write(STDOUT_FILENO, "done\n", 5);
+    };
+    gadget.plug_in();
+    std::thread orders([&] {
+        for (char order = 0; read(STDIN_FILENO, &order, 1) == 1;) {
+            order == 'u' ? gadget.unplug() : gadget.plug_in();
+            is_done();
+        }
+        must_end = true;
+        gadget.wake();
+    });
+    is_done();
+    gadget.run([&] { return must_end.load(); });
+    orders.join();
+}
+
+/// This program in a process of its own, which has a gadget and runs it by orders.
+class GadgetProcess {
+public:
+    /// Plugged in when it returns. @throw HostError if it cannot be started
+    /// @param arguments  by which it knows what to do, with the name that precedes them
+    explicit GadgetProcess(std::vector<std::string> arguments) {
+        std::array<int, 2> orders{};
+        std::array<int, 2> answers{};
+        if (pipe(orders.data()) != 0 || pipe(answers.data()) != 0) {
+            throw HostError("no pipes");
+        }
+        std::vector<char *> words;
+        for (std::string &argument : arguments) {
+            words.push_back(argument.data());
+        }
+        words.push_back(nullptr);
+        process_ = fork();
+        if (process_ == 0) {
+            dup2(orders[0], STDIN_FILENO);
+            dup2(answers[1], STDOUT_FILENO);
+            for (const int file : {orders[0], orders[1], answers[0], answers[1]}) {
+                close(file);
+            }
+            execv("/proc/self/exe", words.data());
+            _exit(127);
+        }
+        close(orders[0]);
+        close(answers[1]);
+        orders_ = orders[1];
+        answers_ = answers[0];
+        if (answer() != "done") {
+            throw HostError("the gadget did not start");
+        }
+    }
+    /// Unplugged, and ended.
+    ~GadgetProcess() {
+        if (process_ > 0) {
+            close(orders_);
+            waitpid(process_, nullptr, 0);
+            close(answers_);
+        }
+    }
+    GadgetProcess(const GadgetProcess &) = delete;
+    GadgetProcess &operator=(const GadgetProcess &) = delete;
+
+    void unplug() const { order('u'); }
+    void plug_in() const { order('p'); }
+    void kill() {
+        ::kill(process_, SIGKILL);
+        waitpid(std::exchange(process_, -1), nullptr, 0);
+        close(orders_);
+        close(answers_);
+    }
+    /// @return what it says at its end
+    std::string end() {
+        close(orders_);
+        std::string farewell = answer();
+        int status = 0;
+        waitpid(std::exchange(process_, -1), &status, 0);
+        close(answers_);
+        if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+            throw HostError("the gadget ended with status " + std::to_string(status));
+        }
+        return farewell;
+    }
 
 private:
-    int error_ = LIBUSB_ERROR_OTHER;
+    void order(char letter) const {
+        if (write(orders_, &letter, 1) != 1 || answer() != "done") {
+            throw HostError("the gadget has ended");
+        }
+    }
+    [[nodiscard]] std::string answer() const {
+        std::string line;
+        for (char letter = 0; read(answers_, &letter, 1) == 1 && letter != '\n';) {
+            line += letter;
+        }
+        return line;
+    }
+
+    pid_t process_ = -1;
+    int orders_ = -1;
+    int answers_ = -1;
 };
 
 /// A device with springdrive's interface, opened by its serial number.
