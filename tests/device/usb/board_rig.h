@@ -275,6 +275,13 @@ public:
         }
     }
 
+    /// Without a packet of the host.
+    void pass_ms(int duration_ms) {
+        for (int i = 0; i < duration_ms; ++i) {
+            board.pass(1e-3);
+        }
+    }
+
     /// d of the report's newest command, if it has been applied.
     [[nodiscard]] double delay_s() const {
         const auto from = measured_at_us.find(report.command_number);

@@ -140,21 +140,14 @@ TEST(FrameClock, LetsTimePassForASilentHost) {
     host.exchange(driving({0.1, 0.1, 0.1}), 10);
     ASSERT_TRUE(host.receive());
     const double stopped_s = host.board.time_s();
-    for (int i = 0; i < 99; ++i) {
-        host.board.pass(1e-3);
-    }
+    host.pass_ms(99);
     EXPECT_EQ(host.board.time_s(), stopped_s);
     EXPECT_FALSE(host.receive());
     EXPECT_EQ(host.state(), BoardState::driving);
-    const auto pass_ms = [&](int duration_ms) {
-        for (int i = 0; i < duration_ms; ++i) {
-            host.board.pass(1e-3);
-        }
-    };
     // The watchdog of 5 ms began when the last command arrived, most of a period ago.
-    pass_ms(5);
+    host.pass_ms(5);
     EXPECT_EQ(host.state(), BoardState::driving);
-    pass_ms(2);
+    host.pass_ms(2);
     EXPECT_EQ(host.state(), BoardState::fault_braking);
     EXPECT_EQ(host.faults(), Faults::kNoCommand);
     ASSERT_TRUE(host.receive()); // one for each tenth of a second
@@ -168,7 +161,7 @@ TEST(FrameClock, LetsTimePassForASilentHost) {
     ASSERT_TRUE(host.receive());
     EXPECT_EQ(host.report.faults, Faults::kNoCommand);
     EXPECT_FALSE(host.receive());
-    pass_ms(50);
+    host.pass_ms(50);
     EXPECT_LE(host.board.time_s() - silent_s, 1.1e-3);
 }
 
@@ -415,9 +408,7 @@ TEST(EmulatedBoard, BrakesAtOnceWhenUnplugged) {
     host.board.pass(30e-6); // one loop
     EXPECT_EQ(host.state(), BoardState::fault_braking);
     EXPECT_EQ(host.faults(), Faults::kNoCommand);
-    for (int i = 0; i < 20; ++i) {
-        host.board.pass(1e-3);
-    }
+    host.pass_ms(20);
     EXPECT_FALSE(host.receive());
     // Packets of before are lost, and nothing is numbered.
     host.board.attach(true);
@@ -434,9 +425,7 @@ TEST(EmulatedBoard, LosesWhatIsUnderWayWhenUnplugged) {
     host.begin(3); // none has arrived yet, and the third report has not been handed out
     EXPECT_EQ(ask<Counters>(host.board, Kind::counters).frames[0], 0U);
     host.board.detach();
-    for (int i = 0; i < 20; ++i) {
-        host.board.pass(1e-3);
-    }
+    host.pass_ms(20);
     EXPECT_EQ(ask<Counters>(host.board, Kind::counters).frames[0], 0U);
     const std::uint32_t before_us = host.board.plant().now_us();
     host.board.attach(true);

@@ -31,6 +31,15 @@ using usb::FrameStatus;
 using usb::Kind;
 using usb::Report;
 
+/// @param fault  in words; empty for none
+EmulatedBoardOptions with_fault(const std::string &fault) {
+    EmulatedBoardOptions with = emulated_options();
+    if (!fault.empty()) {
+        with.faults.push_back(device::parse_fault(fault));
+    }
+    return with;
+}
+
 // Faults of the link.
 
 /// Twenty packets with one fault, by a host that brakes.
@@ -49,11 +58,8 @@ struct LinkRun {
 };
 
 LinkRun link_run(const std::string &fault, std::uint64_t seed = 1, int packets = 20) {
-    EmulatedBoardOptions with = emulated_options();
+    EmulatedBoardOptions with = with_fault(fault);
     with.seed = seed;
-    if (!fault.empty()) {
-        with.faults.push_back(device::parse_fault(fault));
-    }
     Host host(with);
     host.board.attach(true);
     LinkRun run;
@@ -214,11 +220,7 @@ struct Moved {
 };
 
 Moved moved_with(const std::string &fault) {
-    EmulatedBoardOptions with = emulated_options();
-    if (!fault.empty()) {
-        with.faults.push_back(device::parse_fault(fault));
-    }
-    Host host(with);
+    Host host(with_fault(fault));
     host.begin();
     host.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.01, 0.02, 0.01));
     Moved moved;
@@ -277,11 +279,7 @@ TEST(DeviceFaults, OfMotorsChangeTorques) {
 
 /// The board's own test of a device.
 usb::SelfTestResult self_test(const std::string &fault) {
-    EmulatedBoardOptions with = emulated_options();
-    if (!fault.empty()) {
-        with.faults.push_back(device::parse_fault(fault));
-    }
-    Host host(with);
+    Host host(with_fault(fault));
     host.begin();
     host.exchange({}, 200); // until it hangs still
     EXPECT_TRUE(order(host.board, Kind::self_test, usb::SelfTestOrder{0.8F, 20'000}));
@@ -313,9 +311,7 @@ TEST(DeviceFaults, AreFoundByTheSelfTest) {
 
 TEST(DeviceFaults, RestartTheBoard) {
     for (const char *fault : {"restart@0.1-0.11", "brown-out:3@0.1-0.11"}) {
-        EmulatedBoardOptions with = emulated_options();
-        with.faults.push_back(device::parse_fault(fault));
-        Host host(with);
+        Host host(with_fault(fault));
         host.begin();
         host.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.01, 0.02, 0.01));
         host.exchange(driving({0.2, 0.2, 0.2}), 50);
@@ -346,9 +342,7 @@ TEST(DeviceFaults, RestartTheBoard) {
 }
 
 TEST(DeviceFaults, EndAtTheirTimeOrOnCall) {
-    EmulatedBoardOptions with = emulated_options();
-    with.faults.push_back(device::parse_fault("stop@0.06-0.08"));
-    Host host(with);
+    Host host(with_fault("stop@0.06-0.08"));
     host.begin();
     while (host.board.time_s() < 0.058) {
         host.exchange(driving({0.1, 0.1, 0.1}));
@@ -372,18 +366,14 @@ TEST(DeviceFaults, EndAtTheirTimeOrOnCall) {
 }
 
 TEST(DeviceFaults, AskForAnUnplug) {
-    EmulatedBoardOptions with = emulated_options();
-    with.faults.push_back(device::parse_fault("unplug@0.05-0.07"));
-    Host host(with);
+    Host host(with_fault("unplug@0.05-0.07"));
     host.begin();
     host.exchange(driving({0.1, 0.1, 0.1}), 5);
     EXPECT_FALSE(host.board.unplug_wanted());
     host.exchange(driving({0.1, 0.1, 0.1}), 20);
     EXPECT_TRUE(host.board.unplug_wanted());
     host.board.detach();
-    for (int i = 0; i < 30; ++i) {
-        host.board.pass(1e-3);
-    }
+    host.pass_ms(30);
     EXPECT_FALSE(host.board.unplug_wanted());
 }
 

@@ -49,6 +49,25 @@ struct Connected {
         return measured;
     }
 
+    void ticks(int count, const device::DeviceCommand &command = device::DeviceCommand::braking()) {
+        for (int i = 0; i < count; ++i) {
+            tick(command);
+        }
+    }
+    /// Faults are gone once it has seen the command.
+    void reset() {
+        device::DeviceCommand command = device::DeviceCommand::braking();
+        command.resets_faults = true;
+        tick(command);
+        tick();
+        EXPECT_FALSE(tick().faults.any());
+    }
+    /// The hand moves the tip, so that a reversed encoder is at another angle.
+    void move_hand() {
+        board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.0, 0.03, 0.03));
+        ticks(500);
+    }
+
     [[nodiscard]] board::State state() const { return board.board().loop().state(); }
 
     EmulatedBoard board;
@@ -97,9 +116,7 @@ TEST(UsbDevice, GivesTheRotorsAnglesOnceZeroed) {
 TEST(UsbDevice, MeasuresTheDelayThatIsImposed) {
     for (const double d : {0.1, 0.3, 1.0, 1.7, 2.4, 8.0}) {
         Connected rig(options(d));
-        for (int i = 0; i < 300; ++i) {
-            rig.tick();
-        }
+        rig.ticks(300);
         const double loop_periods = 1.0 / (40'000.0 * kTick_s);
         EXPECT_NEAR(rig.device.delay_periods(), d, 1.01 * loop_periods);
         EXPECT_NEAR(rig.device.link()->delay_s, d * kTick_s, 1.01 * loop_periods * kTick_s);
@@ -109,18 +126,14 @@ TEST(UsbDevice, MeasuresTheDelayThatIsImposed) {
 TEST(UsbDevice, PassesCommandsOnAndStopsWithTheSafeState) {
     Connected rig;
     rig.device.zero(Vector3::Zero());
-    for (int i = 0; i < 20; ++i) {
-        rig.tick(driving());
-    }
+    rig.ticks(20, driving());
     EXPECT_EQ(rig.state(), board::State::driving);
     const Measurement measured = rig.tick(driving());
     // e_W = 1 V, R̂ = 1 Ω: the current is near 1 / 1.18 A where the rotor barely turns.
     EXPECT_GT(measured.current_A.minCoeff(), 0.2);
     device::DeviceCommand open = device::DeviceCommand::braking();
     open.mode = device::CommandMode::open;
-    for (int i = 0; i < 5; ++i) {
-        rig.tick(open);
-    }
+    rig.ticks(5, open);
     EXPECT_EQ(rig.state(), board::State::opened);
     rig.tick(driving());
     rig.device.close();
@@ -146,9 +159,7 @@ TEST(UsbDevice, CancelsAtMostWhatWasAskedFor) {
 TEST(UsbDevice, IsLostWhenUnpluggedAndTheBoardBrakesAtOnce) {
     Connected rig;
     rig.device.zero(Vector3::Zero());
-    for (int i = 0; i < 20; ++i) {
-        rig.tick(driving());
-    }
+    rig.ticks(20, driving());
     ASSERT_EQ(rig.state(), board::State::driving);
     rig.port->unplug();
     rig.port->pass(2e-3);
@@ -156,28 +167,18 @@ TEST(UsbDevice, IsLostWhenUnpluggedAndTheBoardBrakesAtOnce) {
     const Measurement measured = rig.device.read();
     EXPECT_EQ(measured.health, DeviceHealth::lost);
     EXPECT_FALSE(device::is_new(measured.arrival));
-    for (int i = 0; i < 1000; ++i) { // the servo goes on
-        rig.tick(driving());
-    }
+    rig.ticks(1000, driving()); // the servo goes on
     EXPECT_NE(error_text_of([&] { rig.device.reconnect(); }), "");
 
     rig.port->is_plugged = true;
     rig.device.reconnect();
     EXPECT_TRUE(rig.device.is_zeroed()); // the board had power all the time
     // It does not drive before a reset.
-    for (int i = 0; i < 20; ++i) {
-        rig.tick(driving(0.1));
-    }
+    rig.ticks(20, driving(0.1));
     EXPECT_EQ(rig.state(), board::State::fault_braking);
     EXPECT_TRUE(rig.tick().faults.has(device::BoardFaults::kNoCommand));
-    device::DeviceCommand reset = device::DeviceCommand::braking();
-    reset.resets_faults = true;
-    rig.tick(reset);
-    rig.tick();
-    EXPECT_FALSE(rig.tick().faults.any());
-    for (int i = 0; i < 5; ++i) {
-        rig.tick(driving(0.1));
-    }
+    rig.reset();
+    rig.ticks(5, driving(0.1));
     EXPECT_EQ(rig.state(), board::State::driving);
 }
 
@@ -188,9 +189,7 @@ TEST(UsbDevice, ABoardThatLostPowerMustBeZeroedAgain) {
     device::Fault restart = device::parse_fault("restart");
     restart.begin_s = rig.board.time_s();
     rig.board.set_fault(restart);
-    for (int i = 0; i < 100; ++i) {
-        rig.tick();
-    }
+    rig.ticks(100);
     EXPECT_EQ(rig.device.read().health, DeviceHealth::lost);
     rig.board.clear_faults();
     rig.device.reconnect();
@@ -221,10 +220,7 @@ TEST(UsbDevice, AFaultOfAnEncoderVoidsTheZeroUntilItIsZeroedWithoutOne) {
             rig.board.set_fault(device::parse_fault("reversed-encoder:2")); // at another angle
         }
     };
-    rig.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.0, 0.03, 0.03));
-    for (int i = 0; i < 500; ++i) {
-        rig.tick();
-    }
+    rig.move_hand();
     rig.device.zero(Vector3::Zero());
     ASSERT_NE(rig.tick().zeroing, 0);
     fail_encoder(true);
@@ -235,11 +231,7 @@ TEST(UsbDevice, AFaultOfAnEncoderVoidsTheZeroUntilItIsZeroedWithoutOne) {
     }
     EXPECT_TRUE(failed.faults.has(device::BoardFaults::kEncoder));
     EXPECT_EQ(failed.zeroing, 0); // in the same tick
-    device::DeviceCommand reset = device::DeviceCommand::braking();
-    reset.resets_faults = true;
-    rig.tick(reset);
-    rig.tick();
-    EXPECT_FALSE(rig.tick().faults.any());
+    rig.reset();
     EXPECT_FALSE(rig.device.is_zeroed()); // a reset does not find it again
     fail_encoder(false);
     rig.tick();
@@ -258,10 +250,7 @@ TEST(UsbDevice, AFaultOfAnEncoderVoidsTheZeroUntilItIsZeroedWithoutOne) {
 /// It came while reports were lost, and a reset of the servo's cleared it.
 TEST(UsbDevice, AFaultOfAnEncoderThatNoReportShowedVoidsTheZero) {
     Connected rig;
-    rig.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.0, 0.03, 0.03));
-    for (int i = 0; i < 500; ++i) {
-        rig.tick();
-    }
+    rig.move_hand();
     rig.device.zero(Vector3::Zero());
     ASSERT_NE(rig.tick().zeroing, 0);
     Packet lost; // each command lets the board send one
@@ -282,10 +271,7 @@ TEST(UsbDevice, AFaultOfAnEncoderThatNoReportShowedVoidsTheZero) {
 /// Only a person may clear a stop, and only at the servo.
 TEST(UsbDevice, AZeroingClearsNoStop) {
     Connected rig;
-    rig.board.phantom().set_hand_target(testing::kOffCentre_m + Vector3(0.0, 0.03, 0.03));
-    for (int i = 0; i < 500; ++i) {
-        rig.tick();
-    }
+    rig.move_hand();
     rig.board.set_fault(device::parse_fault("reversed-encoder:2"));
     rig.tick();
     ASSERT_TRUE(rig.tick().faults.has(device::BoardFaults::kEncoder));
