@@ -1,5 +1,5 @@
 // Covers base/contained_path.cpp, base/file_names.h, base/input_file.cpp, base/new_file.cpp and
-// base/sha256.cpp. Paths by which a scene leaves its folder are in gltf_uri_test.cpp.
+// base/sha256.cpp. Paths by which a scene leaves its folder are in gltf_file_test.cpp.
 #include "base/contained_path.h"
 
 #include "base/error_text.h"

@@ -333,18 +333,17 @@ TEST(LinkageStep, ReportsTheMotionOfJointsAndTipAlsoWhenSubdivided) {
     SimulationOptions options = free_running(0.0);
     options.effects = PlantEffects::none();
     const LinkagePlant plant = plant_parts(description, options).linkage;
-    constexpr double kStep_s = 1e-3;
     for (const double rate_rad_per_s : {3.0, 300.0}) {
         const LinkageState before{Vector3(0.1, 0.2, 0.1),
                                   rate_rad_per_s * Vector3(0.6, 0.64, -0.48)};
         std::array<FrictionMode, 3> modes{};
-        const LinkageMotion motion = linkage_step(plant, before, {}, kStep_s, modes);
+        const LinkageMotion motion = linkage_step(plant, before, {}, kPeriod_s, modes);
         EXPECT_GT(motion.after.rate_rad_per_s.norm(), 0.1 * rate_rad_per_s);
         const Vector3 way_m = device::tip_position_m(plant.geometry, motion.after.q_rad) -
                               device::tip_position_m(plant.geometry, before.q_rad);
-        EXPECT_LT((kStep_s * motion.mean_tip_velocity_m_per_s - way_m).norm(), 1e-12);
+        EXPECT_LT((kPeriod_s * motion.mean_tip_velocity_m_per_s - way_m).norm(), 1e-12);
         const Vector3 turned_rad = motion.after.q_rad - before.q_rad;
-        EXPECT_LT((kStep_s * motion.mean_rate_rad_per_s - turned_rad).norm(), 1e-12);
+        EXPECT_LT((kPeriod_s * motion.mean_rate_rad_per_s - turned_rad).norm(), 1e-12);
     }
 }
 
