@@ -264,18 +264,11 @@ TEST(BoardFaults, NothingThatIsNotFiniteReachesTheBridge) {
 }
 
 bool order(BoardRig &rig, float voltage_V = 0.5F, std::uint32_t pulse_us = 8000) {
-    const auto payload = usb::encode(usb::SelfTestOrder{voltage_V, pulse_us});
-    return rig.board().control_out(static_cast<std::uint8_t>(usb::Kind::self_test), payload.data(),
-                                   payload.size());
+    return rig.request(usb::Kind::self_test, usb::SelfTestOrder{voltage_V, pulse_us});
 }
 
 usb::SelfTestResult result(BoardRig &rig) {
-    std::array<std::uint8_t, kMaxPayload> payload{};
-    const std::size_t size =
-        rig.board().control_in(static_cast<std::uint8_t>(usb::Kind::self_test), 0, payload.data());
-    usb::SelfTestResult result;
-    EXPECT_EQ(usb::decode(payload.data(), size, result), usb::FrameStatus::ok);
-    return result;
+    return rig.ask<usb::SelfTestResult>(usb::Kind::self_test);
 }
 
 /// A rig with free rotors, damaged by `damage`, after its self-test.

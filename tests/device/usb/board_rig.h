@@ -93,6 +93,21 @@ public:
         return board_.receive(frame.data(), frame.size(), now_us());
     }
 
+    /// The answer to a control request.
+    template <class Value> Value ask(usb::Kind kind, std::uint16_t index = 0) {
+        std::array<std::uint8_t, board::kMaxPayload> payload{};
+        const std::size_t size =
+            board_.control_in(static_cast<std::uint8_t>(kind), index, payload.data());
+        Value value;
+        EXPECT_EQ(usb::decode(payload.data(), size, value), usb::FrameStatus::ok);
+        return value;
+    }
+    /// @return whether the board takes it
+    template <class Value> bool request(usb::Kind kind, const Value &value) {
+        const auto payload = usb::encode(value);
+        return board_.control_out(static_cast<std::uint8_t>(kind), payload.data(), payload.size());
+    }
+
     void run_loops(int loops) {
         const double half_s = 0.5 / settings_.loop_rate_hz;
         for (int i = 0; i < loops; ++i) {

@@ -128,11 +128,7 @@ TEST(BoardNumbering, CountsWhatItRejects) {
     rig.run_ms(2);
     EXPECT_EQ(rig.report.rejected_frames, before + 2);
     EXPECT_EQ(rig.report.last_rejection, FrameStatus::wrong_size);
-    std::array<std::uint8_t, kMaxPayload> payload{};
-    const std::size_t size =
-        rig.board().control_in(static_cast<std::uint8_t>(usb::Kind::counters), 0, payload.data());
-    usb::Counters counters;
-    ASSERT_EQ(usb::decode(payload.data(), size, counters), FrameStatus::ok);
+    const auto counters = rig.ask<usb::Counters>(usb::Kind::counters);
     EXPECT_EQ(counters.frames[static_cast<std::size_t>(FrameStatus::wrong_crc)], 1U);
     EXPECT_GT(counters.frames[0], 5U);
 }
@@ -304,35 +300,22 @@ TEST(BoardReports, SayWhatWasReplacedAndLost) {
     EXPECT_EQ(report.number, 10U);
 }
 
-bool control_out(BoardRig &rig, usb::Kind kind, const auto &payload) {
-    return rig.board().control_out(static_cast<std::uint8_t>(kind), payload.data(), payload.size());
-}
-
 TEST(BoardControl, DescribesItself) {
     BoardRig rig;
     rig.run_ms(40);
-    std::array<std::uint8_t, kMaxPayload> payload{};
-    std::size_t size = rig.board().control_in(static_cast<std::uint8_t>(usb::Kind::capabilities), 0,
-                                              payload.data());
-    usb::Capabilities board;
-    ASSERT_EQ(usb::decode(payload.data(), size, board), FrameStatus::ok);
+    auto board = rig.ask<usb::Capabilities>(usb::Kind::capabilities);
     EXPECT_EQ(board.loop_rate_hz, 40'000U);
     EXPECT_TRUE(board.couples_resistance && board.is_high_speed);
     EXPECT_NEAR(board.largest_cancelled_Ohm[0], 2.289, 1e-4);
     EXPECT_EQ(board.shortest_report_period_us, 125U);
     rig.board().set_speed(false);
-    size = rig.board().control_in(static_cast<std::uint8_t>(usb::Kind::capabilities), 0,
-                                  payload.data());
-    ASSERT_EQ(usb::decode(payload.data(), size, board), FrameStatus::ok);
+    board = rig.ask<usb::Capabilities>(usb::Kind::capabilities);
     EXPECT_FALSE(board.is_high_speed);
     EXPECT_EQ(board.shortest_report_period_us, 1000U);
-    EXPECT_FALSE(
-        control_out(rig, usb::Kind::report_rate, usb::encode(usb::ReportRate{999}))); // full speed
-    EXPECT_TRUE(control_out(rig, usb::Kind::report_rate, usb::encode(usb::ReportRate{1000})));
-    usb::Identity identity;
-    size =
-        rig.board().control_in(static_cast<std::uint8_t>(usb::Kind::identity), 0, payload.data());
-    EXPECT_EQ(usb::decode(payload.data(), size, identity), FrameStatus::ok);
+    EXPECT_FALSE(rig.request(usb::Kind::report_rate, usb::ReportRate{999})); // full speed
+    EXPECT_TRUE(rig.request(usb::Kind::report_rate, usb::ReportRate{1000}));
+    static_cast<void>(rig.ask<usb::Identity>(usb::Kind::identity));
+    std::array<std::uint8_t, kMaxPayload> payload{};
     EXPECT_EQ(rig.board().control_in(0x77, 0, payload.data()), 0U);
     EXPECT_EQ(rig.board().control_in(static_cast<std::uint8_t>(usb::Kind::calibration),
                                      kCalibrationBlocks, payload.data()),
@@ -344,7 +327,7 @@ TEST(BoardControl, ZeroesAtRestOnly) {
     rig.start();
     rig.motor[1].angle_rad = 1.0;
     rig.tamper = nullptr;
-    EXPECT_TRUE(control_out(rig, usb::Kind::zero, usb::encode(usb::Zeroing{{10, -20, 30}})));
+    EXPECT_TRUE(rig.request(usb::Kind::zero, usb::Zeroing{{10, -20, 30}}));
     rig.run_ms(2);
     EXPECT_EQ(rig.report.counts, (std::array<std::int32_t, 3>{10, -20, 30}));
     EXPECT_EQ(rig.report.zeroings, 2); // the rotor's leap was a fault, which counts as one
@@ -352,7 +335,7 @@ TEST(BoardControl, ZeroesAtRestOnly) {
     rig.command = drive();
     rig.run_ms(2);
     EXPECT_EQ(rig.state(), State::driving);
-    EXPECT_FALSE(control_out(rig, usb::Kind::zero, usb::encode(usb::Zeroing{})));
+    EXPECT_FALSE(rig.request(usb::Kind::zero, usb::Zeroing{}));
     rig.run_ms(2);
     EXPECT_EQ(rig.report.zeroings, 2);
 }
@@ -361,11 +344,11 @@ TEST(BoardControl, StoresCalibrationAndUsesItsOwn) {
     BoardRig rig;
     rig.start();
     const usb::BoardCalibration calibration{{1.02F, 1.0F, 1.0F}, {2.0F, 0.0F, 0.0F}, {1, -1, 1}};
-    EXPECT_TRUE(control_out(rig, usb::Kind::calibration, usb::encode(usb::block_of(calibration))));
+    EXPECT_TRUE(rig.request(usb::Kind::calibration, usb::block_of(calibration)));
     usb::CalibrationBlock own;
     own.index = 3;
     own.bytes[55] = 7;
-    EXPECT_TRUE(control_out(rig, usb::Kind::calibration, usb::encode(own)));
+    EXPECT_TRUE(rig.request(usb::Kind::calibration, own));
     usb::CalibrationBlock stored;
     EXPECT_TRUE(rig.board().take_block_to_store(stored));
     EXPECT_EQ(stored.index, 0);
@@ -374,10 +357,7 @@ TEST(BoardControl, StoresCalibrationAndUsesItsOwn) {
     EXPECT_FALSE(rig.board().take_block_to_store(stored));
     rig.run_ms(2);
     EXPECT_EQ(rig.report.zeroings, 1); // another sign: counts mean other angles
-    std::array<std::uint8_t, kMaxPayload> payload{};
-    const std::size_t size = rig.board().control_in(
-        static_cast<std::uint8_t>(usb::Kind::calibration), 3, payload.data());
-    ASSERT_EQ(usb::decode(payload.data(), size, stored), FrameStatus::ok);
+    stored = rig.ask<usb::CalibrationBlock>(usb::Kind::calibration, 3);
     EXPECT_EQ(stored.bytes, own.bytes);
     rig.run_ms(3);
     usb::Command command = drive();
@@ -385,19 +365,20 @@ TEST(BoardControl, StoresCalibrationAndUsesItsOwn) {
     EXPECT_EQ(rig.send(command), FrameStatus::beyond_limits);
 
     rig.board().end_store(3, false); // a chip that failed
+    std::array<std::uint8_t, kMaxPayload> payload{};
     const auto read_back = [&] {
         return rig.board().control_in(static_cast<std::uint8_t>(usb::Kind::calibration), 3,
                                       payload.data());
     };
     EXPECT_EQ(read_back(), 0U);
-    EXPECT_TRUE(control_out(rig, usb::Kind::calibration, usb::encode(own)));
+    EXPECT_TRUE(rig.request(usb::Kind::calibration, own));
     EXPECT_GT(read_back(), 0U);
 
     own.index = kCalibrationBlocks;
-    EXPECT_FALSE(control_out(rig, usb::Kind::calibration, usb::encode(own)));
+    EXPECT_FALSE(rig.request(usb::Kind::calibration, own));
     usb::BoardCalibration wrong = calibration;
     wrong.largest_cancelled_Ohm[1] = 4.0F; // raises the board's own limit too far
-    EXPECT_FALSE(control_out(rig, usb::Kind::calibration, usb::encode(usb::block_of(wrong))));
+    EXPECT_FALSE(rig.request(usb::Kind::calibration, usb::block_of(wrong)));
 }
 
 /// A chip may halt while it stores: neither is a block stored while a motor can be driven, nor a
@@ -410,28 +391,27 @@ TEST(BoardControl, StoresNothingWhileAMotorCanBeDriven) {
     for (const int loops : {0, 1, 40, 1999}) {
         BoardRig rig;
         rig.start();
-        EXPECT_TRUE(control_out(rig, usb::Kind::report_rate, usb::encode(usb::ReportRate{50'000})));
+        EXPECT_TRUE(rig.request(usb::Kind::report_rate, usb::ReportRate{50'000}));
         rig.run_ms(60);
         rig.host_sends = loops > 100;
         rig.command = drive();
         EXPECT_EQ(rig.send(drive()), FrameStatus::ok);
         rig.run_loops(loops); // no report yet
-        EXPECT_FALSE(control_out(rig, usb::Kind::calibration, usb::encode(own))) << loops;
+        EXPECT_FALSE(rig.request(usb::Kind::calibration, own)) << loops;
         EXPECT_FALSE(rig.board().take_block_to_store(stored));
         EXPECT_EQ(rig.state(), loops > 0 ? State::driving : State::braking);
         rig.host_sends = false;
         EXPECT_EQ(rig.send(mode(usb::Mode::brake)), FrameStatus::ok);
-        EXPECT_EQ(control_out(rig, usb::Kind::calibration, usb::encode(own)), loops == 0);
+        EXPECT_EQ(rig.request(usb::Kind::calibration, own), loops == 0);
         rig.run_loops(1);
         EXPECT_EQ(rig.state(), State::braking);
-        EXPECT_TRUE(control_out(rig, usb::Kind::calibration, usb::encode(own)));
+        EXPECT_TRUE(rig.request(usb::Kind::calibration, own));
         EXPECT_TRUE(rig.board().take_block_to_store(stored));
         // As long as it is being stored, commands to drive are accepted, but not applied.
         for (int i = 0; i < 20; ++i) {
             EXPECT_EQ(rig.send(drive()), FrameStatus::ok);
-            EXPECT_FALSE(
-                control_out(rig, usb::Kind::self_test,
-                            usb::encode(usb::SelfTestOrder{.voltage_V = 0.5F, .pulse_us = 8000})));
+            EXPECT_FALSE(rig.request(usb::Kind::self_test,
+                                     usb::SelfTestOrder{.voltage_V = 0.5F, .pulse_us = 8000}));
             rig.run_loops(40);
             EXPECT_EQ(rig.state(), State::braking);
             EXPECT_TRUE(all_stages(rig.order, Stage::brake));
@@ -464,11 +444,11 @@ TEST(BoardControl, NeverStoresAndDrivesAtOnce) {
             break;
         case 2:
             own.index = static_cast<std::uint16_t>(1 + random() % 3);
-            (void)control_out(rig, usb::Kind::calibration, usb::encode(own));
+            (void)rig.request(usb::Kind::calibration, own);
             break;
         case 3:
-            (void)control_out(rig, usb::Kind::self_test,
-                              usb::encode(usb::SelfTestOrder{.voltage_V = 0.5F, .pulse_us = 8000}));
+            (void)rig.request(usb::Kind::self_test,
+                              usb::SelfTestOrder{.voltage_V = 0.5F, .pulse_us = 8000});
             break;
         case 4:
             if (is_storing) {
