@@ -373,24 +373,6 @@ TEST(StateMachine, EveryPairOfStateAndEvent) {
     }
 }
 
-TEST(StateMachine, OnlyACommandStartsDrivingAndOnlyResetsEndFaults) {
-    using enum usb::BoardState;
-    for (std::size_t event = 0; event < kEvents; ++event) {
-        for (std::size_t state = 0; state < usb::kBoardStates; ++state) {
-            const auto from = static_cast<State>(state);
-            const State to = next_state(from, static_cast<Event>(event));
-            if (to == driving && from != driving) {
-                EXPECT_EQ(static_cast<Event>(event), Event::command_drive);
-                EXPECT_EQ(from, braking);
-            }
-            const bool was_fault = from == fault_braking || from == fault_open;
-            if (was_fault && to != fault_braking && to != fault_open) {
-                EXPECT_EQ(static_cast<Event>(event), Event::reset);
-            }
-        }
-    }
-}
-
 TEST(Published, GivesTheNewestValue) {
     Published<int> number;
     EXPECT_EQ(number.copy(), 0);
