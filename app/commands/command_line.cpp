@@ -1,6 +1,6 @@
 #include "app/commands/command_line.h"
 
-#include "app/commands/commands.h"
+#include "app/commands/command.h"
 
 #include "base/text.h"
 

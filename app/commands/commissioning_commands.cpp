@@ -1,7 +1,6 @@
 #include "app/commands/commissioning_commands.h"
 
 #include "app/commands/output_files.h"
-#include "app/commands/progress_line.h"
 #include "app/host/ending_signal.h"
 #include "app/host/user_folder.h"
 #include "base/degrees.h"

@@ -1,7 +1,7 @@
-#include "app/commands/commands.h"
+#include "app/commands/command.h"
 
+#include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
-#include "app/commands/typed_session.h"
 #include "app/demo/demo.h"
 #include "app/exhibit/day_log.h"
 #include "app/exhibit/tour.h"

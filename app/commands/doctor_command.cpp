@@ -1,4 +1,4 @@
-#include "app/commands/commands.h"
+#include "app/commands/command.h"
 
 #include "app/commands/common_options.h"
 #include "app/doctor/checks.h"

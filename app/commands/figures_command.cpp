@@ -1,8 +1,7 @@
-#include "app/commands/commands.h"
+#include "app/commands/command.h"
 
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
-#include "app/commands/progress_line.h"
 #include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
 #include "app/host/asset_folder.h"

@@ -1,5 +1,5 @@
 // Replaces chart_command.cpp in builds without charts.
-#include "app/commands/commands.h"
+#include "app/commands/command.h"
 
 #include "base/input_error.h"
 

@@ -1,13 +1,16 @@
-// Output of commands: to files that the user names, or to standard output. Nothing is overwritten
-// unasked: an input never, another file only with --force.
+// Output of commands: to files that the user names, or to standard output; and their progress.
+// Nothing is overwritten unasked: an input never, another file only with --force.
 #pragma once
 
 #include "app/commands/command.h"
 #include "app/host/output.h"
 
+#include <cmath>
 #include <filesystem>
+#include <iostream>
 #include <string>
 #include <string_view>
+#include <unistd.h>
 #include <vector>
 
 namespace springdrive::app {
@@ -49,5 +52,32 @@ struct ReportFile {
 /// Writes the requested `files`; if there are none, the table for people to standard output.
 /// @throw InputError as `write_output`.
 void write_report(const Writer &table, const std::vector<ReportFile> &files, Existing existing);
+
+/// One line on standard error, rewritten in place; only on a terminal.
+class ProgressLine {
+public:
+    ~ProgressLine() {
+        if (watched_ && begun_) {
+            std::cerr << "\r\x1b[K" << std::flush;
+        }
+    }
+    ProgressLine() = default;
+    ProgressLine(const ProgressLine &) = delete;
+    ProgressLine &operator=(const ProgressLine &) = delete;
+
+    void show(std::string_view what, double share) {
+        const long percent = std::lround(100.0 * share);
+        if (watched_ && (!begun_ || percent != percent_)) {
+            begun_ = true;
+            percent_ = percent;
+            std::cerr << "\r\x1b[K" << what << ' ' << percent << " %" << std::flush;
+        }
+    }
+
+private:
+    bool watched_ = isatty(STDERR_FILENO) != 0;
+    bool begun_ = false;
+    long percent_ = 0;
+};
 
 } // namespace springdrive::app

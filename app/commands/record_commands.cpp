@@ -1,9 +1,8 @@
 // Records: made without a window, for other programs, and through the control law again.
-#include "app/commands/commands.h"
+#include "app/commands/command.h"
 
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
-#include "app/commands/typed_session.h"
 #include "app/host/ending_signal.h"
 #include "app/stage/frame_loop.h"
 #include "base/input_error.h"

@@ -1,8 +1,7 @@
-#include "app/commands/commands.h"
+#include "app/commands/command.h"
 
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
-#include "app/commands/progress_line.h"
 #include "app/commands/stability_options.h"
 #include "app/figures/gnuplot.h"
 #include "base/input_error.h"

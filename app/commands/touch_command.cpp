@@ -1,8 +1,7 @@
-#include "app/commands/commands.h"
+#include "app/commands/command.h"
 
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
-#include "app/commands/progress_line.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/print.h"

@@ -1,9 +1,8 @@
 // What a tuning renders, the best one, and the same of a current drive.
-#include "app/commands/commands.h"
+#include "app/commands/command.h"
 
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
-#include "app/commands/progress_line.h"
 #include "base/input_error.h"
 #include "base/print.h"
 #include "device/core/device_description.h"

@@ -1,6 +1,5 @@
-// Covers app/commands/{baseline,tune,stiffness,stability}_command.cpp and stability_options.cpp,
-// from outside.
-#include "app/commands/commands.h"
+// Covers app/commands/{baseline,tune,stiffness}_command.cpp, from outside.
+#include "app/commands/command.h"
 #include "engine/control/tuning_file.h"
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/lab/limits/stability_limits.h"

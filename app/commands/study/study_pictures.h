@@ -1,24 +1,32 @@
 // Pictures of a study, drawn by assets/figures/study_*.gnuplot from the tables beside them.
 #pragma once
 
-#include "app/commands/study/plan_report.h"
 #include "app/figures/gnuplot.h"
-#include "engine/study/results/study_results.h"
+#include "app/host/asset_folder.h"
+#include "engine/study/protocol/protocol.h"
 
 #include <filesystem>
-#include <vector>
+#include <string>
+#include <string_view>
+#include <utility>
 
 namespace springdrive::app {
 
-/// The widths of the 95 % interval over the trials: precision.svg, from precision.csv.
-[[nodiscard]] Chart plan_picture(const study::Protocol &protocol, const PrecisionPlan &plan,
-                                 const std::filesystem::path &folder);
+[[nodiscard]] inline Chart study_picture(std::string_view script, const ChartMarks &marks,
+                                         const std::filesystem::path &folder, std::string csv,
+                                         std::string svg, std::string second_csv = {}) {
+    return {asset_folder() / "figures" / script,
+            marks.assignments(),
+            folder,
+            std::move(csv),
+            std::move(svg),
+            std::move(second_csv)};
+}
 
-/// Of each participant the fitted functions and the traces of the method, functions_P01.svg and
-/// traces_P01.svg, and the group, group.svg; from the tables of results_tables.h. Constant stimuli
-/// have no traces worth drawing, adjustments no functions.
-[[nodiscard]] std::vector<Chart> results_pictures(const study::Protocol &protocol,
-                                                  const study::StudyResults &results,
-                                                  const std::filesystem::path &folder);
+/// "turn_deg [°]"
+[[nodiscard]] inline std::string level_label(const study::Protocol &protocol) {
+    const std::string unit(study::variable_of(protocol).unit);
+    return study::level_name_of(protocol) + (unit == "–" ? std::string() : " [" + unit + "]");
+}
 
 } // namespace springdrive::app

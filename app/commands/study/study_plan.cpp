@@ -1,12 +1,14 @@
-#include "app/commands/study/study_commands.h"
-
+#include "app/commands/command.h"
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
 #include "app/commands/study/observer_options.h"
 #include "app/commands/study/opened_study.h"
-#include "app/commands/study/plan_report.h"
 #include "app/commands/study/study_pictures.h"
+#include "app/figures/gnuplot.h"
 #include "base/input_error.h"
+#include "base/print.h"
+#include "base/table.h"
+#include "engine/study/analysis/precision_plan.h"
 #include "engine/study/methods/task.h"
 #include "engine/study/protocol/session_plan.h"
 
@@ -14,10 +16,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
+#include <ostream>
+#include <string>
 #include <type_traits>
 #include <variant>
+#include <vector>
 
 namespace springdrive::app {
 
@@ -75,6 +82,118 @@ double wanted_width(double typed, study::Scale scale) {
                        : "a width in the level's unit"));
     }
     return are_ratios ? std::log(typed) : typed;
+}
+
+struct PrecisionPlan {
+    study::PsychometricFunction observer; ///< all simulated ones are alike
+    study::PrecisionQuestion question;
+    std::vector<study::Precision> rows;
+    std::optional<double> wanted; ///< width, on the scale
+    int usual_trials = 0;         ///< that the protocol takes of such an observer
+};
+
+/// A width on the scale, as it is shown: a factor from end to end on a logarithmic one, else in the
+/// level's unit.
+double shown_width(study::Scale scale, double width) {
+    return scale == study::Scale::logarithmic ? std::exp(width) : width;
+}
+
+double minutes_of(const study::Protocol &protocol, double trials) {
+    return trials * study::usual_trial_s(protocol) / 60.0;
+}
+
+bool are_ratios(const PrecisionPlan &plan) {
+    return plan.question.analysis.family.scale == study::Scale::logarithmic;
+}
+
+/// An error on the scale as it is shown: in percent of the threshold, or in the level's unit.
+double shown_error(const PrecisionPlan &plan, double error) {
+    return are_ratios(plan) ? 100.0 * std::expm1(error) : error;
+}
+
+void write_wanted(std::ostream &out, const study::Protocol &protocol, const PrecisionPlan &plan) {
+    if (!plan.wanted) {
+        return;
+    }
+    const std::string width =
+        fmt::format("{} {:.3g}", are_ratios(plan) ? "a factor of" : "a width of",
+                    shown_width(plan.question.analysis.family.scale, *plan.wanted));
+    const std::optional<double> trials = study::trials_for_width(plan.rows, *plan.wanted);
+    if (!trials) {
+        print(out,
+              "{} takes more than {} trials of a participant in a condition; --trials tries more\n",
+              width, plan.rows.back().trials);
+        return;
+    }
+    const bool is_first = *trials <= plan.rows.front().trials;
+    print(out,
+          "{} takes {}{:.0f} trials of a participant in a condition, {:.0f} min without breaks\n",
+          width, is_first ? "at most " : "", std::ceil(*trials),
+          std::ceil(minutes_of(protocol, *trials)));
+}
+
+/// "observers with threshold 25, slope 2, lapse rate 0.02", for people.
+std::string observer_text(const study::PsychometricFunction &observer) {
+    return fmt::format("observers with threshold {:.4g}, slope {:.4g}, lapse rate {:.3g}",
+                       observer.threshold, observer.slope, observer.lapse);
+}
+
+/// A table, and what the wanted precision takes.
+void write_plan(std::ostream &out, const study::Protocol &protocol, const PrecisionPlan &plan) {
+    const study::Scale scale = plan.question.analysis.family.scale;
+    print(out, "{}\n{} simulated studies of {}\n\n", protocol.title, plan.question.studies,
+          observer_text(plan.observer));
+    Table table = Table::with_columns(
+        are_ratios(plan)
+            ? "trials,min:.1f,95 % factor\nmedian:.3g,95 % factor\n4 of 5:.3g,bias\n%:.2g,"
+              "rms error\n%:.2g,interval\nholds it"
+            : "trials,min:.1f,95 % width\nmedian:.3g,95 % width\n4 of 5:.3g,bias\nlevel's unit:.2g,"
+              "rms error\nlevel's unit:.2g,interval\nholds it");
+    for (const study::Precision &row : plan.rows) {
+        table.rows.push_back({row.trials, minutes_of(protocol, row.trials),
+                              shown_width(scale, row.median_width),
+                              shown_width(scale, row.width_of_most), shown_error(plan, row.bias),
+                              shown_error(plan, row.rms_error),
+                              Cell::like_number(fmt::format("{:.0f} %", 100.0 * row.coverage))});
+    }
+    write_text(out, table);
+    print(out, "\nthe protocol takes {} trials of a participant in a condition\n",
+          plan.usual_trials);
+    write_wanted(out, protocol, plan);
+}
+
+/// For programs: a row a number of trials; widths and errors on the scale.
+Table plan_table(const study::Protocol &protocol, const PrecisionPlan &plan) {
+    Table table = Table::with_columns(
+        "trials,minutes,median_width,width_of_most,bias,rms_error,coverage,scale");
+    for (const study::Precision &row : plan.rows) {
+        table.rows.push_back({row.trials, minutes_of(protocol, row.trials), row.median_width,
+                              row.width_of_most, row.bias, row.rms_error, row.coverage,
+                              are_ratios(plan) ? "logarithmic" : "linear"});
+    }
+    return table;
+}
+
+/// The widths of the 95 % interval over the trials: precision.svg, from precision.csv.
+Chart plan_picture(const study::Protocol &protocol, const PrecisionPlan &plan,
+                   const std::filesystem::path &folder) {
+    const study::Scale scale = plan.question.analysis.family.scale;
+    ChartMarks marks;
+    marks.add("heading", "Precision by trials: " + protocol.title);
+    marks.add("note", fmt::format("{} simulated studies of {}; {}", plan.question.studies,
+                                  observer_text(plan.observer),
+                                  study::kMethodNames[protocol.method.index()]));
+    marks.add("is_logarithmic", are_ratios(plan) ? 1.0 : 0.0);
+    marks.add("width_label",
+              are_ratios(plan) ? "95 % interval of a threshold, highest/lowest"
+                               : "95 % interval of a threshold, width in " + level_label(protocol));
+    marks.add("usual_trials", plan.usual_trials);
+    marks.add("wanted", plan.wanted ? shown_width(scale, *plan.wanted) : 0.0);
+    const std::optional<double> trials =
+        plan.wanted ? study::trials_for_width(plan.rows, *plan.wanted) : std::nullopt;
+    marks.add("wanted_trials", trials ? std::ceil(*trials) : 0.0);
+    return study_picture("study_precision.gnuplot", marks, folder, "precision.csv",
+                         "precision.svg");
 }
 
 void plan_typed(const TypedPlan &typed) {

@@ -1,4 +1,4 @@
-#include "app/commands/study/study_commands.h"
+#include "app/commands/command.h"
 
 #include "app/commands/common_options.h"
 #include "app/commands/study/opened_study.h"

@@ -1,8 +1,8 @@
-#include "app/commands/study/study_commands.h"
+#include "app/commands/command.h"
 
 #include "app/commands/common_options.h"
 #include "app/commands/study/observer_options.h"
-#include "app/commands/study/person_session.h"
+#include "app/commands/study/study_turns.h"
 #include "app/host/asset_folder.h"
 #include "app/host/ending_signal.h"
 #include "app/stage/frame_loop.h"
