@@ -1,7 +1,7 @@
 #include "app/plots/channel_look.h"
 
 #include "app/plots/symbols.h"
-#include "app/widgets/look.h"
+#include "app/widgets/widgets.h"
 #include "base/degrees.h"
 #include "engine/control/perception.h"
 #include "engine/session/telemetry_history.h"

@@ -1,7 +1,7 @@
 #include "app/plots/plot.h"
 
 #include "app/plots/channel_look.h"
-#include "app/widgets/look.h"
+#include "app/widgets/widgets.h"
 #include "engine/session/telemetry_history.h"
 
 #include <fmt/core.h>

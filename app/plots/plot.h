@@ -3,7 +3,6 @@
 //   ChannelStore ──► the window of time that is shown ──► curves ──► Canvas
 #pragma once
 
-#include "app/plots/axis.h"
 #include "app/plots/canvas.h"
 #include "app/plots/oscilloscope.h"
 #include "engine/record/channel_store.h"

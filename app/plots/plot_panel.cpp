@@ -4,7 +4,6 @@
 #include "app/host/output.h"
 #include "app/host/output_dir.h"
 #include "app/plots/channel_look.h"
-#include "app/widgets/look.h"
 #include "app/widgets/widgets.h"
 #include "base/new_file.h"
 #include "base/text.h"

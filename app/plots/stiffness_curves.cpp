@@ -1,6 +1,6 @@
 #include "app/plots/stiffness_curves.h"
 
-#include "app/widgets/look.h"
+#include "app/widgets/widgets.h"
 #include "engine/lab/loops/rendered_stiffness.h"
 
 #include <fmt/core.h>

@@ -1,9 +1,9 @@
 #include "app/stage/view_control.h"
 
 #include "app/view/camera.h"
-#include "app/view/linkage_solids.h"
 #include "app/view/pick.h"
 #include "app/view/renderer.h"
+#include "app/view/solids.h"
 #include "app/widgets/widgets.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/scene/scripted_touch.h"

@@ -1,6 +1,6 @@
 #include "app/view/camera.h"
 
-#include "app/view/gl_vector.h"
+#include "app/view/solids.h"
 #include "base/assertions.h"
 #include "base/degrees.h"
 

@@ -2,8 +2,8 @@
 // shapes, and flat shapes, all of them at once.
 #pragma once
 
-#include "app/view/flat_marks.h"
 #include "app/view/gl_objects.h"
+#include "app/view/marks.h"
 #include "app/view/solids.h"
 #include "engine/scene/scene.h"
 

@@ -1,10 +1,8 @@
 #include "app/view/renderer.h"
 
 #include "app/view/embedded_shaders.h"
-#include "app/view/flat_marks.h"
-#include "app/view/gl_vector.h"
-#include "app/view/linkage_solids.h"
-#include "app/view/markers.h"
+#include "app/view/marks.h"
+#include "app/view/solids.h"
 
 #include <array>
 #include <string_view>

@@ -1,11 +1,14 @@
-// The elements of linkage and markers: unit shapes as triangles, placed in the world; without
-// OpenGL.
+// The elements of linkage and markers: unit shapes as triangles, placed in the world; the PHANTOM
+// as solid bars and joints, built from its kinematics; without OpenGL. And the only conversions
+// between the program's vectors (Eigen, double, metres) and the renderer's (GLM, float).
 #pragma once
 
 #include "base/vector.h"
+#include "device/core/phantom/kinematics.h"
 #include "engine/scene/scene.h"
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
 #include <array>
@@ -14,6 +17,12 @@
 #include <vector>
 
 namespace springdrive::app {
+
+[[nodiscard]] inline glm::vec3 to_glm(const Vector3 &v) {
+    return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+[[nodiscard]] inline Vector3 to_vector3(const glm::vec3 &v) { return {v.x, v.y, v.z}; }
 
 /// All lie on the z axis and are wound counter-clockwise seen from outside.
 enum class Shape : std::uint8_t {
@@ -63,5 +72,24 @@ struct Solid {
 
 /// Points whose convex hull contains all of the solids, as they are drawn.
 [[nodiscard]] std::vector<Vector3> drawn_points(std::span<const Solid> solids);
+
+/// What moves as one. The base turns about the vertical, too, but looks the same then but for its
+/// motors.
+enum class LinkagePart : std::uint8_t { base, upper_arm, crank, rod, forearm };
+
+struct LinkageSolid {
+    LinkagePart part = LinkagePart::base;
+    Solid solid;
+};
+
+/// Plate, hub, column and motors of the base, upper arm, crank, rod, and the forearm, tapered
+/// towards the tip. Parts that share a joint meet about its axis; otherwise none passes through
+/// another. Red when tripped.
+[[nodiscard]] std::vector<LinkageSolid> linkage_parts(const device::LinkagePose &pose,
+                                                      double floor_height_m, bool tripped);
+
+/// The same without their parts.
+[[nodiscard]] std::vector<Solid> linkage_solids(const device::LinkagePose &pose,
+                                                double floor_height_m, bool tripped);
 
 } // namespace springdrive::app

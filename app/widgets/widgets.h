@@ -7,10 +7,10 @@
 // is then the item.
 #pragma once
 
-#include "app/widgets/look.h"
 #include "app/widgets/rectangle.h"
-#include "app/widgets/window_report.h"
 #include "base/print.h"
+#include "engine/servo/duration_histogram.h"
+#include "engine/servo/servo_sample.h"
 
 #include <imgui.h>
 
@@ -22,8 +22,84 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <variant>
+#include <vector>
 
-namespace springdrive::app::ui {
+namespace springdrive::app {
+
+// Colours and spacing of the whole window.
+
+inline const ImVec4 kInk{0.90F, 0.92F, 0.94F, 1.0F};
+inline const ImVec4 kFaintInk{0.60F, 0.64F, 0.69F, 1.0F};
+inline const ImVec4 kTransposeMap{0.36F, 0.73F, 0.95F, 1.0F};
+inline const ImVec4 kInverseMap{1.0F, 0.52F, 0.32F, 1.0F};
+inline const ImVec4 kForce{1.0F, 0.86F, 0.16F, 1.0F}; ///< as the arrow in the scene
+inline const ImVec4 kGood{0.35F, 0.85F, 0.60F, 1.0F};
+inline const ImVec4 kWarning{1.0F, 0.72F, 0.35F, 1.0F};
+inline const ImVec4 kDanger{1.0F, 0.38F, 0.34F, 1.0F};
+
+/// Sets a dark style for `scale`. To be called after ImGui::CreateContext, and when the scale
+/// changes.
+void apply_look(float scale);
+
+// What the window shows, as data: every widget with its place, text and value, for tests and
+// scripts.
+//
+//   widgets ──► enter() ──► WindowReport ──► json_line(), one line, on request
+
+/// One widget in one frame.
+struct ShownItem {
+    std::string id;   ///< panel, scopes and label, from outside in: "Tuning/Gains/K_P/slider"
+    std::string kind; ///< "button", "text", "slider", …
+    std::string text; ///< as shown
+    std::variant<std::monostate, bool, double, std::string> value;
+    std::vector<std::pair<std::string, double>> numbers; ///< further ones, for example of a plot
+    Rectangle place;        ///< in the window's units; what is seen of it
+    bool is_visible = true; ///< not scrolled out of its panel
+    bool is_enabled = true;
+    bool is_focused = false; ///< keys act on it
+    bool overflows = false;  ///< wider than its panel
+};
+
+/// Collects the items of a frame, if they are wanted.
+class WindowReport {
+public:
+    /// Begins a frame.
+    void begin(bool is_wanted) {
+        is_wanted_ = is_wanted;
+        items_.clear();
+    }
+    [[nodiscard]] bool is_wanted() const { return is_wanted_; }
+
+    void enter(ShownItem item) { items_.push_back(std::move(item)); }
+    void note_focus() { items_.back().is_focused = true; } ///< on the last one
+    [[nodiscard]] const std::vector<ShownItem> &items() const { return items_; }
+
+private:
+    bool is_wanted_ = false;
+    std::vector<ShownItem> items_;
+};
+
+/// The window itself, beside its items.
+struct WindowFacts {
+    std::uint64_t frame = 0;
+    float width = 0.0F;
+    float height = 0.0F;
+    float scale = 1.0F;
+    double frame_median_s = 0.0; ///< time to compute and draw a frame
+    double frame_p99_s = 0.0;
+};
+
+/// @param durations  of its frames
+[[nodiscard]] WindowFacts facts_of(std::uint64_t frame, int width, int height, float scale,
+                                   const servo::DurationHistogram &durations);
+
+/// One line of JSON: `window`, `items`, and `sample`, the servo's latest sample by telemetry
+/// column.
+[[nodiscard]] std::string json_line(const WindowReport &report, const WindowFacts &window,
+                                    const servo::ServoSample &sample);
+
+namespace ui {
 
 /// The report of the current frame; like ImGui's context there is one, for the window's thread.
 [[nodiscard]] WindowReport &report();
@@ -235,4 +311,6 @@ bool choice(const char *label, Enum &value, const std::array<const char *, count
 
 void progress(const char *label, double share, const std::string &text);
 
-} // namespace springdrive::app::ui
+} // namespace ui
+
+} // namespace springdrive::app

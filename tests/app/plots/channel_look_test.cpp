@@ -2,10 +2,7 @@
 // limit and channel has its text, with equations that the paper has.
 #include "app/plots/channel_look.h"
 #include "app/plots/plot_panel.h"
-#include "app/plots/symbols.h"
-#include "app/widgets/look.h"
-#include "engine/control/tuning.h"
-#include "engine/servo/safety_limits.h"
+#include "app/widgets/widgets.h"
 #include "engine/session/telemetry_history.h"
 #include "tests/support/plots.h"
 

@@ -1,8 +1,5 @@
-// Covers what plots are drawn with: app/plots/{axis,canvas}.cpp.
-#include "app/plots/axis.h"
+// Covers app/plots/axis.cpp.
 #include "app/plots/canvas.h"
-#include "tests/support/imgui_frame.h"
-#include "tests/support/xml_check.h"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>

@@ -4,9 +4,8 @@
 #include "app/view/camera.h"
 
 #include "app/demo/layout.h"
-#include "app/view/gl_vector.h"
-#include "app/view/linkage_solids.h"
 #include "app/view/shadows.h"
+#include "app/view/solids.h"
 #include "engine/scene/gltf.h"
 #include "engine/scene/scripted_touch.h"
 #include "tests/support/devices.h"

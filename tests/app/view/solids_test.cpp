@@ -1,11 +1,7 @@
 // Covers app/view/solids.cpp and app/view/linkage_solids.cpp: shapes, where they are placed, and
-// that no part of the linkage passes through another. And what is drawn over the scene, that each
-// thing that is switched on is drawn, where and as large as it says: app/view/flat_marks.cpp,
-// app/view/markers.cpp and app/view/view_state.h.
-#include "app/view/flat_marks.h"
-#include "app/view/gl_vector.h"
-#include "app/view/linkage_solids.h"
-#include "app/view/markers.h"
+// that no part of the linkage passes through another.
+
+#include "app/view/solids.h"
 #include "tests/support/devices.h"
 #include "tests/support/framed_box.h"
 

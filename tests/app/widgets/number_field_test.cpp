@@ -1,6 +1,6 @@
 // Covers app/widgets/number_field.cpp and app/window/input_queue.cpp: numbers as they are typed.
 #include "app/widgets/widgets.h"
-#include "app/window/input_queue.h"
+#include "app/window/window.h"
 #include "tests/support/imgui_frame.h"
 
 #include <GLFW/glfw3.h>
