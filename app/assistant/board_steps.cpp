@@ -5,7 +5,7 @@
 //   window ◄── view, outcome    ◄── LoanTalk ◄──┘
 #include "app/assistant/step.h"
 
-#include "app/host/output_dir.h"
+#include "app/host/folders.h"
 #include "base/degrees.h"
 #include "base/hand_over.h"
 #include "base/input_error.h"

@@ -2,8 +2,8 @@
 // touch.
 #include "app/assistant/step.h"
 
-#include "app/host/asset_folder.h"
-#include "app/panels/panels.h"
+#include "app/host/folders.h"
+#include "app/panels/doctor_popup.h"
 #include "base/degrees.h"
 #include "base/text.h"
 #include "device/core/haptic_device.h"

@@ -2,7 +2,7 @@
 
 #include "app/commands/output_files.h"
 #include "app/host/ending_signal.h"
-#include "app/host/user_folder.h"
+#include "app/host/folders.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/print.h"

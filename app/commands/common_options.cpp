@@ -1,7 +1,6 @@
 #include "app/commands/common_options.h"
 
-#include "app/host/asset_folder.h"
-#include "app/host/user_folder.h"
+#include "app/host/folders.h"
 #include "app/stage/open_session.h"
 #include "base/degrees.h"
 #include "base/input_error.h"

@@ -2,10 +2,9 @@
 
 #include "app/commands/common_options.h"
 #include "app/doctor/checks.h"
-#include "app/doctor/doctor_report.h"
-#include "app/host/asset_folder.h"
-#include "base/input_error.h"
-#include "base/timing.h"
+#include "app/host/folders.h"
+#include "base/error_text.h"
+#include "base/machine_name.h"
 #include "engine/servo/servo.h"
 
 #include <cstdlib>

@@ -4,7 +4,7 @@
 #include "app/commands/output_files.h"
 #include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
-#include "app/host/asset_folder.h"
+#include "app/host/folders.h"
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "engine/lab/limits/locked_device.h"

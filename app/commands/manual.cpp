@@ -1,6 +1,6 @@
 #include "app/commands/command_line.h"
 
-#include "app/host/asset_folder.h"
+#include "app/host/folders.h"
 #include "base/print.h"
 
 #include <CLI/CLI.hpp>

@@ -1,7 +1,7 @@
 #include "app/demo/screen.h"
 
-#include "app/host/asset_folder.h"
 #include "app/host/ending_signal.h"
+#include "app/host/folders.h"
 #include "app/host/output.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"

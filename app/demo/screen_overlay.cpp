@@ -2,8 +2,9 @@
 // minute.
 #include "app/demo/screen.h"
 
-#include "app/host/asset_folder.h"
-#include "base/input_error.h"
+#include "app/host/folders.h"
+#include "app/panels/panels.h"
+#include "base/error_text.h"
 
 #include <iostream>
 

@@ -1,6 +1,6 @@
 #include "app/doctor/probe.h"
 
-#include "app/doctor/check.h"
+#include "app/doctor/checks.h"
 #include "base/input_error.h"
 #include "base/real_time_thread.h"
 #include "device/usb/driver/board_port.h"

@@ -1,7 +1,6 @@
 #include "app/exhibit/tour.h"
 
-#include "app/host/asset_folder.h"
-#include "base/input_error.h"
+#include "app/host/folders.h"
 #include "engine/scene/scripted_touch.h"
 #include "engine/scene/surface_probe.h"
 

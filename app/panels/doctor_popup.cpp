@@ -1,6 +1,6 @@
 #include "app/panels/panels.h"
 
-#include "app/doctor/doctor_report.h"
+#include "app/doctor/checks.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"
 

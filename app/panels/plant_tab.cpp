@@ -1,5 +1,5 @@
 // Which device the session has, the connection to it, its rate, delay and effects.
-#include "app/host/asset_folder.h"
+#include "app/host/folders.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"

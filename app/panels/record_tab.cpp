@@ -1,4 +1,5 @@
-#include "app/host/output_dir.h"
+#include "app/host/folders.h"
+#include "app/panels/opened_record.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"

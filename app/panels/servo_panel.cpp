@@ -1,4 +1,4 @@
-#include "app/host/output_dir.h"
+#include "app/host/folders.h"
 #include "app/panels/panels.h"
 #include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"

@@ -1,9 +1,8 @@
 #include "app/panels/stability_tab.h"
 
+#include "app/host/folders.h"
 #include "app/host/output.h"
-#include "app/host/output_dir.h"
-#include "app/panels/panels.h"
-#include "app/plots/axis.h"
+#include "app/panels/tuning_consequences.h"
 #include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"
 #include "base/new_file.h"

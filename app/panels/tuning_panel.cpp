@@ -1,5 +1,4 @@
-#include "app/host/asset_folder.h"
-#include "app/host/output_dir.h"
+#include "app/host/folders.h"
 #include "app/panels/panels.h"
 #include "app/panels/tuning_editor.h"
 #include "app/plots/symbols.h"

@@ -1,11 +1,7 @@
 #include "app/panels/window_habits.h"
 
-#include "app/host/output_dir.h"
-#include "app/host/user_folder.h"
-#include "base/field_toml.h"
-#include "base/input_error.h"
-#include "base/new_file.h"
-#include "base/text.h"
+#include "app/host/folders.h"
+#include "base/file_names.h"
 
 #include <fmt/format.h>
 #include <imgui.h>

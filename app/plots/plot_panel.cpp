@@ -1,8 +1,8 @@
 // Plots as files.
 #include "app/plots/plot_panel.h"
 
+#include "app/host/folders.h"
 #include "app/host/output.h"
-#include "app/host/output_dir.h"
 #include "app/plots/channel_look.h"
 #include "app/widgets/widgets.h"
 #include "base/new_file.h"

@@ -1,6 +1,6 @@
 #include "app/commands/study/opened_study.h"
 
-#include "app/host/asset_folder.h"
+#include "app/host/folders.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "engine/study/protocol/protocol_check.h"

@@ -2,7 +2,7 @@
 #include "app/commands/command.h"
 #include "app/commands/output_files.h"
 #include "app/commands/study/opened_study.h"
-#include "app/host/asset_folder.h"
+#include "app/host/folders.h"
 #include "app/study/sitting/person_checks.h"
 #include "base/input_error.h"
 #include "base/print.h"

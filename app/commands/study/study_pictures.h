@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/figures/gnuplot.h"
-#include "app/host/asset_folder.h"
+#include "app/host/folders.h"
 #include "engine/study/protocol/protocol.h"
 
 #include <filesystem>

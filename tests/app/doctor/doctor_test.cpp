@@ -1,6 +1,8 @@
-// Covers app/doctor/{machine,checks,picture_checks,disk_check,doctor_report}.cpp, ChildAnswer of
-// probe.cpp, and from outside app/commands/doctor_command.cpp: on this computer, whatever it is.
-#include "app/doctor/doctor_report.h"
+// Covers app/doctor/{machine,checks,picture_checks,disk_check}.cpp and ChildAnswer of
+// probe.cpp.
+#include "tests/app/doctor/laid_out_computer.h"
+
+#include "app/doctor/checks.h"
 #include "app/doctor/probe.h"
 #include "base/input_error.h"
 #include "tests/app/doctor/laid_out_computer.h"

@@ -1,4 +1,4 @@
-// Covers app/plots/axis.cpp.
+// Covers the axes in app/plots/canvas.cpp.
 #include "app/plots/canvas.h"
 
 #include <fmt/core.h>

@@ -1,5 +1,6 @@
-// Covers app/plots/plot_panel.cpp, plot_menu.cpp, and plot_mouse.cpp for polar plots; what is
-// exported and the other mice are covered by the window's tests.
+// Covers app/plots/plot_panel.cpp, plot_controls.cpp for polar plots, and how
+// stiffness_curves.cpp draws; what is exported and the other mice are covered by the window's
+// tests.
 #include "app/plots/plot_panel.h"
 
 #include "app/widgets/widgets.h"

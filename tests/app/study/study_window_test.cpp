@@ -1,4 +1,4 @@
-// Covers app/commands/study/person_session.cpp, app/study/experimenter/study_window.cpp and all
+// Covers app/commands/study/study_turns.cpp, app/study/experimenter/study_window.cpp and all
 // below them: a participant and an experimenter at the two real windows, by mouse and keyboard,
 // through a study in which everything happens that may: a stop, a trial that is repeated, a pause,
 // a break, a device that is lost, a program that is killed in a trial, and a day that is ended and

@@ -1,7 +1,8 @@
-// Covers app/view/solids.cpp and app/view/linkage_solids.cpp: shapes, where they are placed, and
+// Covers app/view/solids.cpp: shapes, where they are placed, and
 // that no part of the linkage passes through another.
 
 #include "app/view/solids.h"
+#include "app/view/view_state.h"
 #include "tests/support/devices.h"
 #include "tests/support/framed_box.h"
 

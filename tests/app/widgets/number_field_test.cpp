@@ -1,4 +1,4 @@
-// Covers app/widgets/number_field.cpp and app/window/input_queue.cpp: numbers as they are typed.
+// Covers app/widgets/number_field.cpp and InputQueue: numbers as they are typed.
 #include "app/widgets/widgets.h"
 #include "app/window/window.h"
 #include "tests/support/imgui_frame.h"

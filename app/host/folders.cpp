@@ -1,13 +1,47 @@
-#include "app/host/output_dir.h"
+#include "app/host/folders.h"
 
-#include "app/host/user_folder.h"
-
+#include <cstdlib>
 #include <fstream>
 #include <string_view>
 #include <system_error>
 #include <unistd.h>
 
 namespace springdrive::app {
+
+std::filesystem::path asset_folder() {
+    const char *chosen = std::getenv("SPRINGDRIVE_ASSETS"); // NOLINT(concurrency-mt-unsafe)
+    if (chosen != nullptr) {
+        return chosen;
+    }
+    std::error_code ignored; // without /proc the name is empty
+    return assets_of(std::filesystem::read_symlink("/proc/self/exe", ignored));
+}
+
+std::filesystem::path assets_of(const std::filesystem::path &program) {
+    const std::filesystem::path installed =
+        (program.parent_path() / "../share/springdrive").lexically_normal();
+    std::error_code ignored;
+    return std::filesystem::is_directory(installed, ignored) ? installed : SPRINGDRIVE_ASSET_DIR;
+}
+
+std::filesystem::path folder_named_by(const char *variable) {
+    const char *value = std::getenv(variable); // NOLINT(concurrency-mt-unsafe)
+    return value != nullptr && *value == '/' ? value : "";
+}
+
+std::filesystem::path user_folder(const char *variable, const std::filesystem::path &in_home) {
+    std::filesystem::path all = folder_named_by(variable);
+    if (all.empty()) {
+        const std::filesystem::path home = folder_named_by("HOME");
+        all = home.empty() ? home : home / in_home;
+    }
+    return all.empty() ? all : all / "springdrive";
+}
+
+std::filesystem::path windings_folder() {
+    const std::filesystem::path state = user_folder("XDG_STATE_HOME", ".local/state");
+    return state.empty() ? state : state / "windings";
+}
 
 namespace {
 
