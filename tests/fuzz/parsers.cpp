@@ -9,7 +9,7 @@
 #include "engine/control/tuning_file.h"
 #include "engine/record/record_reader.h"
 #include "engine/scene/gltf.h"
-#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/protocol/protocol.h"
 
 #include <fmt/core.h>
 #include <unistd.h>

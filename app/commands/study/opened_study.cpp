@@ -3,8 +3,8 @@
 #include "app/host/folders.h"
 #include "base/input_error.h"
 #include "base/new_file.h"
+#include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/protocol_check.h"
-#include "engine/study/protocol/protocol_file.h"
 #include "engine/study/store/study_store.h"
 
 #include <fmt/core.h>

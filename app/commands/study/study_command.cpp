@@ -7,8 +7,8 @@
 #include "base/input_error.h"
 #include "base/print.h"
 #include "base/table.h"
+#include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/protocol_check.h"
-#include "engine/study/protocol/protocol_file.h"
 
 #include <fmt/core.h>
 

@@ -9,7 +9,7 @@
 #include "base/print.h"
 #include "base/table.h"
 #include "engine/study/analysis/precision_plan.h"
-#include "engine/study/methods/task.h"
+#include "engine/study/methods/psychometric_function.h"
 #include "engine/study/protocol/session_plan.h"
 
 #include <fmt/core.h>

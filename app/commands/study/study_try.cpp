@@ -10,7 +10,7 @@
 #include "app/visitors/visitor_window.h"
 #include "app/visitors/visits.h"
 #include "base/input_error.h"
-#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/protocol/protocol.h"
 
 #include <fmt/core.h>
 

@@ -4,7 +4,7 @@
 #include "app/study/participant/answers.h"
 #include "base/input_error.h"
 #include "engine/study/conduct/conduct.h"
-#include "engine/study/stimuli/stimulus_run.h"
+#include "engine/study/stimuli/stimulus.h"
 
 #include <fmt/core.h>
 

@@ -4,7 +4,7 @@
 
 #include "app/study/participant/answers.h"
 #include "engine/study/conduct/conduct.h"
-#include "engine/study/stimuli/stimulus_run.h"
+#include "engine/study/stimuli/stimulus.h"
 #include "engine/study/store/study_contents.h"
 
 #include <array>

@@ -14,7 +14,7 @@
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/study_setting.h"
-#include "engine/study/stimuli/stimulus_run.h"
+#include "engine/study/stimuli/stimulus.h"
 
 #include <filesystem>
 #include <functional>

@@ -3,7 +3,6 @@
 
 #include "engine/study/methods/psychometric_function.h"
 #include "engine/study/methods/random_key.h"
-#include "engine/study/methods/task.h"
 
 #include <array>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include "base/parallel.h"
 #include "engine/study/analysis/posterior.h"
 #include "engine/study/analysis/summaries.h"
-#include "engine/study/methods/task.h"
+#include "engine/study/methods/psychometric_function.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/study/methods/method.h"
-#include "engine/study/methods/task.h"
+#include "engine/study/methods/psychometric_function.h"
 
 #include <optional>
 #include <span>

@@ -6,7 +6,6 @@
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/stimuli/stimulus.h"
-#include "engine/study/stimuli/stimulus_run.h"
 #include "engine/study/store/study_contents.h"
 #include "engine/study/store/study_store.h"
 

@@ -1,7 +1,7 @@
 #include "engine/study/methods/block.h"
 
 #include "base/assertions.h"
-#include "engine/study/methods/task.h"
+#include "engine/study/methods/psychometric_function.h"
 
 #include <fmt/core.h>
 

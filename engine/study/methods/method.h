@@ -4,7 +4,6 @@
 
 #include "engine/study/methods/psychometric_function.h"
 #include "engine/study/methods/random_key.h"
-#include "engine/study/methods/task.h"
 
 #include <Eigen/Core>
 

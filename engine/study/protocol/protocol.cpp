@@ -4,7 +4,7 @@
 #include "base/degrees.h"
 #include "engine/control/coupling.h"
 #include "engine/servo/servo.h"
-#include "engine/study/methods/task.h"
+#include "engine/study/methods/psychometric_function.h"
 #include "engine/study/protocol/session_plan.h"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/protocol/protocol.h"
 
 #include "base/field.h"
 #include "base/field_toml.h"

@@ -5,7 +5,6 @@
 #include "engine/servo/servo_sample.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/stimuli/stimulus.h"
-#include "engine/study/stimuli/stimulus_run.h"
 #include "engine/study/stimuli/warm_up.h"
 
 #include <cstdint>

@@ -5,7 +5,7 @@
 #include "engine/study/analysis/maximum_likelihood.h"
 #include "engine/study/analysis/posterior.h"
 #include "engine/study/analysis/summaries.h"
-#include "engine/study/methods/task.h"
+#include "engine/study/methods/psychometric_function.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/store/study_contents.h"
 

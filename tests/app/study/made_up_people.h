@@ -5,9 +5,7 @@
 
 #include "app/study/participant/answers.h"
 #include "app/study/sitting/sitting.h"
-#include "device/core/faults.h"
-#include "engine/study/protocol/protocol_file.h"
-#include "tests/app/study/headless_study.h"
+#include "engine/study/protocol/protocol.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 

@@ -14,7 +14,7 @@
 // against them. The servo runs by its clock, in real time. The default tests press some keys;
 // `tests/long response-times` 200.
 #include "engine/study/observers/simulated_sitting.h"
-#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/store/study_store.h"
 #include "tests/app/study/headless_study.h"

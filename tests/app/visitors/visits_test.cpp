@@ -5,7 +5,7 @@
 
 #include "device/core/faults.h"
 #include "engine/study/observers/simulated_sitting.h"
-#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/session_plan.h"
 #include "tests/app/study/headless_study.h"
 #include "tests/app/study/made_up_people.h"

@@ -1,7 +1,7 @@
 // A short protocol without faults, to be spoilt in one place.
 #pragma once
 
-#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/study_setting.h"
 #include "tests/support/devices.h"
 

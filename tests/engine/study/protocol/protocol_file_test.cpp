@@ -1,6 +1,6 @@
 // Covers engine/study/protocol/protocol_file.cpp and protocol.cpp:
 // what is read, and what is refused, with key, value and range.
-#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/protocol/protocol.h"
 
 #include "base/error_text.h"
 #include "base/input_error.h"

@@ -6,7 +6,6 @@
 #include "engine/control/motion_control.h"
 #include "engine/servo/servo_inputs.h"
 #include "engine/study/stimuli/stimulus.h"
-#include "engine/study/stimuli/stimulus_run.h"
 #include "tests/support/devices.h"
 
 #include <Eigen/LU>
