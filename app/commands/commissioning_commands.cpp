@@ -1,8 +1,8 @@
 #include "app/commands/commissioning_commands.h"
 
 #include "app/commands/output_files.h"
-#include "app/host/ending_signal.h"
 #include "app/host/folders.h"
+#include "app/host/process.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/print.h"

@@ -4,7 +4,7 @@
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
 #include "app/figures/gnuplot.h"
-#include "app/host/ending_signal.h"
+#include "app/host/process.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/new_file.h"

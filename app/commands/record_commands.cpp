@@ -3,7 +3,7 @@
 
 #include "app/commands/common_options.h"
 #include "app/commands/output_files.h"
-#include "app/host/ending_signal.h"
+#include "app/host/process.h"
 #include "app/stage/frame_loop.h"
 #include "base/input_error.h"
 #include "base/print.h"

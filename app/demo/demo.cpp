@@ -1,8 +1,9 @@
 #include "app/demo/demo.h"
 
 #include "app/demo/screen.h"
-#include "app/host/ending_signal.h"
+#include "app/exhibit/lost_display.h"
 #include "app/host/output.h"
+#include "app/host/process.h"
 #include "app/host/software_renderer.h"
 #include "app/stage/frame_loop.h"
 #include "base/print.h"

@@ -1,8 +1,9 @@
 #include "app/demo/screen.h"
 
-#include "app/host/ending_signal.h"
 #include "app/host/folders.h"
 #include "app/host/output.h"
+#include "app/host/process.h"
+#include "app/view/pick.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"
 #include "base/new_file.h"

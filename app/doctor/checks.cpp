@@ -1,6 +1,6 @@
 #include "app/doctor/checks.h"
 
-#include "app/host/child_program.h"
+#include "app/host/process.h"
 #include "base/input_error.h"
 #include "base/print.h"
 #include "base/quoting.h"

@@ -1,7 +1,7 @@
 #include "app/figures/gnuplot.h"
 
-#include "app/host/child_program.h"
 #include "app/host/folders.h"
+#include "app/host/process.h"
 #include "base/input_error.h"
 #include "base/text.h"
 

@@ -1,6 +1,6 @@
 #include "app/host/folders.h"
 #include "app/panels/panels.h"
-#include "app/plots/symbols.h"
+#include "app/plots/channels.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"
 #include "base/new_file.h"

@@ -3,7 +3,7 @@
 #include "app/host/folders.h"
 #include "app/host/output.h"
 #include "app/panels/tuning_consequences.h"
-#include "app/plots/symbols.h"
+#include "app/plots/channels.h"
 #include "app/widgets/widgets.h"
 #include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"

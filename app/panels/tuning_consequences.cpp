@@ -1,6 +1,6 @@
 #include "app/panels/panels.h"
 
-#include "app/plots/symbols.h"
+#include "app/plots/channels.h"
 #include "app/widgets/widgets.h"
 #include "base/print.h"
 #include "device/core/phantom/kinematics.h"

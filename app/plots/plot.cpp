@@ -1,6 +1,6 @@
 #include "app/plots/plot.h"
 
-#include "app/plots/channel_look.h"
+#include "app/plots/channels.h"
 #include "app/widgets/widgets.h"
 #include "engine/session/telemetry_history.h"
 

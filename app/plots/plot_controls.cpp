@@ -1,7 +1,6 @@
 // The mouse and the menus of the plots: what PlotPanel lets its user choose.
-#include "app/plots/channel_look.h"
+#include "app/plots/channels.h"
 #include "app/plots/plot_panel.h"
-#include "app/plots/symbols.h"
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"
 #include "engine/session/telemetry_history.h"

@@ -3,7 +3,7 @@
 
 #include "app/host/folders.h"
 #include "app/host/output.h"
-#include "app/plots/channel_look.h"
+#include "app/plots/channels.h"
 #include "app/widgets/widgets.h"
 #include "base/new_file.h"
 #include "base/text.h"

@@ -1,6 +1,6 @@
 #include "app/window/report_requests.h"
 
-#include "app/host/ending_signal.h"
+#include "app/host/process.h"
 #include "app/widgets/widgets.h"
 
 #include <array>

@@ -3,8 +3,8 @@
 #include "app/commands/common_options.h"
 #include "app/commands/study/opened_study.h"
 #include "app/commands/study/study_turns.h"
-#include "app/host/ending_signal.h"
-#include "app/study/sitting/sitting.h"
+#include "app/host/process.h"
+#include "app/study/sitting/person_checks.h"
 #include "base/input_error.h"
 
 #include <fmt/core.h>

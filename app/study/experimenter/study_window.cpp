@@ -1,6 +1,7 @@
 #include "app/study/experimenter/study_window.h"
 
-#include "app/host/ending_signal.h"
+#include "app/host/process.h"
+#include "app/view/pick.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"

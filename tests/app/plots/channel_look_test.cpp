@@ -1,6 +1,6 @@
-// Covers app/plots/{channel_look,symbols}.cpp: how each channel looks, and that every parameter,
-// limit and channel has its text, with equations that the paper has.
-#include "app/plots/channel_look.h"
+// Covers app/plots/channel_look.cpp.
+#include "app/plots/channels.h"
+
 #include "app/plots/plot_panel.h"
 #include "app/widgets/widgets.h"
 #include "engine/session/telemetry_history.h"

@@ -1,7 +1,7 @@
 // Covers app/plots/plot.cpp, and how stiffness_curves.cpp draws, drawn into pictures.
 #include "app/plots/plot.h"
 
-#include "app/plots/channel_look.h"
+#include "app/plots/channels.h"
 #include "app/plots/plot_panel.h"
 #include "tests/support/imgui_frame.h"
 #include "tests/support/plots.h"

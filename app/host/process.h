@@ -1,4 +1,5 @@
-// Runs another program to its end.
+// Signals that request termination (SIGINT, SIGTERM, SIGHUP) only set a flag, which loops poll; and
+// another program that is run to its end.
 #pragma once
 
 #include <filesystem>
@@ -6,6 +7,11 @@
 #include <vector>
 
 namespace springdrive::app {
+
+/// Installs the handlers of these signals.
+void note_ending_signals();
+
+[[nodiscard]] bool asked_to_end();
 
 enum class ProgramStream { output, error };
 

@@ -1,7 +1,8 @@
-#include "app/host/child_program.h"
+#include "app/host/process.h"
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <fcntl.h>
 #include <spawn.h>
 #include <string_view>
@@ -9,6 +10,22 @@
 #include <unistd.h>
 
 namespace springdrive::app {
+
+namespace {
+
+volatile std::sig_atomic_t asked = 0;
+
+extern "C" void on_signal(int /*signal*/) { asked = 1; }
+
+} // namespace
+
+void note_ending_signals() {
+    std::signal(SIGINT, on_signal);
+    std::signal(SIGTERM, on_signal);
+    std::signal(SIGHUP, on_signal); // the terminal was closed
+}
+
+bool asked_to_end() { return asked != 0; }
 
 namespace {
 
