@@ -1,5 +1,5 @@
 // A command's options, over CLI11, whose headers take seconds in every file that includes them:
-// only command.cpp, command_line.cpp and manual.cpp do.
+// only command.cpp and command_line.cpp do.
 #pragma once
 
 #include <cstdint>

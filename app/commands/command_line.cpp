@@ -336,16 +336,6 @@ const CLI::App &chosen_command(const CLI::App &app) {
     return chosen.empty() ? app : chosen_command(*chosen.front());
 }
 
-/// Its words after the program's: "study run".
-std::string words_of(const CLI::App &app) {
-    const auto chosen = app.get_subcommands();
-    if (chosen.empty()) {
-        return {};
-    }
-    const std::string below = words_of(*chosen.front());
-    return chosen.front()->get_name() + (below.empty() ? "" : " " + below);
-}
-
 /// The names that could have been typed in place of `typed`: options, or commands.
 std::vector<std::string> possible_names(const CLI::App &app, const std::string &typed) {
     const CLI::App &command = chosen_command(app);
@@ -373,7 +363,7 @@ std::string unknown_argument_text(const CLI::App &app) {
     const std::string &word = option != unknown.end() ? *option : unknown.front();
     const std::string typed = word.substr(0, word.find('='));
     const bool is_option = typed.starts_with("-");
-    const std::string command = words_of(app);
+    const std::string command = path_of(chosen_command(app));
     std::string text = typed + (is_option         ? " is no option of " + command
                                 : command.empty() ? " is no command"
                                                   : " was not expected by " + command);
@@ -452,7 +442,7 @@ int run_command_line(int argc, char **argv) {
         std::cerr << "springdrive: " << unknown_argument_text(app) << '\n';
         return kUsageMistake;
     } catch (const CLI::ParseError &error) {
-        const std::string command = words_of(app);
+        const std::string command = path_of(chosen_command(app));
         std::cerr << "springdrive: " << error.what() << "; see springdrive "
                   << (command.empty() ? "" : command + " ") << "--help\n";
         return kUsageMistake;

@@ -189,8 +189,6 @@ std::string Database::text(std::string_view sql) const {
     return statement.next() ? statement.text() : std::string();
 }
 
-std::int64_t Database::last_row() const { return sqlite3_last_insert_rowid(database_.get()); }
-
 void Database::refuse(std::string_view problem) const {
     throw InputError(fmt::format("{}: {}", shown_.string(), one_line(problem)));
 }

@@ -59,7 +59,6 @@ public:
     /// The text that a statement gives; empty without a row.
     [[nodiscard]] std::string text(std::string_view sql) const;
 
-    [[nodiscard]] std::int64_t last_row() const; ///< id of the row inserted last
     [[nodiscard]] const std::filesystem::path &shown() const { return shown_; }
 
     /// @throw InputError "FILE: problem".
