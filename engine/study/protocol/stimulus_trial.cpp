@@ -295,8 +295,6 @@ WarmUpTrial try_warm_up(const Protocol &protocol, const StudySetting &setting,
     WarmUpTrial seen;
     const Vector3 at_rest_N = rig.truth().hand_force_N;
     const double begun_s = rig.last.time_s;
-    Vector3 min_m = rig.truth().tip_m;
-    Vector3 max_m = min_m;
     MotorTemperatures left = before; // of what they were, without the heat of now
     const double unheated_C = 0.5 * (device::kColdestAir_C + device::kWarmestAir_C);
     while (!warm_up.is_over()) {
@@ -308,14 +306,10 @@ WarmUpTrial try_warm_up(const Protocol &protocol, const StudySetting &setting,
             winding.max_C += left.winding_C[j] - unheated_C;
         }
         warm_up.update(sample, rig.inputs);
-        seen.estimated_C = estimated_windings_C(sample);
-        min_m = min_m.cwiseMin(rig.truth().tip_m);
-        max_m = max_m.cwiseMax(rig.truth().tip_m);
         seen.hand_force_N =
             std::max(seen.hand_force_N, (rig.truth().hand_force_N - at_rest_N).norm());
     }
     seen.duration_s = rig.last.time_s - begun_s;
-    seen.tip_way_m = (max_m - min_m).norm();
     seen.failure = warm_up.failure();
     if (rig.has_tripped()) {
         seen.trip = servo::description(rig.last.safety);

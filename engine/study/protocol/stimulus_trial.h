@@ -104,10 +104,8 @@ struct MotorTemperatures {
                                        const MotorTemperatures &before, double seconds);
 
 struct WarmUpTrial {
-    MotorTemperatures after;              ///< true ones
-    Vector3 estimated_C{Vector3::Zero()}; ///< of the windings, by the monitor
+    MotorTemperatures after; ///< true ones
     double duration_s = 0.0;
-    double tip_way_m = 0.0;    ///< from end to end, once the servo runs
     double hand_force_N = 0.0; ///< largest deviation from that of a hand that holds still
     WarmUpFailure failure = WarmUpFailure::none;
     std::string trip; ///< of the safety monitor, with its numbers; empty: none

@@ -140,33 +140,6 @@ std::string validate(const QuestionnaireItem &item) {
     return {};
 }
 
-std::string validate_answer(const QuestionnaireItem &item, const std::string &answer) {
-    if (item.kind == QuestionnaireKind::text) {
-        if (answer.size() > kMaxAnswer) {
-            return fmt::format("answer has {} bytes; it must have 0 to {}", answer.size(),
-                               kMaxAnswer);
-        }
-        const bool is_text = std::ranges::none_of(
-            answer, [](char c) { return is_control(c) && c != '\n' && c != '\t'; });
-        return is_text ? std::string()
-                       : fmt::format("answer is {}; it must be text, with no control characters",
-                                     in_quotes(answer));
-    }
-    const std::vector<std::string> possible = possible_answers(item);
-    if (std::ranges::count(possible, answer) > 0) {
-        return {};
-    }
-    if (item.kind == QuestionnaireKind::scale) {
-        return fmt::format("answer is {}; it must be a whole number from {} to {}",
-                           in_quotes(answer), item.lowest, item.highest);
-    }
-    std::string all;
-    for (const std::string &choice : possible) {
-        all += (all.empty() ? "" : ", ") + in_quotes(choice);
-    }
-    return fmt::format("answer is {}; it must be one of {}", in_quotes(answer), all);
-}
-
 std::vector<std::string> possible_answers(const QuestionnaireItem &item) {
     std::vector<std::string> all;
     switch (item.kind) {

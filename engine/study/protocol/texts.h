@@ -186,10 +186,6 @@ inline constexpr auto kChoiceFields = std::to_array<Field<QuestionnaireItem>>({
 /// there is none.
 [[nodiscard]] std::string validate(const QuestionnaireItem &item);
 
-/// "answer is VALUE; it must be …" if it is no possible answer; else empty. A free text may be
-/// empty and may have lines.
-[[nodiscard]] std::string validate_answer(const QuestionnaireItem &item, const std::string &answer);
-
 /// The possible answers of a scale or choice, in order; none of a free text.
 [[nodiscard]] std::vector<std::string> possible_answers(const QuestionnaireItem &item);
 
