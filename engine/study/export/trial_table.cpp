@@ -48,9 +48,6 @@ std::string safety_text(const Trial &trial) {
     return joined(texts);
 }
 
-constexpr std::array<std::string_view, std::variant_size_v<Response>> kResponseKinds{
-    "none", "chosen", "yes_no", "adjusted"};
-
 Cell cell_of(const Response &response) {
     if (const auto *const chosen = std::get_if<Chosen>(&response)) {
         return cell_of(chosen->alternative);
@@ -116,7 +113,7 @@ void add_stimulus_and_response(Columns &to) {
     to.add("target", "the right alternative, from 1; or 1 yes, 0 no",
            [](Row row) { return row.trial.target; });
     to.add("response_kind", "kind of the response",
-           [](Row row) { return kResponseKinds[row.trial.response.index()]; })
+           [](Row row) { return kResponseNames[row.trial.response.index()]; })
         .levels = {{"none", "none was given"},
                    {"chosen", "an alternative, from 1"},
                    {"yes_no", "1 yes, 0 no"},

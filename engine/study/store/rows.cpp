@@ -17,10 +17,6 @@ namespace {
 
 // Values in the columns of SQLite, and back.
 
-/// The names of the kinds of `Response`, by their place in it.
-constexpr std::array<std::string_view, std::variant_size_v<Response>> kResponseNames{
-    "none", "chosen", "yes_no", "adjusted"};
-
 template <std::integral Integer> void store(Statement &row, Integer value) { row.bind(value); }
 void store(Statement &row, const std::string &value) { row.bind(value); }
 void store(Statement &row, const std::optional<double> &value) { row.bind(value); }

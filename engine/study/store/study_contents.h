@@ -170,6 +170,10 @@ struct Adjusted {
 };
 using Response = std::variant<NoResponse, Chosen, YesNo, Adjusted>;
 
+/// By their place in it, in stores and exports.
+inline constexpr std::array<std::string_view, std::variant_size_v<Response>> kResponseNames{
+    "none", "chosen", "yes_no", "adjusted"};
+
 struct SafetyEvent {
     std::optional<double> time_s; ///< by the servo's clock
     std::string text;             ///< which monitor, which value, which limit
