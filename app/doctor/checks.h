@@ -3,8 +3,7 @@
 // programs, and for a program that already runs, with its threads and its window.
 #pragma once
 
-#include "app/doctor/machine.h"
-#include "app/doctor/probe.h"
+#include "app/doctor/evidence.h"
 
 #include <algorithm>
 #include <array>

@@ -15,7 +15,7 @@
 
 #include "app/study/participant/answers.h"
 #include "app/study/participant/participant_view.h"
-#include "app/window/gl_window.h"
+#include "app/window/window.h"
 #include "engine/session/servo_run.h"
 
 #include <cstddef>

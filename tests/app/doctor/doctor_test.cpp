@@ -1,9 +1,9 @@
-// Covers app/doctor/{machine,checks,picture_checks,disk_check}.cpp and ChildAnswer of
-// probe.cpp.
+// Covers app/doctor/{evidence,checks,picture_checks}.cpp and ChildAnswer of
+// evidence.cpp.
 #include "tests/app/doctor/laid_out_computer.h"
 
 #include "app/doctor/checks.h"
-#include "app/doctor/probe.h"
+#include "app/doctor/evidence.h"
 #include "base/input_error.h"
 #include "tests/app/doctor/laid_out_computer.h"
 #include "tests/support/files.h"

@@ -1,5 +1,5 @@
-// Covers app/study/participant/{participant_window,answers}.cpp and
-// app/window/gl_window.cpp: both windows on one virtual display. There is no window manager: both
+// Covers app/study/participant/{participant_window,participant_input}.cpp and
+// app/window/window.cpp: both windows on one virtual display. There is no window manager: both
 // are at the top left, this one above the main one. And two monitors of different size, one of
 // which goes away and comes back.
 #include "app/study/participant/participant_window.h"
