@@ -4,7 +4,6 @@
 #include "app/commands/output_files.h"
 #include "app/figures/gnuplot.h"
 #include "app/figures/speed_accuracy_marks.h"
-#include "app/host/folders.h"
 #include "base/machine_name.h"
 #include "device/core/device_file.h"
 #include "engine/lab/charts/chart.h"
@@ -73,9 +72,9 @@ void make_charts(const TypedChart &typed) {
             (typed.out / (chart.name + ".csv")).string(),
             [&](std::ostream &out) { write_csv(out, charts::chart_table(chart, machine)); },
             typed.existing);
-        pictures.push_back({asset_folder() / "figures" / "speed_accuracy.gnuplot",
-                            speed_accuracy_marks(chart, footnote(setting, machine)).assignments(),
-                            typed.out, chart.name + ".csv", chart.name + ".svg"});
+        pictures.push_back(chart_of("speed_accuracy",
+                                    speed_accuracy_marks(chart, footnote(setting, machine)),
+                                    typed.out, chart.name + ".csv", chart.name + ".svg"));
     }
     for (std::size_t i = 0; i < pictures.size(); ++i) {
         line.show("pictures", static_cast<double>(i) / static_cast<double>(pictures.size()));

@@ -4,7 +4,6 @@
 #include "app/commands/output_files.h"
 #include "app/figures/figure.h"
 #include "app/figures/gnuplot.h"
-#include "app/host/folders.h"
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "engine/lab/limits/locked_device.h"
@@ -73,8 +72,7 @@ void make_figures(const TypedFigures &typed) {
         const Figure figure = maker.make(setting, [&](double share) { line.show(name, share); });
         write_output((typed.out / (name + ".csv")).string(),
                      [&](std::ostream &out) { write_csv(out, figure.numbers); }, typed.existing);
-        charts.push_back({asset_folder() / "figures" / (name + ".gnuplot"),
-                          figure.marks.assignments(), typed.out, name + ".csv", name + ".svg"});
+        charts.push_back(chart_of(name, figure.marks, typed.out, name + ".csv", name + ".svg"));
     }
     for (const Chart &chart : charts) {
         line.show(chart.svg, 1.0);

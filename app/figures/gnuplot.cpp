@@ -67,6 +67,17 @@ void ChartMarks::add(std::string_view name, std::string_view text) {
     assignments_ += fmt::format("{} = {}; ", name, gnuplot_string(text));
 }
 
+Chart chart_of(std::string_view script, const ChartMarks &marks,
+               const std::filesystem::path &folder, std::string csv, std::string svg,
+               std::string second_csv) {
+    return {asset_folder() / "figures" / fmt::format("{}.gnuplot", script),
+            marks.assignments(),
+            folder,
+            std::move(csv),
+            std::move(svg),
+            std::move(second_csv)};
+}
+
 void draw(const Chart &chart, FilePolicy policy) {
     const std::filesystem::path svg = chart.folder / chart.svg;
     NewFile drawn(svg, policy.readers);
@@ -109,11 +120,10 @@ std::filesystem::path numbers_of(std::filesystem::path svg) {
     return svg.replace_extension(".csv");
 }
 
-void draw_numbers(const std::filesystem::path &svg, const std::string &script,
+void draw_numbers(const std::filesystem::path &svg, std::string_view script,
                   const ChartMarks &marks, FilePolicy policy) {
-    draw({asset_folder() / "figures" / (script + ".gnuplot"), marks.assignments(),
-          svg.parent_path().empty() ? "." : svg.parent_path(), numbers_of(svg).filename().string(),
-          svg.filename().string()},
+    draw(chart_of(script, marks, svg.parent_path().empty() ? "." : svg.parent_path(),
+                  numbers_of(svg).filename().string(), svg.filename().string()),
          policy);
 }
 

@@ -31,6 +31,12 @@ struct Chart {
     std::string second_csv{}; ///< another table, if any
 };
 
+/// Of tables in `folder`, drawn by one of the program's scripts.
+/// @param script  its name without ".gnuplot"
+[[nodiscard]] Chart chart_of(std::string_view script, const ChartMarks &marks,
+                             const std::filesystem::path &folder, std::string csv, std::string svg,
+                             std::string second_csv = {});
+
 /// Draws a chart, which appears when it is complete. No shell is involved, so any folder name
 /// works.
 /// @throw InputError if gnuplot is missing, or if it fails or leaves an incomplete file, with its
@@ -43,7 +49,7 @@ void draw(const Chart &chart, FilePolicy policy);
 /// Draws `svg` by one of the program's scripts, from the numbers beside it.
 /// @param script  its name without ".gnuplot"
 /// @throw InputError as `draw` does
-void draw_numbers(const std::filesystem::path &svg, const std::string &script,
+void draw_numbers(const std::filesystem::path &svg, std::string_view script,
                   const ChartMarks &marks, FilePolicy policy);
 
 } // namespace springdrive::app

@@ -1,4 +1,4 @@
-# Psychometric functions of one participant, a panel a condition; see app/figures/study_pictures.h.
+# Psychometric functions of one participant, a panel a condition; see app/commands/study/study_analyse.cpp.
 # Columns of functions.csv: participant, condition, level, proportion, its interval, maximum
 # likelihood's; of levels.csv: participant, condition, level, trials, positive.
 columns = panels > 1 ? 2 : 1

@@ -1,4 +1,4 @@
-# Thresholds of all participants and their mean, by condition; see app/figures/study_pictures.h.
+# Thresholds of all participants and their mean, by condition; see app/commands/study/study_analyse.cpp.
 # The values are marks, not columns of a file, in which gnuplot would take a comma after a quote in the
 # name of a condition for the end of its cell.
 width = 160.0 + 150*(panels < 3 ? 3 : panels)

@@ -1,4 +1,4 @@
-# How precisely a threshold is known, over the number of trials; see app/figures/study_pictures.h.
+# How precisely a threshold is known, over the number of trials; see app/commands/study/study_plan.cpp.
 # Columns of precision.csv: trials, minutes, width in the median, and of four of five, on the scale.
 set terminal svg size 900,600 font "DejaVu Sans,14" enhanced background rgb "white"
 set label 1 heading at screen 0.5,0.96 center noenhanced font ",16"

@@ -1,4 +1,4 @@
-# The course of a method with one participant, a panel a condition; see app/figures/study_pictures.h.
+# The course of a method with one participant, a panel a condition; see app/commands/study/study_analyse.cpp.
 # Columns of traces.csv: participant, condition, block, trial, track, level, positive, setting,
 # marked, reversal, threshold, its low and high end.
 columns = panels > 1 ? 2 : 1

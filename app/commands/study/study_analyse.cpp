@@ -1,7 +1,6 @@
 #include "app/commands/command.h"
 #include "app/commands/output_files.h"
 #include "app/commands/study/opened_study.h"
-#include "app/commands/study/study_pictures.h"
 #include "app/figures/gnuplot.h"
 #include "base/print.h"
 #include "base/table.h"
@@ -51,7 +50,7 @@ void add_common(ChartMarks &marks, const study::Protocol &protocol,
             : fmt::format("{} device, no person's data; ", study::name_of(results.device));
     marks.add("heading", heading.title);
     marks.add("note", device + heading.note);
-    marks.add("level_label", level_label(protocol));
+    marks.add("level_label", study::level_label(protocol));
     marks.add("is_logarithmic", results.family.scale == study::Scale::logarithmic ? 1.0 : 0.0);
 }
 
@@ -120,8 +119,8 @@ Chart functions_picture(const study::Protocol &protocol, const study::StudyResul
     }
     marks.add("panels", static_cast<double>(panel));
     marks.add("most_trials", most);
-    return study_picture("study_functions.gnuplot", marks, folder, "functions.csv",
-                         "functions_" + participant + ".svg", "levels.csv");
+    return chart_of("study_functions", marks, folder, "functions.csv",
+                    "functions_" + participant + ".svg", "levels.csv");
 }
 
 Chart traces_picture(const study::Protocol &protocol, const study::StudyResults &results,
@@ -149,8 +148,7 @@ Chart traces_picture(const study::Protocol &protocol, const study::StudyResults 
         }
     }
     marks.add("panels", static_cast<double>(panel));
-    return study_picture("study_traces.gnuplot", marks, folder, "traces.csv",
-                         "traces_" + participant + ".svg");
+    return chart_of("study_traces", marks, folder, "traces.csv", "traces_" + participant + ".svg");
 }
 
 Chart group_picture(const study::Protocol &protocol, const study::StudyResults &results,
@@ -194,7 +192,7 @@ Chart group_picture(const study::Protocol &protocol, const study::StudyResults &
         marks.add(fmt::format("title_{}", i + 1), protocol.conditions[condition].name);
     }
     marks.add("panels", static_cast<double>(results.conditions.size()));
-    return study_picture("study_group.gnuplot", marks, folder, "thresholds.csv", "group.svg");
+    return chart_of("study_group", marks, folder, "thresholds.csv", "group.svg");
 }
 
 /// Of each participant the fitted functions and the traces of the method, functions_P01.svg and

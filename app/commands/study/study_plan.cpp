@@ -3,12 +3,12 @@
 #include "app/commands/output_files.h"
 #include "app/commands/study/observer_options.h"
 #include "app/commands/study/opened_study.h"
-#include "app/commands/study/study_pictures.h"
 #include "app/figures/gnuplot.h"
 #include "base/input_error.h"
 #include "base/print.h"
 #include "base/table.h"
 #include "engine/study/analysis/precision_plan.h"
+#include "engine/study/conduct/conduct.h"
 #include "engine/study/methods/psychometric_function.h"
 #include "engine/study/protocol/session_plan.h"
 
@@ -184,16 +184,15 @@ Chart plan_picture(const study::Protocol &protocol, const PrecisionPlan &plan,
                                   observer_text(plan.observer),
                                   study::kMethodNames[protocol.method.index()]));
     marks.add("is_logarithmic", are_ratios(plan) ? 1.0 : 0.0);
-    marks.add("width_label",
-              are_ratios(plan) ? "95 % interval of a threshold, highest/lowest"
-                               : "95 % interval of a threshold, width in " + level_label(protocol));
+    marks.add("width_label", are_ratios(plan) ? "95 % interval of a threshold, highest/lowest"
+                                              : "95 % interval of a threshold, width in " +
+                                                    study::level_label(protocol));
     marks.add("usual_trials", plan.usual_trials);
     marks.add("wanted", plan.wanted ? shown_width(scale, *plan.wanted) : 0.0);
     const std::optional<double> trials =
         plan.wanted ? study::trials_for_width(plan.rows, *plan.wanted) : std::nullopt;
     marks.add("wanted_trials", trials ? std::ceil(*trials) : 0.0);
-    return study_picture("study_precision.gnuplot", marks, folder, "precision.csv",
-                         "precision.svg");
+    return chart_of("study_precision", marks, folder, "precision.csv", "precision.svg");
 }
 
 void plan_typed(const TypedPlan &typed) {

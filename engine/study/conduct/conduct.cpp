@@ -289,6 +289,11 @@ std::string level_name_of(const Protocol &protocol) {
     return protocol.variable.parameter;
 }
 
+std::string level_label(const Protocol &protocol) {
+    const std::string unit(variable_of(protocol).unit);
+    return level_name_of(protocol) + (unit == "–" ? std::string() : " [" + unit + "]");
+}
+
 std::optional<bool> is_correct(const Task &task, const Trial &trial) {
     const auto *chosen = std::get_if<Chosen>(&trial.response);
     if (!is_forced_choice(task.kind) || chosen == nullptr || !trial.target) {

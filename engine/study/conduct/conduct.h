@@ -98,6 +98,8 @@ private:
 /// The name of what a level is: the parameter under test with its unit, such as "turn_deg"; with
 /// "_added" or "_taken_off" where levels are differences from the standard.
 [[nodiscard]] std::string level_name_of(const Protocol &protocol);
+/// For display, with the unit: "turn_deg [°]"
+[[nodiscard]] std::string level_label(const Protocol &protocol);
 
 /// Whether the response is the right one; nothing without a response, and where the task has no
 /// right one: yes/no and adjustment.
