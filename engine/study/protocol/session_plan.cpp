@@ -81,7 +81,7 @@ int min_trials(const Method &method) {
         [](const auto &one) {
             using Kind = std::decay_t<decltype(one)>;
             if constexpr (std::is_same_v<Kind, ConstantStimuli>) {
-                return static_cast<int>(one.levels.size()) * one.repetitions * one.blocks;
+                return max_trials(one);
             } else if constexpr (std::is_same_v<Kind, Staircases>) {
                 return static_cast<int>(one.start_levels.size()) * min_in_track(one);
             } else if constexpr (std::is_same_v<Kind, QuestPlus>) {

@@ -64,13 +64,6 @@ Vector3 warming_current_A(const device::DeviceDescription &device,
     return std::isfinite(force_N) ? Vector3(std::min(1.0, share) * current_A) : Vector3::Zero();
 }
 
-double warming_heat_W(const device::MotorParameters &motor, double resistance_Ohm, double current_A,
-                      double period_s) noexcept {
-    const double tau_s = motor.inductance_H / resistance_Ohm;
-    return resistance_Ohm * current_A * current_A *
-           (1.0 - 2.0 * tau_s / period_s * std::tanh(0.5 * period_s / tau_s));
-}
-
 PredictedHeating predicted_heating(const device::MotorParameters &motor, const WindingBand &band,
                                    double current_A, double step_s) {
     PredictedHeating found{0.0, {motor.thermal, band.air_C, step_s}};

@@ -105,10 +105,6 @@ static_assert(kWarmUpFailures.size() == static_cast<std::size_t>(WarmUpFailure::
                                         const servo::SafetyLimits &limits,
                                         const Vector3 &theta_rad) noexcept;
 
-/// The heat of that square wave's current of ±`current_A` in a winding of `resistance_Ohm` [W].
-[[nodiscard]] double warming_heat_W(const device::MotorParameters &motor, double resistance_Ohm,
-                                    double current_A, double period_s) noexcept;
-
 /// What a warm-up comes to.
 struct PredictedHeating {
     double duration_s = 0.0;                ///< of the heating, at most `WarmUp::kMax_s`

@@ -54,6 +54,15 @@ struct Presentable {
     servo::ServoInputs inputs;
 };
 
+/// The heat of a warm-up's current of ±`current_A` in a winding of `resistance_Ohm` [W]: P of
+/// warm_up.h.
+double warming_heat_W(const device::MotorParameters &motor, double resistance_Ohm, double current_A,
+                      double period_s) {
+    const double tau_s = motor.inductance_H / resistance_Ohm;
+    return resistance_Ohm * current_A * current_A *
+           (1.0 - 2.0 * tau_s / period_s * std::tanh(0.5 * period_s / tau_s));
+}
+
 void expect_same(const StimulusMeasures &one, const StimulusMeasures &other) {
     for (const StimulusMeasure &measure : kStimulusMeasures) {
         EXPECT_EQ(one.*measure.value, other.*measure.value) << measure.name;
