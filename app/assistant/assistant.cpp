@@ -1,7 +1,7 @@
 #include "app/assistant/assistant.h"
 
 #include "app/host/folders.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/strict_toml.h"
 #include "base/text.h"

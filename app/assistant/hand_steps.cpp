@@ -3,7 +3,7 @@
 #include "app/assistant/step.h"
 
 #include "app/host/folders.h"
-#include "app/panels/doctor_popup.h"
+#include "app/panels/panels.h"
 #include "base/degrees.h"
 #include "base/text.h"
 #include "device/core/haptic_device.h"

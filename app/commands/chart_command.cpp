@@ -4,7 +4,7 @@
 #include "app/commands/output_files.h"
 #include "app/figures/gnuplot.h"
 #include "app/figures/speed_accuracy_marks.h"
-#include "base/machine_name.h"
+#include "base/timing.h"
 #include "device/core/device_file.h"
 #include "engine/lab/charts/chart.h"
 #include "engine/lab/charts/charts.h"

@@ -3,7 +3,7 @@
 #include "app/commands/command.h"
 #include "app/host/folders.h"
 #include "base/print.h"
-#include "base/similar_names.h"
+#include "base/text.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>

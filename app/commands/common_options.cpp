@@ -1,7 +1,7 @@
 #include "app/commands/common_options.h"
 
 #include "app/host/folders.h"
-#include "app/stage/open_session.h"
+#include "app/stage/frame_loop.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "base/print.h"

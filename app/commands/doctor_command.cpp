@@ -3,8 +3,8 @@
 #include "app/commands/common_options.h"
 #include "app/doctor/checks.h"
 #include "app/host/folders.h"
-#include "base/error_text.h"
-#include "base/machine_name.h"
+#include "base/input_error.h"
+#include "base/timing.h"
 #include "engine/servo/servo.h"
 
 #include <cstdlib>

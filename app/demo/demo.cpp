@@ -1,7 +1,6 @@
 #include "app/demo/demo.h"
 
 #include "app/demo/screen.h"
-#include "app/exhibit/lost_display.h"
 #include "app/host/output.h"
 #include "app/host/process.h"
 #include "app/host/software_renderer.h"

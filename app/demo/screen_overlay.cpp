@@ -4,7 +4,7 @@
 
 #include "app/host/folders.h"
 #include "app/panels/panels.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 
 #include <iostream>
 

@@ -3,7 +3,7 @@
 #include "app/host/process.h"
 #include "base/input_error.h"
 #include "base/print.h"
-#include "base/quoting.h"
+#include "base/text.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

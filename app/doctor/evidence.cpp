@@ -2,11 +2,10 @@
 
 #include "app/doctor/checks.h"
 #include "base/input_error.h"
-#include "base/number_in.h"
-#include "base/one_line.h"
 #include "base/real_time_thread.h"
+#include "base/text.h"
+#include "device/usb/driver/board_port.h"
 #include "device/usb/driver/board_survey.h"
-#include "device/usb/driver/libusb_port.h"
 #include "engine/record/record_header.h"
 #include "engine/servo/real_time.h"
 

@@ -1,8 +1,8 @@
 #include "app/exhibit/day_log.h"
 
 #include "app/host/folders.h"
-#include "base/file_names.h"
-#include "base/one_line.h"
+#include "base/new_file.h"
+#include "base/text.h"
 #include "engine/session/telemetry_history.h"
 
 #include <fmt/format.h>

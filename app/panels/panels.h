@@ -1,7 +1,7 @@
 // The panels: free functions that show a session and pass the user's requests to it.
 #pragma once
 
-#include "app/doctor/check.h"
+#include "app/doctor/checks.h"
 #include "app/panels/session_keeper.h"
 #include "app/panels/stability_tab.h"
 #include "app/panels/tuning_editor.h"

@@ -1,5 +1,4 @@
 #include "app/host/folders.h"
-#include "app/panels/opened_record.h"
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"

@@ -2,7 +2,7 @@
 
 #include "app/host/folders.h"
 #include "app/host/output.h"
-#include "app/panels/tuning_consequences.h"
+#include "app/panels/panels.h"
 #include "app/plots/channels.h"
 #include "app/widgets/widgets.h"
 #include "base/new_file.h"

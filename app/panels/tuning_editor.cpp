@@ -1,8 +1,7 @@
 #include "app/panels/tuning_editor.h"
 
-#include "app/host/asset_folder.h"
+#include "app/host/folders.h"
 #include "app/host/output.h"
-#include "app/host/output_dir.h"
 #include "base/bisection.h"
 #include "base/input_error.h"
 #include "base/print.h"

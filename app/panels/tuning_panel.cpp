@@ -1,7 +1,6 @@
 #include "app/host/folders.h"
 #include "app/panels/panels.h"
-#include "app/panels/tuning_consequences.h"
-#include "app/panels/tuning_files.h"
+#include "app/panels/tuning_editor.h"
 #include "app/plots/channels.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"

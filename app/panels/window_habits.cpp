@@ -1,7 +1,7 @@
 #include "app/panels/window_habits.h"
 
 #include "app/host/folders.h"
-#include "base/file_names.h"
+#include "base/new_file.h"
 
 #include <fmt/format.h>
 #include <imgui.h>

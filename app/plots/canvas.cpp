@@ -1,7 +1,7 @@
 #include "app/plots/canvas.h"
 
 #include "app/widgets/widgets.h"
-#include "base/quoting.h"
+#include "base/text.h"
 
 #include <fmt/core.h>
 

@@ -1,6 +1,6 @@
 #include "app/visitors/visits.h"
 
-#include "app/host/ending_signal.h"
+#include "app/host/process.h"
 #include "app/study/participant/answers.h"
 #include "app/study/sitting/sitting.h"
 #include "app/widgets/widgets.h"

@@ -1,6 +1,6 @@
 #include "app/widgets/widgets.h"
 
-#include "base/quoting.h"
+#include "base/text.h"
 #include "engine/record/telemetry_columns.h"
 
 #include <imgui_stdlib.h>

@@ -7,7 +7,6 @@
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
-#include "tests/support/variable.h"
 
 #include <CLI/CLI.hpp>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 // missing in the folder, and all of them are replayed to the last bit. app/panels/settings.cpp:
 // what is remembered, and files that are damaged or cannot be written.
 #include "app/panels/session_keeper.h"
-#include "app/panels/settings.h"
+#include "app/panels/window_habits.h"
 #include "base/input_error.h"
 #include "engine/record/record_reader.h"
 #include "tests/engine/session/session_fixture.h"
@@ -471,7 +471,7 @@ TEST_F(WindowSettings, ThatAreDamagedAreNamedByFileAndLine) {
     };
     for (const auto &[text, error] : damaged) {
         write(text);
-        const std::string said = testing::error_text_of([&] { (void)read_settings(file); });
+        const std::string said = error_text_of([&] { (void)read_settings(file); });
         EXPECT_NE(said.find(file.string() + error), std::string::npos) << said;
         EXPECT_NE(said.find("--reset-settings"), std::string::npos) << said;
         EXPECT_EQ(said.find('\n'), std::string::npos) << said;

@@ -8,7 +8,6 @@
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
-#include "tests/support/variable.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

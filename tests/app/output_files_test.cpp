@@ -2,9 +2,8 @@
 // outside that commands keep to them: which files are written, where, and which never.
 #include "app/commands/output_files.h"
 
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "tests/support/program.h"
-#include "tests/support/variable.h"
 
 #include <gtest/gtest.h>
 

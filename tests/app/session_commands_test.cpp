@@ -1,7 +1,7 @@
 // Covers what runs a device, from outside: app/main.cpp, app/demo/demo.cpp, and
 // app/commands/{record,export,replay,device,sweep,commissioning}_command*.cpp on simulated devices
 // and emulated boards; typed_session.cpp's warnings; stage/load_lines.cpp.
-#include "app/stage/open_session.h"
+#include "app/stage/frame_loop.h"
 #include "engine/control/tuning_file.h"
 #include "tests/support/csv.h"
 #include "tests/support/devices.h"

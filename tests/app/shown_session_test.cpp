@@ -3,9 +3,8 @@
 // it, below an open mesh or in a bowl; app/panels/{scene_message,event_log}.cpp, which message is
 // over the scene, what its button does, and what is listed of what has happened.
 #include "app/demo/shown_values.h"
-#include "app/demo/tip_inside.h"
-#include "app/panels/event_log.h"
-#include "app/panels/scene_message.h"
+#include "app/panels/scene_overlay.h"
+#include "app/panels/session_keeper.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"
 #include "engine/session/telemetry_history.h"

@@ -1,10 +1,8 @@
 // Covers base/contained_path.cpp, base/file_names.h, base/input_file.cpp, base/new_file.cpp and
 // base/sha256.cpp. Paths by which a scene leaves its folder are in gltf_file_test.cpp.
-#include "base/contained_path.h"
-
-#include "base/error_text.h"
-#include "base/file_names.h"
 #include "base/input_file.h"
+
+#include "base/input_error.h"
 #include "base/new_file.h"
 #include "base/sha256.h"
 #include "tests/support/files.h"

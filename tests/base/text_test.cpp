@@ -2,14 +2,13 @@
 // base/table.cpp, and what of base/strict_toml.cpp the tests of device and tuning files leave:
 // flags, choices, lists, rows and the nearest name. Formats that must not compile are tested by
 // tests/forbidden_formats.
-#include "base/one_line.h"
+#include "base/text.h"
 
-#include "base/error_text.h"
-#include "base/machine_name.h"
+#include "base/input_error.h"
 #include "base/print.h"
-#include "base/quoting.h"
 #include "base/strict_toml.h"
 #include "base/table.h"
+#include "base/timing.h"
 #include "tests/support/csv.h"
 #include "tests/support/files.h"
 

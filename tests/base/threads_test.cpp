@@ -1,13 +1,11 @@
 // Covers what threads exchange: base/latest_value.h and base/sample_ring.h, each with its two
 // threads; base/background.h, base/background_release.h and base/cancellation.h, and how
 // base/parallel.h passes on the cancellation.
-#include "base/latest_value.h"
+#include "base/hand_over.h"
 
 #include "base/background.h"
-#include "base/background_release.h"
 #include "base/cancellation.h"
 #include "base/parallel.h"
-#include "base/sample_ring.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,6 @@
 // go back, everything is counted once, and nothing old passes for new.
 #include "base/input_error.h"
 #include "device/core/faults.h"
-#include "device/usb/driver/delay_meter.h"
-#include "device/usb/driver/report_phase.h"
 #include "device/usb/driver/report_stream.h"
 #include "tests/fuzz/usb_targets.h"
 

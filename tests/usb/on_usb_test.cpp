@@ -1,6 +1,5 @@
 // The driver by libusb against an emulated board by FunctionFS, with a kernel between them. Needs
 // root and a device controller: run by tests/usb/virtual_machine.
-#include "base/error_text.h"
 #include "base/input_error.h"
 #include "base/real_time_thread.h"
 #include "device/core/device_file.h"

@@ -4,7 +4,7 @@
 #include "app/commands/study/opened_study.h"
 #include "app/commands/study/study_turns.h"
 #include "app/host/process.h"
-#include "app/study/sitting/person_checks.h"
+#include "app/study/sitting/sitting.h"
 #include "base/input_error.h"
 
 #include <fmt/core.h>

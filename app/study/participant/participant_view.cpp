@@ -1,7 +1,7 @@
 #include "app/study/participant/participant_view.h"
 
 #include "app/view/embedded_shaders.h"
-#include "app/view/gl_vector.h"
+#include "app/view/solids.h"
 #include "base/assertions.h"
 
 #include <backends/imgui_impl_opengl3.h>

@@ -3,7 +3,7 @@
 // all of this on the servo's own thread.
 #pragma once
 
-#include "base/latest_value.h"
+#include "base/hand_over.h"
 #include "base/vector.h"
 #include "device/core/device_description.h"
 #include "engine/control/tuning.h"

@@ -2,7 +2,7 @@
 // which it is resumed; the steps on an emulated device, healthy to the end and with faults; and
 // what findings may be passed.
 #include "app/assistant/assistant.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "tests/app/assistant/walker.h"
 
 #include <gtest/gtest.h>

@@ -5,10 +5,8 @@
 #include "app/doctor/checks.h"
 #include "app/doctor/evidence.h"
 #include "base/input_error.h"
-#include "tests/app/doctor/laid_out_computer.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
-#include "tests/support/variable.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,6 @@
 // Covers app/exhibit/tour.cpp: the scripted hand in every scene, on the simulated device; and
 // app/exhibit/course.cpp, in simulated time.
 #include "app/exhibit/course.h"
-#include "app/exhibit/kiosk_limits.h"
 #include "app/exhibit/tour.h"
 #include "app/exhibit/trip_recovery.h"
 #include "base/degrees.h"

@@ -4,7 +4,6 @@
 #include "app/panels/panels.h"
 #include "app/panels/stability_tab.h"
 #include "app/panels/tuning_editor.h"
-#include "app/panels/tuning_files.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning.h"
 #include "engine/control/tuning_file.h"

@@ -4,15 +4,14 @@
 // experimenter sees of the answers so far. app/study/sitting/{sitting,interludes}.cpp: sessions
 // with a questionnaire, by method of adjustment, and with masking noise, on a sound output that is
 // a file, or on none.
-#include "app/study/experimenter/live_charts.h"
+#include "app/study/experimenter/study_window.h"
 #include "app/study/participant/answers.h"
-#include "app/study/sitting/person_checks.h"
+#include "app/study/sitting/sitting.h"
 #include "app/widgets/widgets.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "tests/app/study/headless_study.h"
 #include "tests/app/study/made_up_people.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
-#include "tests/support/child_process.h"
 #include "tests/support/files.h"
 #include "tests/support/imgui_frame.h"
 

@@ -1,7 +1,7 @@
 // Covers app/study/participant/{participant_layout,letters,participant_input,participant_view}.cpp,
 // and which monitor participant_window.cpp takes to be meant; and that every screen that a
 // participant comes to in the included protocols is sound and readable on each size of monitor.
-#include "app/study/participant/participant_input.h"
+#include "app/study/participant/answers.h"
 #include "app/study/participant/participant_layout.h"
 #include "app/study/participant/participant_view.h"
 #include "app/study/participant/participant_window.h"

@@ -9,7 +9,7 @@
 #include "app/study/participant/participant_view.h"
 #include "app/view/gl_objects.h"
 #include "engine/scene/gltf.h"
-#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/protocol/protocol.h"
 #include "tests/app/study/made_up_people.h"
 #include "tests/app/study/participant_pictures.h"
 #include "tests/support/cases.h"

@@ -1,7 +1,7 @@
 // Covers app/study/sitting/{sitting,trial_presenter,device_stops}.cpp: a device that is stopped or
 // lost, and a disk that is full.
-#include "base/error_text.h"
-#include "tests/app/study/sitting_rig.h"
+#include "base/input_error.h"
+#include "tests/app/study/made_up_people.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>

@@ -21,7 +21,7 @@
 #include "tests/app/study/study_program.h"
 #include "tests/support/cases.h"
 #include "tests/support/pressed_keys.h"
-#include "tests/support/running_program.h"
+#include "tests/support/program.h"
 #include "tests/support/shown_window.h"
 #include "tests/support/virtual_display.h"
 

@@ -1,9 +1,7 @@
 // Covers device/core/device_file.cpp, calibration_file.cpp and, through them, base/strict_toml.cpp.
 #include "device/core/device_file.h"
 
-#include "base/error_text.h"
 #include "base/input_error.h"
-#include "device/core/calibration_file.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 

@@ -1,7 +1,7 @@
 // Covers device/core/faults: the schedule, and the texts.
 #include "device/core/faults.h"
 
-#include "base/error_text.h"
+#include "base/input_error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,7 @@
 // Covers device/simulated/hand_path.cpp and hand_stimulus.cpp.
-#include "device/simulated/hand_path.h"
+#include "device/simulated/hand.h"
 
 #include "base/input_error.h"
-#include "device/simulated/hand_stimulus.h"
 #include "device/simulated/simulated_phantom.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"

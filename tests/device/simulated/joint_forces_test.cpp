@@ -1,8 +1,7 @@
 // Covers device/simulated/friction.cpp, joint_stops.cpp and small_system.h.
 #include "device/simulated/friction.h"
 
-#include "device/simulated/joint_stops.h"
-#include "device/simulated/small_system.h"
+#include "device/simulated/linkage_step.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 

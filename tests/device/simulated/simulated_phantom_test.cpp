@@ -5,7 +5,7 @@
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/core/split_delay.h"
-#include "device/simulated/sampled_device.h"
+#include "device/simulated/plant_setup.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 #include "base/vector.h"
 #include "device/simulated/simulated_phantom.h"
 #include "device/usb/board/board.h"
-#include "device/usb/board/command_limits.h"
+#include "device/usb/board/link.h"
 #include "tests/device/usb/board_rig.h"
 #include "tests/support/devices.h"
 

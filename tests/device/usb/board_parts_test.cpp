@@ -1,14 +1,11 @@
 // Covers device/usb/board/encoder.h, matrix.h, command_limits.h, current_offset.h, winding_heat.h,
 // state_machine.h and exchange.h, and tests/device/usb/core_checks.h.
-#include "device/usb/board/command_limits.h"
-#include "device/usb/board/current_offset.h"
-#include "device/usb/board/encoder.h"
 #include "device/usb/board/exchange.h"
 #include "device/usb/board/link.h"
 #include "device/usb/board/loop_parts.h"
 
 #include "base/vector.h"
-#include "device/core/motor/winding_temperature.h"
+#include "device/core/motor/winding_heat.h"
 #include "tests/device/usb/core_checks.h"
 #include "tests/support/devices.h"
 

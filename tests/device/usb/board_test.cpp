@@ -1,6 +1,6 @@
 // Covers device/usb/board/loop.{h,cpp}, link.{h,cpp} and board.h, with
 // tests/device/usb/board_rig.h; for their faults see board_faults_test.cpp.
-#include "device/usb/board/hardware.h"
+#include "device/usb/board/board.h"
 #include "tests/device/usb/board_rig.h"
 
 #include <gtest/gtest.h>

@@ -1,10 +1,8 @@
 // Covers device/usb/driver: report_stream, delay_meter and report_phase, by packets made here, and
 // board_survey.
-#include "device/usb/driver/delay_meter.h"
+#include "device/usb/driver/report_stream.h"
 
 #include "device/usb/driver/board_survey.h"
-#include "device/usb/driver/report_phase.h"
-#include "device/usb/driver/report_stream.h"
 #include "device/usb/emulator/emulated_board.h"
 
 #include <gtest/gtest.h>

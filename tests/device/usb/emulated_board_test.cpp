@@ -1,6 +1,6 @@
 // Covers device/usb/emulator/{emulated_board,emulated_plant,packet_line}: time, delay and packets
 // against their definitions in PROTOCOL.md, and the plant. For faults see emulated_faults_test.cpp.
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "device/usb/emulator/emulated_board.h"
 #include "tests/device/usb/board_rig.h"
 #include "tests/support/devices.h"

@@ -2,7 +2,6 @@
 // replaces that of the system in this program.
 #include "device/usb/driver/libusb_boards.h"
 
-#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/usb/driver/board_survey.h"
 #include "device/usb/protocol.h"

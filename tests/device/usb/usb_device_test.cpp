@@ -1,7 +1,6 @@
 // The driver against the board's core in process: with a frame clock, and with time and jitter.
 #include "device/usb/driver/usb_device.h"
 
-#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "tests/support/devices.h"

@@ -2,7 +2,6 @@
 // against their truth, and against the information bound of their sensors.
 #include "engine/commissioning/calibration_run.h"
 
-#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/factory/device_factory.h"
 #include "device/factory/emulated_device.h"

@@ -2,7 +2,7 @@
 #include "engine/commissioning/self_test.h"
 
 #include "base/degrees.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/factory/device_factory.h"
 #include "device/simulated/hand_tours.h"

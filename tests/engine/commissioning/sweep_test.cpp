@@ -3,7 +3,6 @@
 #include "engine/commissioning/sweep.h"
 
 #include "base/degrees.h"
-#include "base/error_text.h"
 #include "base/input_error.h"
 #include "device/core/haptic_device.h"
 #include "device/core/phantom/kinematics.h"

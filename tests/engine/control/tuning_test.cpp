@@ -2,10 +2,10 @@
 // base/strict_toml.cpp may be left out.
 #include "engine/control/tuning.h"
 
+#include "base/input_error.h"
 #include "engine/control/tuning_difference.h"
 #include "engine/control/tuning_file.h"
 #include "tests/support/devices.h"
-#include "tests/support/error_text.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ std::string error_in(std::string text, const std::string &begin, const std::stri
     text.replace(at, from.size(), to);
     const auto file = testing::fresh_folder("tuning_file") / "bad.toml";
     std::ofstream(file) << text;
-    return testing::error_text_of([&file] { static_cast<void>(read_whole_tuning_file(file)); });
+    return error_text_of([&file] { static_cast<void>(read_whole_tuning_file(file)); });
 }
 
 std::string error(const std::string &from, const std::string &to) {

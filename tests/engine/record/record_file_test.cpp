@@ -5,8 +5,7 @@
 #include "engine/record/record_writer.h"
 #include "engine/record/recorder.h"
 #include "tests/engine/record/samples.h"
-#include "tests/support/full_disk.h"
-#include "tests/support/modes.h"
+#include "tests/support/files.h"
 
 #include <gtest/gtest.h>
 

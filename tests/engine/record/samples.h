@@ -2,7 +2,6 @@
 // documentation alone, without the code under test.
 #pragma once
 
-#include "base/error_text.h"
 #include "base/input_error.h"
 #include "engine/record/record_writer.h"
 #include "engine/record/row_codec.h"

@@ -3,6 +3,7 @@
 // lets it take.
 #include "engine/scene/gltf_file.h"
 
+#include "base/input_error.h"
 #include "engine/scene/gltf_json.h"
 #include "engine/scene/gltf_uri.h"
 #include "engine/scene/load_progress.h"
@@ -10,7 +11,6 @@
 #include "engine/scene/warning_list.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/scene/gltf_builder.h"
-#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ void expect_message(const std::string &message, const std::string &part) {
 }
 
 std::string failure_of_file(const std::filesystem::path &file) {
-    return testing::error_text_of([&file] { (void)load_gltf(file, small_workspace()); });
+    return error_text_of([&file] { (void)load_gltf(file, small_workspace()); });
 }
 
 TEST(GltfFile, TextAndBinaryGiveTheSameScene) {
@@ -351,9 +351,9 @@ TEST(GltfUri, DataInBase64OrPercentEncodedComeOutAlike) {
 }
 
 TEST(GltfUri, DamagedDataAreRefused) {
-    EXPECT_EQ(testing::error_text_of([] { (void)gltf::decode_data_uri("data:;base64"); }),
+    EXPECT_EQ(error_text_of([] { (void)gltf::decode_data_uri("data:;base64"); }),
               "is damaged: it has no comma; export it again");
-    EXPECT_EQ(testing::error_text_of([] { (void)gltf::decode_data_uri("data:;base64,AA=A"); }),
+    EXPECT_EQ(error_text_of([] { (void)gltf::decode_data_uri("data:;base64,AA=A"); }),
               "is damaged: character 3 of its data is no base64 digit; export it "
               "again");
 }
@@ -424,19 +424,19 @@ TEST(GltfUri, FilesOutsideAreRefusedAlikeWhetherTheyExistOrNot) {
                                              {"up/secret.bin", by_link},
                                              {"up/none.bin", by_link}}) {
         EXPECT_EQ(
-            testing::error_text_of([&] { (void)gltf::read_uri(one.uri, folders.scene(), 100); }),
+            error_text_of([&] { (void)gltf::read_uri(one.uri, folders.scene(), 100); }),
             one.why)
             << one.uri;
     }
-    EXPECT_EQ(testing::error_text_of([&] { (void)gltf::read_uri(absolute, folders.scene(), 100); }),
+    EXPECT_EQ(error_text_of([&] { (void)gltf::read_uri(absolute, folders.scene(), 100); }),
               not_relative);
 }
 
 TEST(GltfUri, WhatIsNoFileIsRefused) {
     const Folders folders;
-    EXPECT_EQ(testing::error_text_of([&] { (void)gltf::read_uri("textures", folders.scene(), 9); }),
+    EXPECT_EQ(error_text_of([&] { (void)gltf::read_uri("textures", folders.scene(), 9); }),
               "cannot be read: it is no ordinary file");
-    EXPECT_EQ(testing::error_text_of([&] { (void)gltf::read_uri("none.png", folders.scene(), 9); }),
+    EXPECT_EQ(error_text_of([&] { (void)gltf::read_uri("none.png", folders.scene(), 9); }),
               "cannot be read: there is no such file");
 }
 
@@ -539,7 +539,7 @@ TEST(SceneSurface, NamesTheFileWhoseSurfaceIsTooMuchWork) {
     scene.file = "folder/line.glb";
     scene.surface = testing::soup_in_a_line(random, 6000);
     const std::string error =
-        testing::error_text_of([&] { static_cast<void>(haptic_surface_of(scene)); });
+        error_text_of([&] { static_cast<void>(haptic_surface_of(scene)); });
     EXPECT_TRUE(error.starts_with("folder/line.glb: preparing its 6000 triangles for touch needs "
                                   "about "))
         << error;

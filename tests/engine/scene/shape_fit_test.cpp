@@ -7,7 +7,6 @@
 #include "engine/scene/shape_fit.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/scene/gltf_builder.h"
-#include "tests/support/error_text.h"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +36,7 @@ contact::AnalyticShape fitted(ShapeKind kind, const Vector3 &half_size,
 void expect_refused(ShapeKind kind, const Vector3 &half_size, const std::string &why,
                     const Eigen::Affine3d &to_device = Eigen::Affine3d::Identity()) {
     const std::string message =
-        testing::error_text_of([&] { (void)fitted(kind, half_size, to_device); });
+        error_text_of([&] { (void)fitted(kind, half_size, to_device); });
     EXPECT_EQ(message.find("node 'ball': cannot be touched as a " + name_of(kind) + ": "), 0U)
         << half_size.transpose() << ": " << message;
     EXPECT_NE(message.find(why), std::string::npos) << message;

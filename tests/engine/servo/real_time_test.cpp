@@ -3,6 +3,7 @@
 // and reads the clock. Also real_time.cpp: what the system grants a thread, and the warnings if it
 // refuses.
 #include "base/assertions.h"
+#include "base/input_error.h"
 #include "device/core/haptic_device.h"
 #include "device/simulated/simulated_phantom.h"
 #include "device/simulated/simulation_options.h"
@@ -20,7 +21,6 @@
 #include "engine/study/stimuli/stimulus.h"
 #include "engine/study/stimuli/warm_up.h"
 #include "tests/support/devices.h"
-#include "tests/support/error_text.h"
 #include "tests/support/real_time_watch.h"
 
 #include <gtest/gtest.h>
@@ -452,7 +452,7 @@ TEST(Rights, AThreadStaysOnTheGivenProcessor) {
 
 TEST(Rights, AMissingProcessorIsRejectedByNumber) {
     for (const int cpu : {-1, 1023, 1024, 1'000'000}) {
-        const std::string said = testing::error_text_of([cpu] { check_cpu(cpu); });
+        const std::string said = error_text_of([cpu] { check_cpu(cpu); });
         EXPECT_EQ(said.find("--cpu " + std::to_string(cpu) + ": this process may run on "), 0U)
             << said;
     }

@@ -434,10 +434,10 @@ void expect_said(const SafetyStatus &status, const testing::PlantedLimit &line) 
     EXPECT_EQ(status.state, SafetyState::tripped);
     EXPECT_EQ(status.cause, TripCause::assertion);
     EXPECT_STREQ(status.failure.condition, line.condition);
-    EXPECT_STREQ(status.failure.file, "tests/support/planted_device.h");
+    EXPECT_STREQ(status.failure.file, "tests/support/servo_devices.h");
     EXPECT_EQ(status.failure.line, line.line);
     EXPECT_EQ(description(status),
-              "internal error, assertion failed at tests/support/planted_device.h:" +
+              "internal error, assertion failed at tests/support/servo_devices.h:" +
                   std::to_string(line.line) + ": " + line.condition + "; restart the program");
 }
 
@@ -571,7 +571,7 @@ TEST(ServoAssertionDeathTest, AnUnguardedLoopEndsTheProgram) {
     static_cast<void>(loop.tick({}));
     device.arm();
     EXPECT_DEATH(static_cast<void>(loop.tick({})),
-                 "assertion failed: .*, tests/support/planted_device\\.h:");
+                 "assertion failed: .*, tests/support/servo_devices\\.h:");
 }
 
 } // namespace

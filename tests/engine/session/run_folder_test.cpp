@@ -1,7 +1,6 @@
 // Covers engine/session/run_folder.cpp, and write_record of record.cpp.
 #include "engine/session/run_folder.h"
 
-#include "base/error_text.h"
 #include "base/input_error.h"
 #include "engine/control/tuning_file.h"
 #include "engine/record/record_reader.h"

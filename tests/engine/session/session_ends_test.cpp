@@ -12,7 +12,7 @@
 #include "engine/record/replay.h"
 #include "engine/session/session_report.h"
 #include "tests/engine/session/session_fixture.h"
-#include "tests/support/planted_device.h"
+#include "tests/support/servo_devices.h"
 
 #include <gtest/gtest.h>
 
@@ -110,7 +110,7 @@ TEST(SessionAssertion, TheWindowContinuesAndTheRecordNamesTheFailure) {
     std::ostringstream report;
     write_session_report(report, session);
     EXPECT_NE(report.str().find("\nsafety: stopped, internal error, assertion failed at "
-                                "tests/support/planted_device.h:" +
+                                "tests/support/servo_devices.h:" +
                                 line + ": " + where + "; restart the program\n"),
               std::string::npos)
         << report.str();
@@ -139,7 +139,7 @@ TEST(SessionAssertion, TheWindowContinuesAndTheRecordNamesTheFailure) {
     EXPECT_EQ(reader.ending().rows, session.servo().statistics().ticks());
     EXPECT_GT(failed, 500U);
     EXPECT_NE(notes.find(R"("assertion_failed":")" + where), std::string::npos) << notes;
-    EXPECT_NE(notes.find(R"("file":"tests/support/planted_device.h","line":)" + line),
+    EXPECT_NE(notes.find(R"("file":"tests/support/servo_devices.h","line":)" + line),
               std::string::npos)
         << notes;
     EXPECT_TRUE(replay.is_identical());
@@ -171,7 +171,7 @@ TEST(SessionAssertion, AnotherDeviceIsNotStarted) {
     ASSERT_TRUE(mistaken.run_until_it_has_failed());
     EXPECT_NE(error_text_of([&] {
                   mistaken.session.exchange_device(testing::premium());
-              }).find("tests/support/planted_device.h:"),
+              }).find("tests/support/servo_devices.h:"),
               std::string::npos);
     EXPECT_FALSE(mistaken.session.servo().stop_if_released());
     testing::run(mistaken.session, 3.0);

@@ -1,8 +1,7 @@
 // Covers device/core/motor/motor.cpp, amplifier.cpp and winding_temperature.cpp.
 #include "device/core/motor/motor.h"
 
-#include "device/core/motor/amplifier.h"
-#include "device/core/motor/winding_temperature.h"
+#include "device/core/motor/winding_heat.h"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>

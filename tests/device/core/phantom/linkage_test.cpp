@@ -4,7 +4,6 @@
 
 #include "base/degrees.h"
 #include "device/core/phantom/dynamics.h"
-#include "device/core/phantom/linkage_secants.h"
 #include "tests/support/configurations.h"
 #include "tests/support/cvode.h"
 #include "tests/support/devices.h"

@@ -1,6 +1,6 @@
 // Covers the closing of cracks in engine/contact/mesh: vertex_welding.cpp, boundary_stitching.cpp,
 // t_junction_removal.cpp with point_tree.cpp, and that no stage exceeds what it is allowed.
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "engine/contact/mesh/mesh_stitching.h"
 #include "engine/contact/mesh/point_tree.h"
 #include "engine/contact/mesh/preparation_allowance.h"

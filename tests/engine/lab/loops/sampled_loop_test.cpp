@@ -3,8 +3,8 @@
 #include "base/bisection.h"
 #include "engine/lab/loops/linear_loop.h"
 #include "tests/support/devices.h"
-#include "tests/support/random_loops.h"
 #include "tests/support/sampled_loop.h"
+#include "tests/support/stability_cases.h"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>

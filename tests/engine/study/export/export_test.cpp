@@ -1,7 +1,7 @@
 // Covers engine/study/export/.
 #include "engine/study/export/trial_table.h"
 
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "engine/study/store/study_store.h"
 #include "tests/engine/study/store/sample_study.h"
 #include "tests/support/csv.h"

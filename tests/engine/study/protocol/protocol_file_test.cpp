@@ -2,12 +2,10 @@
 // what is read, and what is refused, with key, value and range.
 #include "engine/study/protocol/protocol.h"
 
-#include "base/error_text.h"
 #include "base/input_error.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/study/methods/random_key.h"
 #include "engine/study/protocol/protocol_check.h"
-#include "engine/study/protocol/protocol_file.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 
 #include <fmt/core.h>
@@ -380,7 +378,7 @@ TEST(ProtocolManual, HasEveryKeyOfTheList) {
 std::set<std::string> known_beside(const std::string &beside) {
     const std::string text = testing::with(testing::kPlainProtocol, beside, beside + "zzz = 1\n");
     const std::string line =
-        testing::error_text_of([&text] { static_cast<void>(testing::protocol_of(text)); });
+        error_text_of([&text] { static_cast<void>(testing::protocol_of(text)); });
     const std::string before = "the known keys are ";
     const std::size_t at = line.find(before);
     EXPECT_NE(at, std::string::npos) << line;

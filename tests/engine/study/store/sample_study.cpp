@@ -1,6 +1,6 @@
 #include "tests/engine/study/store/sample_study.h"
 
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "engine/study/store/rows.h"
 
 #include <fmt/core.h>

@@ -1,7 +1,7 @@
 // Covers engine/study/store/ as a whole: a running study whose program is killed, whose machine
 // loses power, or whose disk is full, at a call of SQLite to the system that a seed chooses; and
 // the deletion of a participant, after which no byte is left of what the study knew of them.
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "engine/study/store/database.h"
 #include "engine/study/store/study_store.h"
 #include "tests/engine/study/store/failing_disk.h"

@@ -1,6 +1,6 @@
 // Covers engine/study/store/{study_file,database}.cpp: files that are no studies, or
 // damaged; one writer, any number of readers.
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "base/parallel.h"
 #include "base/sha256.h"
 #include "engine/study/store/rows.h"

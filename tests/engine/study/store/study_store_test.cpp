@@ -1,6 +1,6 @@
 // Covers engine/study/store/{study_store,rows,study_contents}.cpp, and what the store does with
 // studies from people who mean harm.
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "engine/study/store/study_store.h"
 #include "tests/engine/study/store/forged_study.h"
 #include "tests/engine/study/store/sample_study.h"
