@@ -3,7 +3,7 @@
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
-#include "engine/control/tuning_difference.h"
+#include "engine/control/tuning.h"
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,7 @@
 #include "base/input_error.h"
 #include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/servo/workspace_edge.h"
+#include "engine/servo/safety_limits.h"
 
 #include <algorithm>
 #include <array>

@@ -5,8 +5,8 @@
 #include "base/print.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
-#include "engine/control/observed_motor.h"
 #include "engine/control/tuning.h"
+#include "engine/control/winding_observer.h"
 
 #include <Eigen/LU>
 

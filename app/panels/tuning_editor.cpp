@@ -6,7 +6,7 @@
 #include "base/input_error.h"
 #include "base/print.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/control/tuning_difference.h"
+#include "engine/control/tuning.h"
 
 #include <fmt/core.h>
 

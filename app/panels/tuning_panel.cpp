@@ -5,7 +5,6 @@
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"
 #include "engine/control/tuning.h"
-#include "engine/control/tuning_difference.h"
 #include "engine/control/tuning_file.h"
 
 #include <algorithm>

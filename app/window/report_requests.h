@@ -3,9 +3,9 @@
 // shows the consequences of all input events up to the request.
 #pragma once
 
-#include "app/window/window.h"
-#include "engine/servo/duration_histogram.h"
+#include "app/window/gl_window.h"
 #include "engine/servo/servo_sample.h"
+#include "engine/servo/servo_timing.h"
 
 #include <chrono>
 #include <cstddef>

@@ -1,7 +1,7 @@
 #include "engine/control/haptic_law.h"
 
 #include "device/core/phantom/kinematics.h"
-#include "engine/control/force_direction.h"
+#include "engine/control/rendered_force.h"
 
 #include <cstddef>
 

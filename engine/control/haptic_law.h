@@ -6,8 +6,8 @@
 #include "engine/contact/contact.h"
 #include "engine/control/coupling.h"
 #include "engine/control/motion_control.h"
-#include "engine/control/observed_motor.h"
 #include "engine/control/tuning.h"
+#include "engine/control/winding_observer.h"
 
 #include <array>
 #include <cstdint>

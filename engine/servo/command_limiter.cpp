@@ -1,8 +1,8 @@
 #include "engine/servo/command_limiter.h"
 
 #include "device/core/phantom/kinematics.h"
-#include "engine/control/force_direction.h"
-#include "engine/servo/workspace_edge.h"
+#include "engine/control/rendered_force.h"
+#include "engine/servo/safety_limits.h"
 
 #include <algorithm>
 #include <array>

@@ -15,7 +15,7 @@
 
 #include "device/core/haptic_device.h"
 #include "engine/control/motion_control.h"
-#include "engine/control/observed_motor.h"
+#include "engine/control/winding_observer.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/servo/safety_status.h"
 

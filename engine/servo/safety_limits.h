@@ -1,6 +1,8 @@
-// Limits that the safety monitor enforces. The device file sets them; the operator may lower them.
+// Limits that the safety monitor enforces, which the device file sets and the operator may lower, and
+// the soft wall at the edge of the workspace.
 #pragma once
 
+#include "base/vector.h"
 #include "device/core/device_description.h"
 
 #include <array>
@@ -64,5 +66,26 @@ inline constexpr std::array<SafetyLimit, 10> kSafetyLimits{{
 /// The smaller value of each limit; a requested value that is not positive is ignored. RT-safe.
 [[nodiscard]] SafetyLimits lowered(const SafetyLimits &device,
                                    const SafetyLimits &request) noexcept;
+
+// The soft wall at the edge of the workspace: before each joint's stop, and before the links fold
+// too far, a spring and a damper push back. They act directly on the motor torque, so no tuning
+// disables them.
+
+/// How far joint angles are beyond limits reduced by `margin_rad`: the joints, and the fold q₃ −
+/// q₂. Positive beyond the upper limit, negative beyond the lower, zero within [rad].
+struct BeyondLimits {
+    Vector3 joint_rad{Vector3::Zero()};
+    double fold_rad = 0.0;
+
+    [[nodiscard]] double max_excess_rad() const noexcept;
+};
+
+/// RT-safe.
+[[nodiscard]] BeyondLimits beyond_limits(const device::JointLimits &limits, const Vector3 &q_rad,
+                                         double margin_rad) noexcept;
+
+/// Joint torques of the soft wall [N·m]; zero within. RT-safe.
+[[nodiscard]] Vector3 edge_torque_Nm(const device::DeviceDescription &device, const Vector3 &q_rad,
+                                     const Vector3 &q_rate_rad_per_s) noexcept;
 
 } // namespace springdrive::servo

@@ -2,7 +2,7 @@
 
 #include "device/core/phantom/kinematics.h"
 #include "engine/servo/bumpless_transfer.h"
-#include "engine/servo/workspace_edge.h"
+#include "engine/servo/safety_limits.h"
 
 #include <algorithm>
 #include <cmath>

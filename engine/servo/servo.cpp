@@ -2,7 +2,7 @@
 
 #include "base/assertions.h"
 #include "base/input_error.h"
-#include "engine/servo/deadlines.h"
+#include "engine/servo/servo_timing.h"
 
 #include <fmt/core.h>
 

@@ -4,7 +4,6 @@
 #include "device/core/motor/winding_heat.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/tuning.h"
-#include "engine/servo/input_course.h"
 #include "engine/servo/safety_limits.h"
 
 #include <array>
@@ -12,6 +11,23 @@
 #include <optional>
 
 namespace springdrive::servo {
+
+struct LawInputs;
+struct ServoSample;
+
+/// What changes a servo's inputs from tick to tick, such as a stimulus that answers to the touch: a
+/// mailbox would be late by a frame.
+class InputCourse {
+public:
+    InputCourse() = default;
+    virtual ~InputCourse() = default;
+    InputCourse(const InputCourse &) = delete;
+    InputCourse &operator=(const InputCourse &) = delete;
+
+    /// After a tick: changes what the law is to do in the next one. `next` is as published.
+    /// RT-safe.
+    virtual void update(const ServoSample &last, LawInputs &next) noexcept = 0;
+};
 
 /// What the law is to do. All of it passes the safety monitor.
 struct LawInputs {

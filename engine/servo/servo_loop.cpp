@@ -1,9 +1,9 @@
 #include "engine/servo/servo_loop.h"
 
 #include "engine/contact/proxy/haptic_surface.h"
-#include "engine/control/force_direction.h"
+#include "engine/control/rendered_force.h"
 #include "engine/control/tuning.h"
-#include "engine/servo/law_sample.h"
+#include "engine/servo/servo_sample.h"
 
 #include <algorithm>
 #include <cmath>

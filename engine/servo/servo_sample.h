@@ -4,8 +4,9 @@
 #include "base/vector.h"
 #include "device/core/haptic_device.h"
 #include "engine/contact/contact.h"
-#include "engine/control/observed_motor.h"
+#include "engine/control/haptic_law.h"
 #include "engine/control/tuning.h"
+#include "engine/control/winding_observer.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/servo/safety_status.h"
 
@@ -63,5 +64,16 @@ struct ServoSample {
     double compute_s = std::numeric_limits<double>::quiet_NaN();  ///< from measurement to command
     double write_s = std::numeric_limits<double>::quiet_NaN();    ///< duration of `write`
 };
+
+// What the law finds in a tick, as its sample holds it.
+
+/// Notes η, α, x_Sd and θ_Sd, and the direction errors that both maps would render at rest. Uses
+/// the sample's contact. RT-safe.
+void note_law(const control::HapticLaw &law, const control::Configuration &now,
+              const control::LawOutcome &found, ServoSample &sample) noexcept;
+
+/// Notes the direction error of the sample's tip force against its contact; NaN without a force
+/// that has a direction. RT-safe.
+void note_rendered_error(ServoSample &sample) noexcept;
 
 } // namespace springdrive::servo

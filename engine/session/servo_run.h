@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/servo/servo.h"
-#include "engine/servo/servo_statistics.h"
+#include "engine/servo/servo_timing.h"
 #include "engine/session/telemetry_history.h"
 
 #include <algorithm>

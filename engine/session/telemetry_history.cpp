@@ -1,8 +1,7 @@
 #include "engine/session/telemetry_history.h"
 
 #include "device/core/phantom/kinematics.h"
-#include "engine/control/force_direction.h"
-#include "engine/control/perception.h"
+#include "engine/control/rendered_force.h"
 #include "engine/record/telemetry_columns.h"
 
 #include <algorithm>

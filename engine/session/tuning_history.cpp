@@ -1,6 +1,6 @@
 #include "engine/session/tuning_history.h"
 
-#include "engine/control/tuning_difference.h"
+#include "engine/control/tuning.h"
 
 #include <fmt/core.h>
 

@@ -1,9 +1,9 @@
 #include "engine/session/what_if.h"
 
 #include "base/cancellation.h"
-#include "device/core/motor/motor.h"
-#include "engine/control/force_direction.h"
-#include "engine/servo/law_sample.h"
+#include "device/core/motor/amplifier.h"
+#include "engine/control/rendered_force.h"
+#include "engine/servo/servo_sample.h"
 
 #include <algorithm>
 #include <cmath>

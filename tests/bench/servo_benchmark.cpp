@@ -2,12 +2,8 @@
 // space, on shapes, and on meshes from a handful of triangles to more than a million.
 //   build/release/servo_benchmark [--benchmark_filter=tick]
 // The details of motion_control_benchmark and proxy_benchmark are one step here.
-#include "base/hand_over.h"
-#include "engine/control/force_direction.h"
-#include "engine/lab/rig/scenario/scenarios.h"
-#include "engine/lab/rig/scenario/test_surfaces.h"
-#include "engine/lab/rig/servo_rig.h"
-#include "engine/scene/scene_surface.h"
+#include "base/sample_ring.h"
+#include "engine/control/rendered_force.h"
 #include "engine/servo/bumpless_transfer.h"
 #include "engine/servo/command_limiter.h"
 #include "tests/bench/touch_path.h"

@@ -1,7 +1,7 @@
 #include "tests/support/fault_judge.h"
 
-#include "device/core/motor/winding_heat.h"
-#include "engine/servo/workspace_edge.h"
+#include "device/core/motor/winding_guard.h"
+#include "engine/servo/safety_limits.h"
 
 #include <Eigen/LU>
 
@@ -14,7 +14,7 @@ namespace springdrive::testing {
 namespace {
 
 constexpr double kRoundOff = 1e-6; // of a limit
-constexpr double kMemory_s = 0.5;  // of the energy observer, energy_observer.h
+constexpr double kMemory_s = 0.5;  // of the energy observer, safety_monitor.h
 constexpr double kVolts_s = 0.02;  // how long e_W may be above its limit, safety_monitor.h
 
 } // namespace
@@ -165,7 +165,7 @@ void FaultJudge::look_at_stops(const Vector3 &q_rad, double limit_rad) {
     find(servo::TripCause::beyond_stops, std::max(0.0, worst_rad), limit_rad, kRoundOff);
 }
 
-/// The definition of energy_observer.h: ΔG = F̄·Δx + ΔS, decaying over half a second. A spring
+/// The definition of safety_monitor.h: ΔG = F̄·Δx + ΔS, decaying over half a second. A spring
 /// whose force is limited counts as yielding at constant force.
 void FaultJudge::look_at_energy(const TipAt &now, const Vector3 &force_N,
                                 const servo::ServoSample &sample) {

@@ -6,8 +6,8 @@
 #include "base/timing.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
-#include "engine/control/force_direction.h"
 #include "engine/control/haptic_law.h"
+#include "engine/control/rendered_force.h"
 #include "engine/lab/charts/charts.h"
 #include "engine/lab/loops/stability_case.h"
 

@@ -4,7 +4,7 @@
 #include "base/input_error.h"
 #include "base/timing.h"
 #include "engine/control/motion_control.h"
-#include "engine/control/perception.h"
+#include "engine/control/rendered_force.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/charts/charts.h"
 #include "engine/lab/loops/direction_spectrum.h"

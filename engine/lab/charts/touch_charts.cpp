@@ -4,7 +4,7 @@
 #include "base/degrees.h"
 #include "base/timing.h"
 #include "engine/contact/proxy/proxy.h"
-#include "engine/control/force_direction.h"
+#include "engine/control/rendered_force.h"
 #include "engine/lab/charts/charts.h"
 #include "engine/lab/rig/scenario/blob_shape.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"

@@ -2,7 +2,7 @@
 
 #include "base/input_error.h"
 #include "base/parallel.h"
-#include "engine/control/perception.h"
+#include "engine/control/rendered_force.h"
 #include "engine/lab/loops/tip_stiffness.h"
 
 #include <fmt/core.h>

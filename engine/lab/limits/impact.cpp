@@ -2,7 +2,7 @@
 
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/control/force_direction.h"
+#include "engine/control/rendered_force.h"
 #include "engine/lab/limits/stability_simulation.h"
 #include "engine/lab/rig/law_rig.h"
 

@@ -6,8 +6,8 @@
 #include "device/core/motor/motor.h"
 #include "device/core/motor/winding_heat.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/control/force_direction.h"
 #include "engine/control/motion_control.h"
+#include "engine/control/rendered_force.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 
 #include <fmt/core.h>

@@ -3,8 +3,8 @@
 #include "base/eigenvalues.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
-#include "engine/control/force_direction.h"
 #include "engine/control/haptic_law.h"
+#include "engine/control/rendered_force.h"
 
 #include <Eigen/LU>
 

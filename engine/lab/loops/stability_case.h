@@ -5,8 +5,8 @@
 #include "device/core/device_description.h"
 #include "device/core/motor/motor.h"
 #include "device/core/phantom/kinematics.h"
+#include "engine/control/rendered_force.h"
 #include "engine/control/tuning.h"
-#include "engine/control/virtual_wall.h"
 #include "engine/lab/loops/hand_family.h"
 #include "engine/lab/loops/linear_loop.h"
 

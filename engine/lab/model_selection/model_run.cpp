@@ -4,7 +4,7 @@
 #include "base/timing.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/contact/proxy/proxy.h"
-#include "engine/control/force_direction.h"
+#include "engine/control/rendered_force.h"
 #include "engine/lab/rig/law_rig.h"
 
 #include <algorithm>

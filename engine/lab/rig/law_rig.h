@@ -6,8 +6,8 @@
 #include "device/core/device_description.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/haptic_law.h"
+#include "engine/control/rendered_force.h"
 #include "engine/control/velocity_filter.h"
-#include "engine/control/virtual_wall.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 
 #include <array>

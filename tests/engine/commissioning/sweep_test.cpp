@@ -9,7 +9,7 @@
 #include "device/factory/device_factory.h"
 #include "device/simulated/plant_setup.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/control/force_direction.h"
+#include "engine/control/rendered_force.h"
 #include "engine/control/tuning_file.h"
 #include "tests/support/devices.h"
 

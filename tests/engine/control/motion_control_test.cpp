@@ -3,8 +3,7 @@
 
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/control/force_direction.h"
-#include "tests/support/configurations.h"
+#include "engine/control/rendered_force.h"
 #include "tests/support/devices.h"
 
 #include <Eigen/Eigenvalues>

@@ -2,7 +2,7 @@
 // safety_trips_test.cpp.
 #include "engine/servo/safety_monitor.h"
 
-#include "engine/control/force_direction.h"
+#include "engine/control/rendered_force.h"
 #include "engine/servo/command_limiter.h"
 #include "tests/engine/servo/safety_monitor_fixture.h"
 

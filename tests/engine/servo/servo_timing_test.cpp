@@ -1,6 +1,5 @@
-// Covers engine/servo/deadlines.h, duration_histogram.h and servo_statistics.h: when ticks are due,
-// and what is told of their times.
-#include "engine/servo/deadlines.h"
+// Covers engine/servo/servo_timing.h.
+#include "engine/servo/servo_timing.h"
 
 #include "engine/servo/duration_histogram.h"
 #include "engine/servo/servo_statistics.h"

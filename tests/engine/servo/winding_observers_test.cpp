@@ -5,7 +5,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/plant_setup.h"
 #include "engine/contact/mesh/triangle_soup.h"
-#include "engine/control/force_direction.h"
+#include "engine/control/rendered_force.h"
 #include "engine/control/tuning_file.h"
 #include "engine/lab/limits/locked_device.h"
 #include "engine/lab/rig/servo_rig.h"

@@ -6,7 +6,7 @@
 #include "device/core/motor/winding_heat.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"
-#include "engine/control/perception.h"
+#include "engine/control/rendered_force.h"
 #include "engine/lab/limits/method_limits/experiment_list.h"
 #include "engine/lab/loops/direction_spectrum.h"
 #include "engine/lab/rig/law_rig.h"

@@ -8,7 +8,7 @@
 #include "engine/lab/limits/method_limits/pressed_corner.h"
 #include "engine/lab/limits/stability_simulation.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
-#include "engine/servo/deadlines.h"
+#include "engine/servo/servo_timing.h"
 
 #include <Eigen/LU>
 

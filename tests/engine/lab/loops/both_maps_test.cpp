@@ -7,10 +7,8 @@
 #include "base/input_error.h"
 #include "device/core/motor/motor.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/control/force_direction.h"
 #include "engine/control/haptic_law.h"
-#include "engine/lab/limits/locked_device.h"
-#include "engine/lab/loops/both_maps.h"
+#include "engine/control/rendered_force.h"
 #include "engine/lab/loops/stiffness_ellipse.h"
 #include "tests/support/devices.h"
 

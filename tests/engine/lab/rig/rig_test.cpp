@@ -1,6 +1,6 @@
 // Covers engine/lab/rig/law_rig.cpp, servo_rig.cpp and faulty_device.cpp, what holds a tip in
 // scenario/scenarios.cpp, limits/method_limits/pressed_corner.cpp and
-// engine/control/virtual_wall.h.
+// engine/control/rendered_force.h.
 #include "engine/lab/rig/law_rig.h"
 #include "engine/lab/rig/servo_rig.h"
 

@@ -1,6 +1,6 @@
-#include "engine/servo/law_sample.h"
+#include "engine/servo/servo_sample.h"
 
-#include "engine/control/force_direction.h"
+#include "engine/control/rendered_force.h"
 
 #include <limits>
 
