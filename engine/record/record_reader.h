@@ -9,8 +9,6 @@
 #pragma once
 
 #include "engine/record/record_format.h"
-#include "engine/record/record_header.h"
-#include "engine/record/row_codec.h"
 #include "engine/servo/servo_sample.h"
 
 #include <cstddef>

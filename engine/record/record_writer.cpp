@@ -2,7 +2,6 @@
 
 #include "base/input_error.h"
 #include "engine/record/record_format.h"
-#include "engine/record/row_codec.h"
 
 #include <algorithm>
 #include <cerrno>

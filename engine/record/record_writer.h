@@ -9,7 +9,7 @@
 #pragma once
 
 #include "base/new_file.h"
-#include "engine/record/record_header.h"
+#include "engine/record/record_format.h"
 #include "engine/servo/servo_sample.h"
 
 #include <cstddef>

@@ -12,8 +12,8 @@
 // error message, and the ring is still drained.
 #pragma once
 
-#include "base/hand_over.h"
-#include "engine/record/record_header.h"
+#include "base/sample_ring.h"
+#include "engine/record/record_format.h"
 #include "engine/record/record_writer.h"
 #include "engine/servo/servo_sample.h"
 

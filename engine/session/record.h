@@ -9,7 +9,7 @@
 #include "device/core/device_description.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/record/channel_store.h"
-#include "engine/record/record_header.h"
+#include "engine/record/record_format.h"
 #include "engine/session/telemetry_history.h"
 
 #include <cstddef>

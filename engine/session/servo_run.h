@@ -34,9 +34,9 @@ struct Stalls {
     double longest_s = 0.0; ///< consecutive, including late ticks in between
 };
 
-/// For use by one thread.
 class Session;
 
+/// For use by one thread.
 class ServoRun {
 public:
     /// @param device  must outlive this object or stay valid until `renew`

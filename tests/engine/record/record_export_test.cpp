@@ -1,4 +1,4 @@
-// Covers engine/record/record_export.cpp and export_mat.cpp: which columns and rows, and each
+// Covers engine/record/record_export.cpp: which columns and rows, and each
 // format by a parser of its own: NPY also by NumPy if python3 has it, MAT also by the library's
 // reader.
 #include "engine/record/record_export.h"

@@ -1,8 +1,6 @@
-// Covers engine/record/record_header.cpp, row_codec.cpp and telemetry_columns.h.
+// Covers engine/record/record_format.cpp.
 #include "engine/record/record_format.h"
-#include "engine/record/record_header.h"
-#include "engine/record/row_codec.h"
-#include "engine/record/telemetry_columns.h"
+
 #include "tests/engine/record/samples.h"
 
 #include <gtest/gtest.h>
