@@ -12,7 +12,6 @@
 #include "engine/lab/model_selection/selection_cache.h"
 #include "engine/lab/model_selection/selection_json.h"
 #include "engine/scene/scene.h"
-#include "engine/scene/scene_surface.h"
 #include "engine/session/model/model_selection.h"
 
 #include <nlohmann/json.hpp>

@@ -13,7 +13,7 @@
 #include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/lab/rig/scenario/touch_path.h"
 #include "engine/lab/rig/touch_check.h"
-#include "engine/scene/scene_surface.h"
+#include "engine/scene/scene.h"
 #include "engine/servo/servo.h"
 
 #include <fmt/core.h>

@@ -2,7 +2,6 @@
 
 #include "app/host/folders.h"
 #include "engine/scene/scripted_touch.h"
-#include "engine/scene/surface_probe.h"
 
 #include <algorithm>
 #include <cmath>

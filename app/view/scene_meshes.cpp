@@ -1,7 +1,7 @@
 #include "app/view/scene_meshes.h"
 
 #include "app/view/embedded_shaders.h"
-#include "engine/scene/texture_scaling.h"
+#include "engine/scene/visual_mesh.h"
 
 #include <algorithm>
 #include <array>

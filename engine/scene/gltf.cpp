@@ -2,16 +2,16 @@
 
 #include "base/cancellation.h"
 #include "base/input_error.h"
-#include "base/text.h"
-#include "engine/scene/fit.h"
+#include "base/one_line.h"
 #include "engine/scene/gltf_file.h"
 #include "engine/scene/gltf_material.h"
 #include "engine/scene/gltf_mesh.h"
 #include "engine/scene/gltf_nodes.h"
+#include "engine/scene/load_messages.h"
+#include "engine/scene/scene.h"
 #include "engine/scene/shape_fit.h"
 #include "engine/scene/smooth_nodes.h"
 #include "engine/scene/visual_mesh.h"
-#include "engine/scene/warning_list.h"
 
 #include <tiny_gltf.h>
 

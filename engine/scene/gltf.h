@@ -1,7 +1,7 @@
 // glTF 2.0 files (.gltf, .glb) to scenes.
 #pragma once
 
-#include "engine/scene/load_progress.h"
+#include "engine/scene/load_messages.h"
 #include "engine/scene/scene.h"
 
 #include <filesystem>

@@ -3,7 +3,7 @@
 // versions and extensions of glTF can be read, and which can be left out.
 #pragma once
 
-#include "engine/scene/warning_list.h"
+#include "engine/scene/load_messages.h"
 
 #include <nlohmann/json_fwd.hpp>
 

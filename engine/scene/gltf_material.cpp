@@ -3,7 +3,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "engine/scene/gltf_accessor.h"
-#include "engine/scene/gltf_uri.h"
+#include "engine/scene/gltf_file.h"
 
 #include <stb/stb_image.h>
 #include <tiny_gltf.h>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/assertions.h"
+#include "engine/scene/load_messages.h"
 #include "engine/scene/scene.h"
-#include "engine/scene/warning_list.h"
 
 #include <array>
 #include <filesystem>

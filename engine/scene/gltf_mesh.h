@@ -1,12 +1,11 @@
 // From a glTF primitive to the triangles that are touched and drawn where a node places it.
 #pragma once
 
-#include "engine/scene/fit.h"
 #include "engine/scene/gltf_accessor.h"
 #include "engine/scene/gltf_material.h"
 #include "engine/scene/gltf_nodes.h"
+#include "engine/scene/load_messages.h"
 #include "engine/scene/scene.h"
-#include "engine/scene/warning_list.h"
 
 #include <cstddef>
 #include <cstdint>

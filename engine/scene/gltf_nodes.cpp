@@ -1,19 +1,349 @@
 #include "engine/scene/gltf_nodes.h"
 
 #include "base/cancellation.h"
+#include "base/degrees.h"
 #include "base/input_error.h"
-#include "base/text.h"
+#include "base/one_line.h"
+#include "base/vector.h"
 #include "engine/scene/gltf_accessor.h"
 
+#include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace springdrive::scene::gltf {
+
+namespace {
+
+/// The extras of a glTF object, read key by key from the JSON text itself: tinygltf's own values
+/// lose `null` and whatever does not fit into an int. Keys that are not read belong to other
+/// programs.
+class Extras {
+public:
+    /// @param text JSON of the extras; empty when there are none
+    /// @param owner for messages: "node 'pad'"
+    /// @param warnings gains the values that are left out as another program's
+    Extras(const std::string &text, std::string owner, WarningList &warnings);
+
+    [[nodiscard]] bool has(const char *key) const;
+
+    /// The number under `key`, if there is one.
+    /// @param meaning what it may be, for the message: "a number from 0 to 10"
+    /// Left out unless it is a number from `minimum` to `maximum`.
+    [[nodiscard]] std::optional<double> number(const char *key, double minimum, double maximum,
+                                               const std::string &meaning) const;
+
+    /// Left out unless the value is true or false.
+    [[nodiscard]] std::optional<bool> flag(const char *key) const;
+
+    /// Which of `words` the value of `key` is, if there is one. Left out unless it is one of them.
+    [[nodiscard]] std::optional<std::size_t> word(const char *key,
+                                                  std::span<const std::string_view> words,
+                                                  const std::string &meaning) const;
+
+    /// The text under `key`, if there is one, on one line. Left out unless it is a text of at most
+    /// `max_length` bytes that shows something.
+    [[nodiscard]] std::optional<std::string> text(const char *key, std::size_t max_length) const;
+
+    /// The three numbers under `key`, if there are any. Left out unless it is a list of three, each
+    /// at most `max_size` in size.
+    [[nodiscard]] std::optional<Vector3> vector(const char *key, double max_size) const;
+
+    /// The extras within the extras, if there are any. Messages name their keys as `key.inner`.
+    /// Left out unless it is an object, empty or with any of `keys`; then it is our own, and values
+    /// in it that cannot be are refused rather than left out.
+    [[nodiscard]] std::optional<Extras> object(const char *key,
+                                               std::span<const std::string_view> keys,
+                                               const std::string &meaning) const;
+
+    /// @throw InputError for a key that is none of `keys`: in an object of our own, it is a typing
+    ///        error.
+    void refuse_all_but(std::span<const std::string_view> keys) const;
+
+    /// @throw InputError always: "<owner>: extras.<key> is <value>; it must be <meaning>".
+    [[noreturn]] void refuse(const char *key, const std::string &meaning) const;
+
+private:
+    /// A warning, or in an object of our own a refusal.
+    void leave_out(const char *key, const std::string &meaning) const;
+
+    nlohmann::json values_;
+    std::string owner_;
+    WarningList *warnings_;
+    bool is_ours_ = false;
+    std::string path_ = "extras."; ///< before keys, in messages
+};
+
+std::string shown(const nlohmann::json &value) {
+    constexpr std::size_t kMax = 40;
+    return value.is_string() ? in_quotes(value.get<std::string>()) : one_line(value.dump(), kMax);
+}
+
+Extras::Extras(const std::string &text, std::string owner, WarningList &warnings)
+    : values_(text.empty() ? nlohmann::json::object() : nlohmann::json::parse(text)),
+      owner_(std::move(owner)), warnings_(&warnings) {}
+
+bool Extras::has(const char *key) const { return values_.is_object() && values_.contains(key); }
+
+std::optional<double> Extras::number(const char *key, double minimum, double maximum,
+                                     const std::string &meaning) const {
+    if (!has(key)) {
+        return std::nullopt;
+    }
+    const auto number = values_[key].is_number() ? values_[key].get<double>() : minimum - 1.0;
+    if (!(number >= minimum && number <= maximum)) {
+        leave_out(key, meaning);
+        return std::nullopt;
+    }
+    return number;
+}
+
+std::optional<bool> Extras::flag(const char *key) const {
+    if (!has(key)) {
+        return std::nullopt;
+    }
+    if (!values_[key].is_boolean()) {
+        leave_out(key, "true or false");
+        return std::nullopt;
+    }
+    return values_[key].get<bool>();
+}
+
+std::optional<std::size_t> Extras::word(const char *key, std::span<const std::string_view> words,
+                                        const std::string &meaning) const {
+    if (!has(key)) {
+        return std::nullopt;
+    }
+    const auto found = values_[key].is_string()
+                           ? std::ranges::find(words, values_[key].get_ref<const std::string &>())
+                           : words.end();
+    if (found == words.end()) {
+        leave_out(key, meaning);
+        return std::nullopt;
+    }
+    return static_cast<std::size_t>(found - words.begin());
+}
+
+std::optional<std::string> Extras::text(const char *key, std::size_t max_length) const {
+    if (!has(key)) {
+        return std::nullopt;
+    }
+    const std::string text = values_[key].is_string()
+                                 ? one_line(values_[key].get_ref<const std::string &>())
+                                 : std::string();
+    if (text.empty() || text.size() > max_length) {
+        leave_out(key, "a text of 1 to " + std::to_string(max_length) + " bytes");
+        return std::nullopt;
+    }
+    return text;
+}
+
+std::optional<Vector3> Extras::vector(const char *key, double max_size) const {
+    if (!has(key)) {
+        return std::nullopt;
+    }
+    const nlohmann::json &list = values_[key];
+    const auto fits = [max_size](const nlohmann::json &number) {
+        return number.is_number() && std::abs(number.get<double>()) <= max_size;
+    };
+    if (!list.is_array() || list.size() != 3 || !std::ranges::all_of(list, fits)) {
+        leave_out(key, "a list of three numbers from " + shortest_text(-max_size) + " to " +
+                           shortest_text(max_size));
+        return std::nullopt;
+    }
+    return Vector3(list[0].get<double>(), list[1].get<double>(), list[2].get<double>());
+}
+
+std::optional<Extras> Extras::object(const char *key, std::span<const std::string_view> keys,
+                                     const std::string &meaning) const {
+    if (!has(key)) {
+        return std::nullopt;
+    }
+    const nlohmann::json &value = values_[key];
+    const bool is_ours = value.is_object() &&
+                         (value.empty() || std::ranges::any_of(keys, [&](std::string_view name) {
+                              return value.contains(name);
+                          }));
+    if (!is_ours) {
+        leave_out(key, meaning);
+        return std::nullopt;
+    }
+    Extras inner("", owner_, *warnings_);
+    inner.values_ = value;
+    inner.path_ = path_ + key + ".";
+    inner.is_ours_ = true;
+    return inner;
+}
+
+void Extras::refuse_all_but(std::span<const std::string_view> keys) const {
+    for (const auto &[key, value] : values_.items()) {
+        if (std::ranges::find(keys, key) == keys.end()) {
+            std::string known;
+            for (const std::string_view name : keys) {
+                known += (known.empty() ? "" : ", ") + std::string(name);
+            }
+            throw InputError(owner_ + ": " + path_ + one_line(key, 40) +
+                             " is not known; what may stand there is " + known);
+        }
+    }
+}
+
+void Extras::refuse(const char *key, const std::string &meaning) const {
+    throw InputError(owner_ + ": " + path_ + key + " is " + shown(values_[key]) + "; it must be " +
+                     meaning);
+}
+
+void Extras::leave_out(const char *key, const std::string &meaning) const {
+    if (is_ours_) {
+        refuse(key, meaning);
+    }
+    const std::string text = path_ + key + " is " + shown(values_[key]) +
+                             ": left out as another program's; it would have to be " + meaning;
+    if (owner_.find(' ') == std::string::npos) {
+        warnings_->add(owner_ + ": " + text);
+    } else {
+        warnings_->add_of(owner_, nullptr, text);
+    }
+}
+
+constexpr std::array<std::string_view, 2> kSides = {"one", "two"}; // TouchSides after automatic
+
+void read_friction(const Extras &extras, contact::SurfaceMaterial &material) {
+    constexpr double kMaximum = 10.0; // rubber reaches about 2; much more is a typing error
+    const std::string range = "a number from 0 to 10";
+    const auto at_rest = extras.number("static_friction", 0.0, kMaximum, range);
+    const auto sliding = extras.number("dynamic_friction", 0.0, kMaximum, range);
+    if (!at_rest && !sliding) {
+        return;
+    }
+    material.static_friction = at_rest ? *at_rest : *sliding;
+    material.dynamic_friction = sliding ? *sliding : *at_rest;
+    if (material.dynamic_friction > material.static_friction) {
+        extras.refuse("dynamic_friction",
+                      "a number from 0 to 10, not above its static_friction: what slides would "
+                      "otherwise stick again at once");
+    }
+}
+
+void read_sides(const Extras &extras, contact::SurfaceMaterial &material) {
+    if (const auto sides = extras.word("sides", kSides, "'one' or 'two'")) {
+        material.sides = *sides == 0 ? contact::TouchSides::one : contact::TouchSides::two;
+    }
+}
+
+/// A plate has no inside; a solid is touched from outside only.
+void check_sides(const TouchExtras &touch, const std::string &label) {
+    const bool is_plate = touch.shape == ShapeKind::plate;
+    const contact::TouchSides impossible =
+        is_plate ? contact::TouchSides::one : contact::TouchSides::two;
+    if (touch.shape && touch.material.sides == impossible) {
+        throw InputError(label + ": a " + name_of(*touch.shape) + " is touched from " +
+                         (is_plate ? "both sides; set extras.sides to 'two'"
+                                   : "outside only; set extras.sides to 'one'") +
+                         ", or leave it out");
+    }
+}
+
+constexpr std::array<std::string_view, 3> kToleranceKeys = {"force_N", "direction_deg",
+                                                            "bandwidth_hz"};
+
+void read_tolerance(const Extras &extras, ModelTolerance &tolerance) {
+    tolerance.force_N = extras.number("force_N", 1e-4, 10.0, "a number from 0.0001 to 10")
+                            .value_or(tolerance.force_N);
+    if (const auto direction_deg =
+            extras.number("direction_deg", 0.01, 180.0, "a number from 0.01 to 180")) {
+        tolerance.direction_rad = *direction_deg * kRadiansPerDegree;
+    }
+    tolerance.bandwidth_hz = extras.number("bandwidth_hz", 1.0, 5000.0, "a number from 1 to 5000")
+                                 .value_or(tolerance.bandwidth_hz);
+    extras.refuse_all_but(kToleranceKeys);
+}
+
+constexpr std::array<std::string_view, 4> kLessonKeys = {"title", "feel", "point", "normal"};
+
+void read_spot(const Extras &extras, std::optional<TouchSpot> &spot) {
+    constexpr double kFarthest = 1e6; // in the file's units, which may be micrometres
+    const auto point = extras.vector("point", kFarthest);
+    const auto normal = extras.vector("normal", kFarthest);
+    if (point.has_value() != normal.has_value()) {
+        extras.refuse(point ? "point" : "normal",
+                      point ? "given with its normal" : "given with its point");
+    }
+    if (normal && normal->isZero(0.0)) {
+        extras.refuse("normal", "a direction, not zero");
+    }
+    if (point) {
+        spot = TouchSpot{*point, normal->stableNormalized()};
+    }
+}
+
+void read_lesson(const Extras &extras, Lesson &lesson) {
+    constexpr std::size_t kMaxTitle = 40;
+    constexpr std::size_t kMaxSentence = 200;
+    lesson.title = extras.text("title", kMaxTitle).value_or(lesson.title);
+    lesson.feel = extras.text("feel", kMaxSentence).value_or(lesson.feel);
+    read_spot(extras, lesson.spot);
+    extras.refuse_all_but(kLessonKeys);
+}
+
+void read_scene(const std::string &text, const std::string &owner, SceneExtras &scene,
+                WarningList &warnings) {
+    constexpr std::array<std::string_view, 1> kUnits = {"m"};
+    const Extras extras(text, owner, warnings);
+    scene.in_metres |= extras.word("units", kUnits, "'m' (metres)").has_value();
+    scene.planar = extras.flag("planar").value_or(scene.planar);
+    if (const auto tolerance = extras.object(
+            "tolerance", kToleranceKeys, "an object of force_N, direction_deg and bandwidth_hz")) {
+        read_tolerance(*tolerance, scene.tolerance);
+    }
+    if (const auto lesson =
+            extras.object("lesson", kLessonKeys, "an object of title, feel, point and normal")) {
+        read_lesson(*lesson, scene.lesson);
+    }
+}
+
+} // namespace
+
+TouchExtras read_touch(const std::string &text, const TouchExtras &parent, const std::string &label,
+                       WarningList &warnings) {
+    const Extras extras(text, label, warnings);
+    TouchExtras touch = parent;
+    touch.shape.reset();
+    constexpr std::size_t kMaxCaption = 40;
+    touch.caption = extras.text("caption", kMaxCaption).value_or("");
+    if (const auto eta =
+            extras.number("eta", 0.0, 1.0, "a number from 0 (rigid) to 1 (free space)")) {
+        touch.material.eta = *eta;
+    }
+    read_friction(extras, touch.material);
+    read_sides(extras, touch.material);
+    if (const auto smooth = extras.flag("smooth")) {
+        touch.smooth = *smooth;
+    }
+    if (const auto shape = extras.word("shape", kShapeNames,
+                                       "'plate', 'sphere', 'box', 'cylinder' or 'capsule'")) {
+        touch.shape = static_cast<ShapeKind>(*shape);
+    }
+    check_sides(touch, label);
+    return touch;
+}
+
+SceneExtras read_scene_extras(const tinygltf::Model &model, WarningList &warnings) {
+    SceneExtras extras;
+    read_scene(model.asset.extras_json_string, "asset", extras, warnings);
+    const auto scene = static_cast<std::size_t>(std::max(model.defaultScene, 0));
+    if (scene < model.scenes.size()) {
+        read_scene(model.scenes[scene].extras_json_string, "scene", extras, warnings);
+    }
+    return extras;
+}
 
 namespace {
 

@@ -6,8 +6,6 @@
 #include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/haptic_surface.h"
-#include "engine/scene/lesson.h"
-#include "engine/scene/model_tolerance.h"
 
 #include <array>
 #include <cstdint>
@@ -17,6 +15,69 @@
 #include <vector>
 
 namespace springdrive::scene {
+
+/// Where a scene is to be touched.
+struct TouchSpot {
+    Vector3 point_m{Vector3::Zero()}; ///< on the surface
+    Vector3 normal{Vector3::UnitY()}; ///< unit, out of the surface
+};
+
+/// What a scene is there to let one feel. All of it may be absent.
+struct Lesson {
+    std::string title;
+    std::string feel;              ///< one sentence: what to do, and what to feel
+    std::optional<TouchSpot> spot; ///< where the direction of the force is to be seen
+
+    [[nodiscard]] bool is_empty() const { return title.empty() && feel.empty() && !spot; }
+};
+
+/// Words on a part of the scene.
+struct Caption {
+    std::string text;
+    Vector3 at_m{Vector3::Zero()}; ///< the middle of the part's upper side
+};
+
+/// What a cheaper model of a scene may be off. The defaults are what hands hardly tell: about the
+/// device's own friction (0.04 N at the tip), a fifth of the 25° at which the paper has directions
+/// noticed, and the frequencies of touch up to where texture begins.
+struct ModelTolerance {
+    double force_N = 0.05;         ///< rms of the force on the hand
+    double direction_rad = 0.0873; ///< rms of its direction while touching; 5°
+    double bandwidth_hz = 200.0;   ///< both below this frequency
+};
+
+// Placing a scene of unknown units in the device's workspace.
+
+/// An axis-aligned box; empty until it includes a point.
+struct BoundingBox {
+    Vector3 lower;
+    Vector3 upper;
+
+    BoundingBox();
+    void include(const Vector3 &point);
+    [[nodiscard]] Vector3 extent() const { return upper - lower; }
+};
+
+/// p ↦ to + scale (p − from)
+struct Fit {
+    Vector3 from{Vector3::Zero()};
+    Vector3 to_m{Vector3::Zero()};
+    double scale = 1.0; ///< metres per unit
+
+    [[nodiscard]] Vector3 operator()(const Vector3 &point) const {
+        return to_m + scale * (point - from);
+    }
+};
+
+/// How much of the workspace a fitted scene may fill, along each axis.
+inline constexpr double kFilledShare = 0.6;
+
+/// The largest uniform scale at which `box` fits into `kFilledShare` of the workspace, centred.
+/// @throw InputError for a box without extent, or with coordinates too large to scale.
+[[nodiscard]] Fit fit_into(const device::Workspace &workspace, const BoundingBox &box);
+
+/// Whether `box`, in the device's frame, lies within the workspace.
+[[nodiscard]] bool lies_within(const device::Workspace &workspace, const BoundingBox &box);
 
 struct VisualVertex {
     std::array<float, 3> position_m; ///< device frame
@@ -89,5 +150,10 @@ struct Scene {
     std::vector<Caption> captions;     ///< of single nodes
     std::vector<std::string> warnings; ///< what of the file cannot be touched or drawn, by name
 };
+
+/// Prepares the haptic surface of a scene.
+/// @throw InputError naming the file, if none of its triangles can be touched, or for what takes
+///        too many steps or too much memory.
+[[nodiscard]] contact::HapticSurface haptic_surface_of(const Scene &scene);
 
 } // namespace springdrive::scene

@@ -4,7 +4,7 @@
 
 #include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/analytic_shape.h"
-#include "engine/scene/fit.h"
+#include "engine/scene/scene.h"
 
 #include <Eigen/Geometry>
 

@@ -1,6 +1,6 @@
 // What is drawn of a scene besides its meshes as they are: the lines in which a surface turns
-// sharply or ends, so that steps are seen from above, too; and pieces that reach the graphics card
-// within a frame.
+// sharply or ends, so that steps are seen from above, too; pieces that reach the graphics card
+// within a frame; and textures that are not larger than it can hold.
 #pragma once
 
 #include "engine/scene/scene.h"
@@ -32,5 +32,9 @@ inline constexpr std::size_t kMaxPieceVertices = 131'072;
 /// comes back as it is. Vertices that several pieces use are repeated.
 [[nodiscard]] std::vector<VisualMesh> in_pieces(VisualMesh mesh,
                                                 std::size_t max_vertices = kMaxPieceVertices);
+
+/// The texture with at most `max_side` pixels a side, each the mean of those that it covers; as it
+/// is if it has no more. @pre max_side > 0
+[[nodiscard]] Texture scaled_down(const Texture &texture, int max_side);
 
 } // namespace springdrive::scene

@@ -4,7 +4,7 @@
 #include "base/sha256.h"
 #include "engine/contact/mesh/mesh_warnings.h"
 #include "engine/scene/gltf.h"
-#include "engine/scene/scene_surface.h"
+#include "engine/scene/scene.h"
 
 #include <algorithm>
 #include <exception>

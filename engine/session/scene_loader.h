@@ -9,7 +9,7 @@
 
 #include "base/background.h"
 #include "engine/contact/proxy/haptic_surface.h"
-#include "engine/scene/load_progress.h"
+#include "engine/scene/load_messages.h"
 #include "engine/scene/scene.h"
 #include "engine/session/model/model_selection.h"
 

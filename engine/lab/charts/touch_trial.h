@@ -7,7 +7,7 @@
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/lab/rig/closest_point.h"
 #include "engine/lab/rig/scenario/pressed_tips.h"
-#include "engine/scene/patch_edges.h"
+#include "engine/scene/curved_patches.h"
 
 #include <functional>
 #include <optional>

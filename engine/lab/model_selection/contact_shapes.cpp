@@ -3,7 +3,7 @@
 #include "base/assertions.h"
 #include "base/cancellation.h"
 #include "base/input_error.h"
-#include "engine/scene/scene_surface.h"
+#include "engine/scene/scene.h"
 #include "engine/scene/shape_fit.h"
 
 #include <meshoptimizer.h>

@@ -5,7 +5,7 @@
 #include "base/timing.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/control/tuning.h"
-#include "engine/scene/model_tolerance.h"
+#include "engine/scene/scene.h"
 
 #include <array>
 #include <cstddef>

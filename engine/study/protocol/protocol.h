@@ -4,7 +4,7 @@
 #include "base/field.h"
 #include "base/vector.h"
 #include "engine/control/tuning.h"
-#include "engine/scene/lesson.h"
+#include "engine/scene/scene.h"
 #include "engine/study/methods/block.h"
 #include "engine/study/protocol/texts.h"
 #include "engine/study/stimuli/stimulus.h"

@@ -12,7 +12,7 @@
 #include "engine/lab/loops/both_maps.h"
 #include "engine/lab/loops/stability_case.h"
 #include "engine/scene/gltf.h"
-#include "engine/scene/scene_surface.h"
+#include "engine/scene/scene.h"
 
 #include <Eigen/LU>
 #include <fmt/core.h>

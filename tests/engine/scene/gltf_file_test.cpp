@@ -1,15 +1,8 @@
-// Covers engine/scene/gltf_file.cpp, gltf_json.cpp and gltf_uri.cpp; load_progress.cpp,
-// warning_list.cpp and scene_surface.cpp: what is said about loading; and how much memory gltf.cpp
-// lets it take.
+// Covers engine/scene/gltf_file.cpp and gltf_json.cpp.
 #include "engine/scene/gltf_file.h"
 
 #include "base/input_error.h"
 #include "engine/scene/gltf_json.h"
-#include "engine/scene/gltf_uri.h"
-#include "engine/scene/load_progress.h"
-#include "engine/scene/scene_surface.h"
-#include "engine/scene/warning_list.h"
-#include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/scene/gltf_builder.h"
 
 #include <gtest/gtest.h>

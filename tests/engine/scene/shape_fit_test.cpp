@@ -1,9 +1,9 @@
-// Covers engine/scene/shape_fit.cpp and fit.cpp.
+// Covers engine/scene/shape_fit.cpp and scene.cpp.
 #include "assets/scenes/shapes.h"
 #include "base/input_error.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
-#include "engine/scene/fit.h"
+#include "engine/scene/scene.h"
 #include "engine/scene/shape_fit.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/scene/gltf_builder.h"

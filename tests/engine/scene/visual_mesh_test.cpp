@@ -1,8 +1,4 @@
-// Covers how a scene is drawn: engine/scene/gltf_material.cpp, visual_mesh.cpp and
-// texture_scaling.cpp.
-#include "engine/scene/gltf_material.h"
-
-#include "engine/scene/texture_scaling.h"
+// Covers engine/scene/visual_mesh.cpp: how a scene is drawn.
 #include "engine/scene/visual_mesh.h"
 #include "tests/engine/scene/gltf_builder.h"
 

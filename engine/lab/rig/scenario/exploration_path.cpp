@@ -1,7 +1,7 @@
 #include "engine/lab/rig/scenario/scenarios.h"
 
 #include "base/cancellation.h"
-#include "engine/scene/surface_probe.h"
+#include "engine/scene/scripted_touch.h"
 
 #include <algorithm>
 #include <cmath>

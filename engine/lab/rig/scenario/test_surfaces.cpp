@@ -5,8 +5,8 @@
 #include "engine/lab/rig/scenario/blob_shape.h"
 #include "engine/lab/rig/scenario/machined_surface.h"
 #include "engine/lab/rig/scenario/scanned_surface.h"
-#include "engine/scene/fit.h"
 #include "engine/scene/gltf.h"
+#include "engine/scene/scene.h"
 
 #include <Eigen/Geometry>
 

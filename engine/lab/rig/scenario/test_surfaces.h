@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/contact/mesh/triangle_soup.h"
-#include "engine/scene/load_progress.h"
+#include "engine/scene/load_messages.h"
 #include "engine/scene/scene.h"
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include "engine/lab/rig/scenario/touch_path.h"
 
 #include "base/assertions.h"
-#include "engine/scene/surface_probe.h"
+#include "engine/scene/scripted_touch.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,12 @@
-#include "engine/scene/fit.h"
+#include "engine/scene/scene.h"
 
 #include "base/input_error.h"
+#include "base/one_line.h"
 
 #include <cmath>
 #include <limits>
+#include <new>
+#include <string>
 
 namespace springdrive::scene {
 
@@ -39,6 +42,26 @@ bool lies_within(const device::Workspace &workspace, const BoundingBox &box) {
     constexpr double kRounding_m = 1e-6;
     return ((box.lower - workspace.centre_m + half_size).array() >= -kRounding_m).all() &&
            ((box.upper - workspace.centre_m - half_size).array() <= kRounding_m).all();
+}
+
+contact::HapticSurface haptic_surface_of(const Scene &scene) {
+    const std::string place = one_line(scene.file.string(), 1000) + ": ";
+    const auto prepared = [&] {
+        try {
+            return contact::HapticSurface(scene.surface, scene.shapes);
+        } catch (const InputError &error) {
+            throw InputError(place + error.what());
+        } catch (const std::bad_alloc &) {
+            throw InputError(place + "needs more memory than there is; simplify it");
+        }
+    };
+    contact::HapticSurface surface = prepared();
+    if (surface.report().triangles_kept == 0 && surface.shapes().empty()) {
+        throw InputError(place + "has nothing to touch: its triangles, " +
+                         std::to_string(surface.report().triangles_given) +
+                         " in number, are all too thin to have a normal; export it again");
+    }
+    return surface;
 }
 
 } // namespace springdrive::scene
