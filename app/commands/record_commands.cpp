@@ -14,7 +14,7 @@
 #include "engine/record/record_reader.h"
 #include "engine/record/replay.h"
 #include "engine/session/run_folder.h"
-#include "engine/session/session_report.h"
+#include "engine/session/session.h"
 
 #include <algorithm>
 #include <cmath>

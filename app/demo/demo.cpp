@@ -6,7 +6,7 @@
 #include "app/host/software_renderer.h"
 #include "app/stage/frame_loop.h"
 #include "base/print.h"
-#include "engine/session/session_report.h"
+#include "engine/session/session.h"
 
 #include <cstdlib>
 #include <dlfcn.h>

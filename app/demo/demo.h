@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/new_file.h"
-#include "engine/session/session_options.h"
+#include "engine/session/session.h"
 
 #include <filesystem>
 

@@ -1,4 +1,4 @@
-#include "engine/commissioning/device_checks.h"
+#include "engine/commissioning/self_test.h"
 
 #include "base/assertions.h"
 #include "base/degrees.h"

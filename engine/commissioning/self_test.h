@@ -6,16 +6,181 @@
 // The device brakes all the time, except for the pulses, whose limits are the board's own.
 #pragma once
 
+#include "device/core/bench.h"
+#include "device/core/board_reset.h"
+#include "device/core/device_description.h"
 #include "device/core/haptic_device.h"
-#include "engine/commissioning/device_checks.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace springdrive::commissioning {
+
+// What is wrong with a device, by what its sensors say of test pulses and of motion by hand.
+//
+// Windings and current sensors, by test pulses on one winding after the other.
+//
+// A sensor's gain g shows R/g and L/g, and leaves L/R as it is. So one channel whose L differs from
+// that of the two others has a sensor with another gain, or a motor with another L: data sheets
+// give no tolerance for that, and motors of a kind are assumed to differ by less than
+// kGainTolerance. Among two against one, the file's L decides which are named.
+//
+// Encoders, joints and the zero, while somebody turns each joint from stop to stop and all motors
+// brake.
+//
+// A braking winding is a second witness of motion: by (1) with e_A = 0,
+//
+//   −∫R i dt = k_T Δθ + L Δi
+//
+// where R and i are both as the current sensor sees them, so that its gain drops out. What counts
+// say is compared with it over windows, and over the distances between the joints' stops.
+//
+// Zero and distances are checked at five stops that the tip reaches within its workspace: both of
+// the base joint, both of the angle between the links, q₃ − q₂, and the lower one of q₃.
+
+enum class Problem : std::uint8_t {
+    board_fault,
+    wrong_voltage, ///< of all channels
+    open_winding,
+    reversed_sensor,
+    crossed_sensors,
+    wrong_sensor_gain,
+    wrong_resistance,
+    wrong_inductance,
+    seized_joint,
+    dead_encoder,
+    reversed_encoder,
+    crossed_encoders,
+    wrong_counts, ///< more or fewer than the rotor turns
+    wrong_zero,
+    stops_not_reached, ///< so that zero and counts could not be checked by them
+    test_aborted,      ///< by a limit of the board's
+};
+
+struct Finding {
+    Problem problem = Problem::board_fault;
+    std::optional<std::size_t> channel; ///< of motor, winding, sensor and encoder, from 0
+    std::string what;                   ///< with the figures that show it
+    std::string remedy;                 ///< what to look at, or to do
+};
+
+/// By which L of one channel may differ from that of the two others, as a share of it; and by as
+/// many deviations of what was measured.
+inline constexpr double kGainTolerance = 0.05;
+inline constexpr double kGainDeviations = 6.0;
+
+/// By which L may differ from the file's, as a share of it: data sheets give no tolerance.
+inline constexpr double kInductanceTolerance = 0.25;
+
+/// Means over the pulses that were completed, as the current sensors see them, and deviations of
+/// the means.
+struct WindingFigures {
+    double resistance_Ohm = 0.0;
+    double resistance_deviation_Ohm = 0.0;
+    double inductance_H = 0.0;
+    double inductance_deviation_H = 0.0;
+    bool has_reversed_sensor = false;
+
+    [[nodiscard]] bool is_measured() const { return resistance_Ohm > 0.0; } // not for NaN
+};
+
+struct WindingReport {
+    std::array<WindingFigures, 3> motor;
+    std::vector<Finding> findings;
+};
+
+/// Motors are taken to be as warm as the air.
+/// @param results  of the same order, at least one
+[[nodiscard]] WindingReport check_windings(const device::DeviceDescription &device,
+                                           std::span<const device::PulseResult> results);
+
+/// By which counts may differ from what the windings say, as a share: 3 % of k_T's tolerance, 2 %
+/// by which the commutator's ripple may make R of the pulses differ from its mean, 1 % of back-EMF
+/// in that R in a relaxed hand, 1 % of noise and offset of the current. The distances between stops
+/// are known better.
+inline constexpr double kCountsTolerance = 0.07;
+
+/// By which an angle may differ from a stop's in the device file [rad]: 1° that a stop yields to a
+/// hand, and 2° of a zero pose found by eye.
+inline constexpr double kStopTolerance_rad = 0.0524;
+
+/// How far each motor was turned in all, and how well counts and currents agree on it.
+struct MotionFigures {
+    double turned_by_counts_rad = 0.0;  ///< of the motor
+    double turned_by_current_rad = 0.0; ///< the same
+    double counts_per_turned = 0.0;     ///< counted angle by turned angle; 1 for a whole encoder
+};
+
+/// The range of angles that was passed through, and the file's.
+struct StopFigures {
+    std::string name; ///< "joint 1"
+    double lowest_rad = 0.0;
+    double highest_rad = 0.0;
+    double file_lowest_rad = 0.0;
+    double file_highest_rad = 0.0;
+    bool has_highest = true; ///< whether its upper stop can be reached
+};
+
+struct MotionReport {
+    std::array<MotionFigures, 3> motor;
+    std::array<StopFigures, 3> stops;
+    std::vector<Finding> findings;
+};
+
+class MotionCheck {
+public:
+    explicit MotionCheck(const device::DeviceDescription &device);
+
+    /// What the sensors read at rest, as the mean of a while without motion.
+    void set_offsets(const Vector3 &offset_A) { offset_A_ = offset_A; }
+
+    /// One measurement after the other, of a device that brakes.
+    void take(const device::Measurement &measured);
+
+    /// The first stops that nobody has moved the device to yet, for people; empty if there are
+    /// none.
+    [[nodiscard]] std::string missing() const;
+
+    /// Of the three motions to the stops, how many are over, as a share.
+    [[nodiscard]] double share() const;
+
+    /// @param windings   as measured by pulses before
+    /// @param is_zeroed  whether counts give angles: without it, zero is not checked
+    [[nodiscard]] MotionReport report(const WindingReport &windings, bool is_zeroed) const;
+
+private:
+    struct Window {
+        double duration_s = 0.0;
+        Vector3 charge_As{Vector3::Zero()};
+        std::array<std::int32_t, 3> first_counts{};
+    };
+
+    [[nodiscard]] bool is_window_over(const device::Measurement &measured) const;
+    [[nodiscard]] double counted_rad(const device::Measurement &measured, std::size_t motor) const;
+    void close_window(const device::Measurement &measured);
+    [[nodiscard]] Vector3 joints_rad(const device::Measurement &measured) const;
+    [[nodiscard]] std::array<StopFigures, 3> stops() const;
+
+    device::DeviceDescription device_;
+    bool has_measurement_ = false;
+    device::Measurement last_;
+    Vector3 offset_A_{Vector3::Zero()};
+    Window window_;
+    // Sums over windows, of counted angles x [rad] and charges c [A·s]:
+    Matrix3 charges_with_counts_{Matrix3::Zero()}; ///< Σ c x, rows by charge
+    Vector3 charges_squared_{Vector3::Zero()};
+    Vector3 counts_squared_{Vector3::Zero()};
+    Vector3 counted_rad_{Vector3::Zero()}; ///< Σ |x|
+    Vector3 charged_As_{Vector3::Zero()};  ///< Σ |c|
+    Vector3 lowest_rad_{Vector3::Zero()};  ///< joints 1 and 3, and q₃ − q₂
+    Vector3 highest_rad_{Vector3::Zero()};
+};
 
 /// What moves a device where a person is asked to, such as a simulated hand: called once, when the
 /// motion begins. Empty: a person moves it.

@@ -1,4 +1,4 @@
-#include "engine/commissioning/sweep_estimate.h"
+#include "engine/commissioning/sweep.h"
 
 #include "base/assertions.h"
 #include "device/core/split_delay.h"

@@ -8,15 +8,17 @@
 // The parts are independent of each other; what concerns several of them is here.
 #pragma once
 
-#include "device/core/device_description.h"
+#include "base/new_file.h"
+#include "device/core/calibration.h"
 #include "device/factory/device_factory.h"
-#include "device/simulated/hand.h"
+#include "device/simulated/hand_control.h"
+#include "device/simulated/hand_path.h"
+#include "device/simulated/simulation_options.h"
+#include "engine/control/tuning.h"
+#include "engine/session/loaded_scene.h"
 #include "engine/session/record.h"
-#include "engine/session/recording.h"
-#include "engine/session/scene_loader.h"
-#include "engine/session/scene_models.h"
 #include "engine/session/servo_run.h"
-#include "engine/session/session_options.h"
+#include "engine/session/telemetry_history.h"
 #include "engine/session/tuning_history.h"
 
 #include <algorithm>
@@ -25,12 +27,48 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace springdrive::session {
+
+/// The choice of a device, and the file that describes it.
+struct DeviceChoice {
+    std::filesystem::path file;
+    factory::DeviceKind kind = factory::DeviceKind::simulated;
+    std::string serial; ///< empty: the only one of its kind
+};
+
+/// Of a session with or without a window.
+struct SessionOptions {
+    std::filesystem::path scene;
+    DeviceChoice device;
+    control::Tuning tuning;
+    double servo_hz = 1000.0;
+    bool starts_at_zero = false; ///< a device that must be zeroed is in its zero pose at the start
+    double delay_periods = 0.0;  ///< of simulated devices; of others, it is measured
+    simulated::PlantEffects effects;     ///< of simulated and emulated devices
+    std::uint64_t device_seed = 0;       ///< see SimulationOptions
+    factory::EmulationOptions emulation; ///< of emulated devices
+    bool observes_resistance = true;     ///< R̂ follows the windings' resistances, see `Session`
+    ModelOptions model;
+    std::filesystem::path path; ///< of the hand; empty: see `plays_script`
+    bool plays_script = false; ///< without a path: the scripted touch, not `SimulatedHand::move_to`
+    /// Bound on the telemetry that is kept for plots and past records.
+    std::size_t history_bytes = TelemetryHistory::kMaxBytes;
+    bool lockstep = false;  ///< the servo is timed by `Session::advance`, not by a clock
+    std::optional<int> cpu; ///< the processor of the servo's thread
+    std::optional<double> late_limit_s; ///< of consecutive missed deadlines; lowers the device's
+    std::filesystem::path record;       ///< empty: nothing is recorded until requested
+    Existing existing_record = Existing::keep;
+    /// Where the windings' temperatures are kept for the next start, see windings_file; empty:
+    /// nowhere.
+    std::filesystem::path windings_folder;
+    std::string program_version; ///< for records, and for cached model choices
+};
 
 /// Warnings for the user, each one once.
 class Warnings {
@@ -310,5 +348,20 @@ private:
     std::string loan_error_;
     std::unique_ptr<Loan> loan_; ///< ends first
 };
+
+// Report on a completed run: the servo's timing, whether it was stopped, what was recorded.
+
+/// A few lines of text.
+void write_session_report(std::ostream &out, const Session &session);
+
+/// The same figures as JSON: durations in seconds, units in all names.
+void write_session_json(std::ostream &out, const Session &session);
+
+/// Whether the safety monitor has stopped the device; if so, writes the cause to `errors`.
+[[nodiscard]] bool was_stopped(const Session &session, std::ostream &errors);
+
+/// Whether the record, if there was one, holds every tick; if not, writes the reason to
+/// `errors`.
+[[nodiscard]] bool record_is_whole(const Session &session, std::ostream &errors);
 
 } // namespace springdrive::session

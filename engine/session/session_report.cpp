@@ -1,4 +1,4 @@
-#include "engine/session/session_report.h"
+#include "engine/session/session.h"
 
 #include "base/print.h"
 #include "base/text.h"

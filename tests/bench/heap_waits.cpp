@@ -6,7 +6,7 @@
 #include "base/background.h"
 #include "base/real_time_thread.h"
 #include "engine/servo/real_time.h"
-#include "engine/session/scene_loader.h"
+#include "engine/session/loaded_scene.h"
 #include "tests/bench/stopwatch.h"
 
 #include <fmt/core.h>

@@ -2,7 +2,6 @@
 // independent of what is chosen and how it is measured, and its application to a scene.
 #pragma once
 
-#include "engine/session/model/model_chooser.h"
 #include "engine/session/model/model_selection.h"
 
 #include <cstddef>

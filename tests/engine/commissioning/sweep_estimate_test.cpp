@@ -1,6 +1,6 @@
 // Covers engine/commissioning/sweep_estimate.cpp: on synthetic measurements
 // whose stiffness is known in closed form.
-#include "engine/commissioning/sweep_estimate.h"
+#include "engine/commissioning/sweep.h"
 
 #include "base/degrees.h"
 #include "tests/support/devices.h"

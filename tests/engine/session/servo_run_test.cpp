@@ -1,12 +1,10 @@
-// Covers engine/session/{servo_run,recording,telemetry_history}.cpp alone.
+// Covers engine/session/servo_run.cpp alone.
+#include "engine/session/servo_run.h"
+
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/record/record_reader.h"
-#include "engine/record/telemetry_columns.h"
-#include "engine/session/recording.h"
-#include "engine/session/servo_run.h"
-#include "engine/session/telemetry_history.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 

@@ -1,6 +1,6 @@
-// Covers engine/session/scene_models.cpp, which measures models of several scenes, some seconds
-// each, and engine/session/model/model_selection.cpp. Reading a selection is covered by
-// tests/engine/lab/model_selection/choose_test.cpp.
+// Covers engine/session/loaded_scene.cpp. Measures models of several scenes: some seconds each.
+#include "engine/session/session.h"
+
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "engine/lab/model_selection/selection_cache.h"

@@ -1,7 +1,7 @@
-// Covers engine/session/what_if.cpp: with a record's own tuning everything is as recorded, to the
+// Covers engine/session/record_playback.cpp: with a record's own tuning everything is as recorded, to the
 // last bit or to the resolution of the encoders; with another, as the law, the filter and a
 // simulation with that tuning have it.
-#include "engine/session/what_if.h"
+#include "engine/session/record_playback.h"
 
 #include "engine/control/velocity_filter.h"
 #include "engine/lab/rig/faulty_device.h"
