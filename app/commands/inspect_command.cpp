@@ -8,7 +8,7 @@
 #include "base/table.h"
 #include "base/text.h"
 #include "device/core/device_file.h"
-#include "engine/contact/mesh/mesh_warnings.h"
+#include "engine/contact/mesh/mesh_report.h"
 #include "engine/lab/model_selection/selection_cache.h"
 #include "engine/lab/model_selection/selection_json.h"
 #include "engine/scene/scene.h"

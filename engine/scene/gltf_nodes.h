@@ -2,7 +2,7 @@
 // their extras say.
 #pragma once
 
-#include "engine/contact/mesh/surface_material.h"
+#include "engine/contact/mesh/triangle_soup.h"
 #include "engine/scene/load_messages.h"
 #include "engine/scene/scene.h"
 #include "engine/scene/shape_fit.h"

@@ -3,7 +3,7 @@
 #include "base/assertions.h"
 #include "base/cancellation.h"
 #include "base/sha256.h"
-#include "engine/contact/mesh/mesh_warnings.h"
+#include "engine/contact/mesh/mesh_report.h"
 #include "engine/scene/gltf.h"
 #include "engine/scene/scene.h"
 

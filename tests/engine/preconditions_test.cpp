@@ -3,15 +3,14 @@
 #include "base/sha256.h"
 #include "device/core/split_delay.h"
 #include "engine/contact/bvh/box_tree_build.h"
-#include "engine/contact/mesh/edge_table.h"
 #include "engine/contact/mesh/facet.h"
 #include "engine/contact/mesh/mesh_stitching.h"
-#include "engine/contact/mesh/mesh_triangle.h"
-#include "engine/contact/mesh/triangle_sets.h"
-#include "engine/contact/mesh/vertex_grid.h"
+#include "engine/contact/mesh/mesh_topology.h"
+#include "engine/contact/mesh/triangle_soup.h"
+#include "engine/contact/mesh/vertex_search.h"
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/neighbourhood.h"
-#include "engine/contact/proxy/proxy_path.h"
+#include "engine/contact/proxy/proxy_solver.h"
 
 #include <gtest/gtest.h>
 
@@ -69,7 +68,7 @@ TEST(PreconditionsDeathTest, OfWhatHasRoom) {
     }
     EXPECT_EQ(path[ProxyPath::kCapacity - 1], Vector3::UnitX());
     EXPECT_DEATH(path.add(Vector3::UnitX()),
-                 "size_ < kCapacity, engine/contact/proxy/proxy_path.h");
+                 "size_ < kCapacity, engine/contact/proxy/proxy_solver.h");
 
     FacetSource source = triangle_up_to(1.0);
     source.sides = FacetSides::two;
@@ -114,9 +113,9 @@ TEST(PreconditionsDeathTest, WhatIsLookedAtInDebugBuildsLetsThroughWhatMeetsIt) 
 #if SPRINGDRIVE_AUDIT
 TEST(PreconditionsDeathTest, WhatIsLookedAtInDebugBuildsStopsAtWhatDoesNot) {
     std::vector<MeshTriangle> triangles = kTwoTriangles;
-    EXPECT_DEATH(EdgeTable(triangles, 3, 1), "engine/contact/mesh/edge_table.cpp");
+    EXPECT_DEATH(EdgeTable(triangles, 3, 1), "engine/contact/mesh/mesh_topology.cpp");
     triangles.back().vertices = {2, 1, 2};
-    EXPECT_DEATH(EdgeTable(triangles, 4, 1), "engine/contact/mesh/edge_table.cpp");
+    EXPECT_DEATH(EdgeTable(triangles, 4, 1), "engine/contact/mesh/mesh_topology.cpp");
 
     const auto lay_out = [](const Eigen::AlignedBox3d &second) {
         static_cast<void>(lay_out_boxes(std::vector{kUnitBox, second}, 1));
@@ -128,7 +127,7 @@ TEST(PreconditionsDeathTest, WhatIsLookedAtInDebugBuildsStopsAtWhatDoesNot) {
     const std::vector<Vector3> vertices_m{Vector3::Zero()};
     VertexGrid grid(vertices_m, 0.5, 1.0);
     grid.insert(0);
-    EXPECT_DEATH(grid.insert(0), "engine/contact/mesh/vertex_grid.h");
+    EXPECT_DEATH(grid.insert(0), "engine/contact/mesh/vertex_search.h");
 
     const AnalyticShape sphere(Sphere{0.01}, Eigen::Isometry3d::Identity(), 0);
     EXPECT_DEATH(static_cast<void>(sphere.nearest(Vector3(0.0, std::nan(""), 0.0))), "allFinite");

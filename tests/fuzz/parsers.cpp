@@ -3,8 +3,8 @@
 // tests/fuzz/run.
 #include "base/input_error.h"
 #include "device/core/device_file.h"
-#include "device/simulated/hand.h"
-#include "engine/contact/mesh/mesh_warnings.h"
+#include "device/simulated/hand_path.h"
+#include "engine/contact/mesh/mesh_report.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/tuning_file.h"
 #include "engine/record/record_reader.h"

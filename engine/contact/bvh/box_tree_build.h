@@ -3,7 +3,6 @@
 // centres.
 #pragma once
 
-#include "engine/contact/bvh/box_node.h"
 #include "engine/contact/bvh/box_tree.h"
 
 #include <Eigen/Geometry>

@@ -10,7 +10,7 @@
 #include "base/vector.h"
 #include "engine/contact/mesh/facet.h"
 #include "engine/contact/mesh/mesh_report.h"
-#include "engine/contact/mesh/mesh_triangle.h"
+#include "engine/contact/mesh/triangle_soup.h"
 
 #include <array>
 #include <cstddef>

@@ -2,7 +2,7 @@
 
 #include "base/cancellation.h"
 #include "base/parallel.h"
-#include "engine/contact/mesh/triangle_sets.h"
+#include "engine/contact/mesh/mesh_topology.h"
 
 #include <Eigen/Geometry>
 

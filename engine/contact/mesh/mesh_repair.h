@@ -3,8 +3,8 @@
 #pragma once
 
 #include "base/vector.h"
-#include "engine/contact/mesh/edge_table.h"
-#include "engine/contact/mesh/mesh_triangle.h"
+#include "engine/contact/mesh/mesh_topology.h"
+#include "engine/contact/mesh/triangle_soup.h"
 
 #include <cstddef>
 #include <cstdint>

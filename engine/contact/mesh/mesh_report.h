@@ -1,7 +1,11 @@
-// What mesh preparation found in the triangles of a file, and did to them.
+// What mesh preparation found in the triangles of a file, and did to them, and the same as text for
+// the user.
 #pragma once
 
+#include "engine/contact/mesh/triangle_soup.h"
+
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace springdrive::contact {
@@ -35,5 +39,10 @@ struct MeshReport {
     std::size_t unorientable_components = 0; ///< their triangles cannot agree which side is out
     std::vector<std::size_t> left_out_of_material; ///< degenerate and duplicate, each material's
 };
+
+/// One line for each way in which a surface differs from a closed, clean mesh, with the names of
+/// the nodes it concerns; empty for a clean one.
+[[nodiscard]] std::vector<std::string>
+warnings_about(const MeshReport &report, const std::vector<SurfaceMaterial> &materials);
 
 } // namespace springdrive::contact

@@ -1,10 +1,129 @@
 #include "engine/contact/mesh/mesh_topology.h"
 
-#include "engine/contact/mesh/triangle_sets.h"
+#include "base/assertions.h"
+#include "base/cancellation.h"
+#include "base/parallel.h"
 
 #include <Eigen/Geometry>
 
+#include <numeric>
+
 namespace springdrive::contact {
+
+namespace {
+
+/// Calls `visit(lower, upper, side, is_forward)` for the three sides of a triangle.
+template <typename Visit> void for_each_side(const VertexTriple &vertices, Visit visit) {
+    for (std::uint32_t side = 0; side < 3; ++side) {
+        const std::uint32_t from = vertices[side];
+        const std::uint32_t to = vertices[side == 2 ? 0 : side + 1];
+        visit(std::min(from, to), std::max(from, to), side, from < to);
+    }
+}
+
+} // namespace
+
+EdgeTable::EdgeTable(const std::vector<MeshTriangle> &triangles, std::size_t vertices,
+                     unsigned threads)
+    : first_use_(vertices + 1), uses_(3 * triangles.size()) {
+    SPRINGDRIVE_ASSERT(triangles.size() <= kMaxTriangles);
+    SPRINGDRIVE_ASSERT_AUDIT(std::ranges::all_of(triangles, [&](const MeshTriangle &triangle) {
+        const auto &[a, b, c] = triangle.vertices;
+        return std::max({a, b, c}) < vertices && a != b && b != c && c != a;
+    }));
+    // A counting sort by the lower vertex: each thread counts its share of the triangles, which
+    // gives the places of its uses.
+    std::vector<std::vector<std::uint32_t>> next_of_chunk(threads);
+    in_chunks(triangles.size(), threads, [&](unsigned chunk, std::size_t first, std::size_t last) {
+        std::vector<std::uint32_t> &counts = next_of_chunk[chunk];
+        counts.assign(vertices, 0);
+        for (std::size_t i = first; i < last; ++i) {
+            stop_if_given_up(i);
+            for_each_side(triangles[i].vertices,
+                          [&](std::uint32_t lower, auto...) { ++counts[lower]; });
+        }
+    });
+    std::uint32_t total = 0;
+    for (std::size_t vertex = 0; vertex < vertices; ++vertex) {
+        stop_if_given_up(vertex);
+        first_use_[vertex] = total;
+        for (std::vector<std::uint32_t> &next : next_of_chunk) {
+            const std::uint32_t count = next[vertex];
+            next[vertex] = total;
+            total += count;
+        }
+    }
+    first_use_[vertices] = total;
+    in_chunks(triangles.size(), threads, [&](unsigned chunk, std::size_t first, std::size_t last) {
+        std::vector<std::uint32_t> &next = next_of_chunk[chunk];
+        for (std::size_t i = first; i < last; ++i) {
+            stop_if_given_up(i);
+            for_each_side(triangles[i].vertices, [&](std::uint32_t lower, std::uint32_t upper,
+                                                     std::uint32_t side, bool is_forward) {
+                uses_[next[lower]++] =
+                    EdgeUse(upper, static_cast<std::uint32_t>(i), side, is_forward);
+            });
+        }
+    });
+    in_chunks(vertices, threads, [&](unsigned, std::size_t first, std::size_t last) {
+        for (std::size_t vertex = first; vertex < last; ++vertex) {
+            stop_if_given_up(vertex);
+            std::sort(uses_.data() + first_use_[vertex], uses_.data() + first_use_[vertex + 1]);
+        }
+    });
+}
+
+std::span<const EdgeUse> EdgeTable::uses_of(std::uint32_t a, std::uint32_t b) const {
+    const std::uint32_t lower = std::min(a, b);
+    const std::uint32_t upper = std::max(a, b);
+    const EdgeUse *const end = uses_.data() + first_use_[lower + 1];
+    const auto upper_of = [](const EdgeUse &use) { return use.upper(); };
+    const EdgeUse *const first =
+        std::ranges::lower_bound(uses_.data() + first_use_[lower], end, upper, {}, upper_of);
+    return {first, std::ranges::upper_bound(first, end, upper, {}, upper_of)};
+}
+
+std::size_t count_open(const EdgeTable &edges) {
+    std::size_t open = 0;
+    edges.for_each([&](const Edge &edge) { open += edge.is_open() ? 1 : 0; });
+    return open;
+}
+
+BoundaryVertices::BoundaryVertices(const std::vector<MeshTriangle> &triangles,
+                                   const EdgeTable &edges, const std::vector<Vector3> &vertices_m)
+    : numbers_(vertices_m.size(), kNone) {
+    edges.for_each([&](const Edge &edge) {
+        if (edge.is_open()) {
+            numbers_[edge.lower] = 0;
+            numbers_[edge.upper()] = 0;
+        }
+    });
+    for (std::uint32_t vertex = 0; vertex < numbers_.size(); ++vertex) {
+        if (has(vertex)) {
+            numbers_[vertex] = static_cast<std::uint32_t>(vertices_.size());
+            vertices_.push_back(vertex);
+            places_m_.push_back(vertices_m[vertex]);
+        }
+    }
+
+    const auto for_each_corner = [&](auto visit) {
+        for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+            for (const std::uint32_t corner : triangles[i].vertices) {
+                if (has(corner)) {
+                    visit(numbers_[corner], i);
+                }
+            }
+        }
+    };
+    // A counting sort: filling a range moves its end down to its start.
+    first_at_.assign(size() + 1, 0);
+    for_each_corner([&](std::uint32_t number, std::uint32_t) { ++first_at_[number]; });
+    std::partial_sum(first_at_.begin(), first_at_.end(), first_at_.begin());
+    triangles_at_.resize(first_at_.back());
+    for_each_corner([&](std::uint32_t number, std::uint32_t triangle) {
+        triangles_at_[--first_at_[number]] = triangle;
+    });
+}
 
 namespace {
 

@@ -6,10 +6,9 @@
 #include "engine/contact/bvh/box_tree.h"
 #include "engine/contact/mesh/facet.h"
 #include "engine/contact/mesh/mesh_report.h"
-#include "engine/contact/mesh/surface_material.h"
+#include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/neighbourhood.h"
-#include "engine/contact/proxy/shape_slide.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -45,8 +44,7 @@ class HapticSurface {
 public:
     HapticSurface() = default;
 
-    /// Prepares triangles and builds the search structure, in as many threads as there are cores:
-    /// in surface_preparation.cpp, apart from the queries.
+    /// Prepares triangles and builds the search structure, in as many threads as there are cores.
     /// @throw std::invalid_argument as `prepare_mesh` does, for a shape without a material, or for
     ///        too many shapes
     explicit HapticSurface(TriangleSoup soup, std::vector<AnalyticShape> shapes = {});

@@ -1,6 +1,6 @@
 #include "engine/contact/proxy/proxy.h"
 
-#include "engine/contact/proxy/downhill_directions.h"
+#include "engine/contact/proxy/proxy_solver.h"
 
 #include <algorithm>
 #include <cmath>

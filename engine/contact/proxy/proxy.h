@@ -19,12 +19,11 @@
 
 #include "base/vector.h"
 #include "engine/contact/contact.h"
+#include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/contact_planes.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/contact/proxy/neighbourhood.h"
-#include "engine/contact/proxy/proxy_path.h"
 #include "engine/contact/proxy/proxy_solver.h"
-#include "engine/contact/proxy/shape_slide.h"
 
 #include <cstdint>
 #include <optional>

@@ -3,7 +3,6 @@
 #include "base/assertions.h"
 #include "base/parallel.h"
 #include "engine/contact/mesh/facet.h"
-#include "engine/contact/mesh/nearest.h"
 
 #include <Eigen/Geometry>
 

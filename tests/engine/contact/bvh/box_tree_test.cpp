@@ -1,5 +1,4 @@
-// Covers engine/contact/bvh: box_node.h, box_search.h, box_tree.h and box_tree_build.cpp.
-#include "engine/contact/bvh/box_node.h"
+// Covers engine/contact/bvh: box_tree.h and box_tree_build.cpp.
 #include "engine/contact/bvh/box_tree.h"
 #include "engine/contact/bvh/box_tree_build.h"
 #include "tests/engine/contact/mesh/soups.h"

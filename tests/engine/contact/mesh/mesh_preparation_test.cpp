@@ -1,10 +1,7 @@
-// Covers engine/contact/mesh/mesh_preparation.cpp and mesh_warnings.cpp. Also fan_grading.cpp and
-// triangle_fans.cpp.
+// Covers engine/contact/mesh/mesh_preparation.cpp and mesh_report.cpp.
 #include "engine/contact/mesh/mesh_preparation.h"
-
-#include "base/cancellation.h"
-#include "engine/contact/mesh/fan_grading.h"
-#include "engine/contact/mesh/mesh_warnings.h"
+#include "engine/contact/mesh/mesh_report.h"
+#include "tests/engine/contact/mesh/meshes.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/surfaces.h"
 

@@ -1,9 +1,8 @@
-// Covers the closing of cracks in engine/contact/mesh: vertex_welding.cpp, boundary_stitching.cpp,
-// t_junction_removal.cpp with point_tree.cpp, and that no stage exceeds what it is allowed.
-#include "base/input_error.h"
+// Covers engine/contact/mesh/mesh_stitching.cpp, with vertex_search.cpp, and that no stage exceeds
+// what it is allowed.
 #include "engine/contact/mesh/mesh_stitching.h"
-#include "engine/contact/mesh/point_tree.h"
-#include "engine/contact/mesh/preparation_allowance.h"
+#include "engine/contact/mesh/vertex_search.h"
+#include "tests/engine/contact/mesh/meshes.h"
 #include "tests/engine/contact/mesh/soups.h"
 
 #include <gtest/gtest.h>

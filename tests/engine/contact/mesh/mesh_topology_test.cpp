@@ -1,11 +1,9 @@
-// Covers engine/contact/mesh/mesh_topology.cpp, mesh_repair.cpp and surface_facets.cpp, and what
-// they are made from: edge_table.cpp and triangle_sets.h.
-#include "engine/contact/mesh/edge_table.h"
+// Covers engine/contact/mesh/mesh_topology.cpp and mesh_repair.cpp, and of mesh_preparation.cpp the
+// last step.
+#include "engine/contact/mesh/mesh_preparation.h"
 #include "engine/contact/mesh/mesh_repair.h"
 #include "engine/contact/mesh/mesh_topology.h"
-#include "engine/contact/mesh/surface_facets.h"
-#include "engine/contact/mesh/triangle_sets.h"
-#include "tests/engine/contact/mesh/soups.h"
+#include "tests/engine/contact/mesh/meshes.h"
 #include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,7 @@
-// Covers engine/contact/proxy/analytic_shape.cpp and shape_slide.cpp: what is near a shape, and
+// Covers engine/contact/proxy/analytic_shape.cpp: what is near a shape, and
 // that a slide in closed form ends where the descent does, with no place nearby nearer to the tip.
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/proxy_solver.h"
-#include "engine/contact/proxy/shape_slide.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/surfaces.h"
 

@@ -1,12 +1,6 @@
-// Covers what stops a proxy: facets and what is nearest on them (engine/contact/mesh/facet.cpp,
-// facet_boxes.cpp, nearest.cpp), the planes that hold it (engine/contact/proxy/contact_planes.cpp),
-// and neighbourhood.cpp with the neighbourhoods of haptic_surface.cpp.
+// Covers engine/contact/mesh/facet.cpp and facet_boxes.cpp.
 #include "engine/contact/mesh/facet.h"
 #include "engine/contact/mesh/facet_boxes.h"
-#include "engine/contact/mesh/nearest.h"
-#include "engine/contact/proxy/contact_planes.h"
-#include "engine/contact/proxy/haptic_surface.h"
-#include "engine/contact/proxy/neighbourhood.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/surfaces.h"
 

@@ -9,7 +9,7 @@
 #include "engine/lab/rig/scenario/test_surfaces.h"
 
 #include "base/input_error.h"
-#include "engine/contact/mesh/nearest.h"
+#include "engine/contact/mesh/facet.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "tests/support/configurations.h"
 

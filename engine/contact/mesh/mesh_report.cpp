@@ -1,4 +1,4 @@
-#include "engine/contact/mesh/mesh_warnings.h"
+#include "engine/contact/mesh/mesh_report.h"
 
 #include "engine/contact/mesh/fan_grading.h"
 
