@@ -6,7 +6,6 @@
 #include "app/figures/speed_accuracy_marks.h"
 #include "base/timing.h"
 #include "device/core/device_file.h"
-#include "engine/lab/charts/chart.h"
 #include "engine/lab/charts/charts.h"
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "engine/lab/limits/locked_device.h"
-#include "engine/lab/loops/stiffness_ellipse.h"
+#include "engine/lab/loops/link_plane.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 
 #include <cstdint>

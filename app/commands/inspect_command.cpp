@@ -10,7 +10,6 @@
 #include "device/core/device_file.h"
 #include "engine/contact/mesh/mesh_report.h"
 #include "engine/lab/model_selection/selection_cache.h"
-#include "engine/lab/model_selection/selection_json.h"
 #include "engine/scene/scene.h"
 #include "engine/session/model/model_selection.h"
 

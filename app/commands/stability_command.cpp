@@ -12,9 +12,6 @@
 #include "engine/control/tuning.h"
 #include "engine/lab/limits/method_limits/experiment.h"
 #include "engine/lab/limits/stability_limits.h"
-#include "engine/lab/limits/stability_map.h"
-#include "engine/lab/loops/stability_parameters.h"
-#include "engine/lab/rig/scenario/scenarios.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

@@ -8,8 +8,7 @@
 #include "engine/control/coupling.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/tuning.h"
-#include "engine/lab/loops/direction_spectrum.h"
-#include "engine/lab/loops/stiffness_ellipse.h"
+#include "engine/lab/loops/link_plane.h"
 #include "engine/lab/loops/stiffness_sweep.h"
 
 #include <fmt/core.h>

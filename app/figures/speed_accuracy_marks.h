@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/figures/gnuplot.h"
-#include "engine/lab/charts/chart.h"
+#include "engine/lab/charts/charts.h"
 
 #include <string>
 

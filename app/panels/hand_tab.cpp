@@ -1,7 +1,7 @@
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
-#include "base/input_error.h"
-#include "engine/lab/loops/hand_family.h"
+#include "base/error_text.h"
+#include "engine/lab/loops/stability_case.h"
 #include "engine/session/telemetry_history.h"
 
 #include <algorithm>

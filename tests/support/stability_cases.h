@@ -4,8 +4,6 @@
 
 #include "engine/lab/limits/stability_limits.h"
 #include "engine/lab/loops/stability_case.h"
-#include "engine/lab/loops/stability_parameters.h"
-#include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 
 #include <array>

@@ -4,7 +4,7 @@
 #include "base/timing.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/lab/rig/integrators.h"
+#include "engine/lab/rig/plant_equations.h"
 
 #include <fmt/core.h>
 

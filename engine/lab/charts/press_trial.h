@@ -7,8 +7,8 @@
 // has it.
 #pragma once
 
-#include "device/simulated/simulation_options.h"
-#include "engine/lab/charts/chart.h"
+#include "device/simulated/plant_model.h"
+#include "engine/lab/charts/charts.h"
 #include "engine/lab/charts/plant_solvers.h"
 #include "engine/lab/rig/law_rig.h"
 #include "engine/lab/rig/plant_equations.h"

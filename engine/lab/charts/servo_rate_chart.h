@@ -1,7 +1,7 @@
 // What the charts of servo rates measure at one rate.
 #pragma once
 
-#include "engine/lab/charts/chart.h"
+#include "engine/lab/charts/charts.h"
 #include "engine/lab/loops/rendered_stiffness.h"
 
 namespace springdrive::charts {

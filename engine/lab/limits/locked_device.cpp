@@ -3,7 +3,7 @@
 #include "base/eigenvalues.h"
 #include "base/input_error.h"
 #include "engine/control/motion_control.h"
-#include "engine/lab/loops/stiffness_ellipse.h"
+#include "engine/lab/loops/link_plane.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/servo_rig.h"
 

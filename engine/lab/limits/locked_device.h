@@ -14,7 +14,7 @@
 
 #include "device/core/device_description.h"
 #include "engine/control/tuning.h"
-#include "engine/lab/loops/stiffness_ellipse.h"
+#include "engine/lab/loops/link_plane.h"
 
 #include <cstdint>
 

@@ -1,4 +1,5 @@
-// The coupling K_θ between one rotor and a locked set-point, over frequency (Fig. 2).
+// The stiffness that a sampled law renders over frequency: the coupling K_θ between one rotor and a
+// locked set-point (Fig. 2), and at the tip.
 //
 // The paper writes K_θ = τ/θ, which is negative at rest: the motor pushes back. Here every
 // stiffness is −τ/θ, as the hand experiences it: a spring has phase 0°, a damper +90°, a mass
@@ -8,6 +9,7 @@
 #include "device/core/motor/motor.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/loops/linear_loop.h"
+#include "engine/lab/loops/stability_case.h"
 
 #include <complex>
 
@@ -47,5 +49,26 @@ struct SpringDrive {
 /// dotted curve of Fig. 2.
 [[nodiscard]] std::complex<double> unmodified_stiffness(const device::MotorParameters &motor,
                                                         double omega_rad_per_s);
+
+// At the tip, with either drive.
+
+/// The part along `direction` of the force against a tip that a vice moves along it at ω, per
+/// displacement [N/m]; a spring has phase 0°, a damper +90°. All motors, at the case's
+/// configuration and with its η:
+///
+///   K_x = J⁻ᵀ K_m J⁻¹
+///
+/// with K_m of `motor_stiffness`; for η = 0 and one motor that is K_θ.
+[[nodiscard]] std::complex<double> tip_stiffness(const StabilityCase &which,
+                                                 const Vector3 &direction, double omega_rad_per_s);
+
+/// The limit as ω goes to infinity: the inductive stiffness (14) of a spring drive, zero for a
+/// current drive [N/m].
+[[nodiscard]] double inductive_tip_stiffness(const StabilityCase &which, const Vector3 &direction);
+
+/// The change of the tip's force within a period from one count of one encoder, through gains,
+/// filter and winding, all else at rest: the largest of the three encoders [N]. A large value is
+/// felt as a buzz.
+[[nodiscard]] double force_of_a_count_N(const StabilityCase &which);
 
 } // namespace springdrive::loops

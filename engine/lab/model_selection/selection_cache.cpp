@@ -6,7 +6,6 @@
 #include "base/timing.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/model_selection/contact_shapes.h"
-#include "engine/lab/model_selection/selection_json.h"
 
 #include <cmath>
 #include <cstdint>

@@ -1,7 +1,10 @@
-// Caches model choices in files, so that a scene is measured only once on a machine.
+// Model choices as JSON, and in files, so that a scene is measured only once on a machine.
 #pragma once
 
 #include "engine/lab/model_selection/choose.h"
+#include "engine/session/model/model_selection.h"
+
+#include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <memory>
@@ -9,6 +12,13 @@
 #include <string>
 
 namespace springdrive::model_selection {
+
+/// For `springdrive inspect` and for the cache files: with names and units in the keys. An error
+/// that is not finite becomes null.
+[[nodiscard]] nlohmann::ordered_json json_of(const ModelSelection &choice);
+
+/// @throw InputError for JSON that `json_of` would not have written.
+[[nodiscard]] ModelSelection model_selection_of(const nlohmann::ordered_json &json);
 
 /// Increased whenever the simulation, the proxy or the rule of choice changes the measurements:
 /// older choices are then measured again.

@@ -1,9 +1,247 @@
 #include "engine/lab/rig/brute_force_proxy.h"
 
+#include "engine/contact/mesh/facet.h"
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 
 namespace springdrive::rig {
+
+namespace {
+
+/// Which minimise cancellation.
+std::array<Vector3, 2> two_shorter_edges(const std::array<Vector3, 3> &corners_m) {
+    const std::array<Vector3, 3> edges{Vector3(corners_m[1] - corners_m[0]),
+                                       Vector3(corners_m[2] - corners_m[1]),
+                                       Vector3(corners_m[0] - corners_m[2])};
+    const auto *const longest =
+        std::ranges::max_element(edges, {}, [](const Vector3 &edge) { return edge.squaredNorm(); });
+    const auto i = static_cast<std::size_t>(longest - edges.begin());
+    return {edges[(i + 1) % 3], edges[(i + 2) % 3]};
+}
+
+Vector3 nearest_on_edge(const Vector3 &a_m, const Vector3 &b_m, const Vector3 &point_m) {
+    const Vector3 edge = b_m - a_m;
+    return a_m + std::clamp((point_m - a_m).dot(edge) / edge.squaredNorm(), 0.0, 1.0) * edge;
+}
+
+/// A motion no farther than this beside a triangle goes through it [m]: a hundredth of what the
+/// proxy keeps, so that a gap between triangles that is too narrow for the proxy is none.
+constexpr double kRim_m = 1e-10;
+
+/// Round-off may shift a crossing by more, along a motion that is almost parallel to a triangle
+/// with almost parallel edges; up to half of what the proxy keeps is then taken for a crossing.
+constexpr double kMaxRim_m = 0.5 * contact::kClearance_m;
+
+constexpr double kUnitRoundOff = 0.5 * std::numeric_limits<double>::epsilon();
+
+/// By how far the computed crossing of a plane may be beside the true one [m].
+///
+/// A height n · (p − c) is the product of a difference (relative error u), a normal (cross product
+/// of differences, 4 u / sine, and normalised, 3 u) and a sum of three products (3 u): at most
+/// 11 u d / sine for a point at the distance d, here twice the largest of those that occur. The
+/// share of the motion is a ratio of heights, hence the slope; the point of that share, and its
+/// height beyond an edge, are rounded once more.
+double round_off_of_crossing_m(const PlainTriangle &triangle, const Vector3 &from_m,
+                               const Vector3 &to_m, double height_m) {
+    const double way_m = (to_m - from_m).norm();
+    const double farthest_m = (from_m - triangle.corners_m[0]).norm() + way_m;
+    const double height_error_m = 11.0 * kUnitRoundOff * farthest_m / triangle.sine();
+    const double largest_m = from_m.norm() + way_m;
+    return 2.0 *
+           (height_error_m * (1.0 + 2.0 * way_m / height_m) + 3.0 * kUnitRoundOff * largest_m);
+}
+
+/// Whether a segment comes into a box about a triangle, or as near as a crossing may be to the
+/// triangle, by their separating axes: the box's three, and those square to the segment.
+bool comes_into(const Eigen::AlignedBox3d &box, const Vector3 &from_m, const Vector3 &to_m) {
+    const Vector3 half_m =
+        0.5 * box.diagonal() + Vector3::Constant(2.0 * kMaxRim_m); // see beyond_m
+    const Vector3 half_way_m = 0.5 * (to_m - from_m);
+    const Vector3 apart_m = from_m + half_way_m - box.center();
+    const Vector3 reach_m = half_way_m.cwiseAbs();
+    if (((apart_m.cwiseAbs() - half_m - reach_m).array() > 0.0).any()) {
+        return false;
+    }
+    const Vector3 moment_m2 = apart_m.cross(half_way_m).cwiseAbs();
+    for (Eigen::Index i = 0; i < 3; ++i) {
+        const Eigen::Index j = (i + 1) % 3;
+        const Eigen::Index k = (i + 2) % 3;
+        if (moment_m2[i] > half_m[j] * reach_m[k] + half_m[k] * reach_m[j]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+constexpr std::uint32_t kMaxInLeaf = 4;
+
+} // namespace
+
+double PlainTriangle::beyond_m(const Vector3 &point_m) const {
+    double max_m = -std::numeric_limits<double>::infinity();
+    double longest_m = 0.0;
+    double beyond_ends_m = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vector3 edge = corners_m[(i + 1) % 3] - corners_m[i];
+        const Vector3 from_corner = point_m - corners_m[i];
+        max_m = std::max(max_m, edge.cross(normal).normalized().dot(from_corner));
+        if (const double length_m = edge.norm(); length_m > longest_m) {
+            longest_m = length_m;
+            const double along_m = edge.dot(from_corner) / length_m;
+            beyond_ends_m = std::max(-along_m, edge.dot(from_corner - edge) / length_m);
+        }
+    }
+    return std::max(max_m, beyond_ends_m);
+}
+
+Away PlainTriangle::away(const Vector3 &point_m) const {
+    const double height = height_m(point_m);
+    if (beyond_m(point_m) <= 0.0) {
+        return {std::abs(height), height < 0.0 ? Vector3(-normal) : normal};
+    }
+    Away nearest{std::numeric_limits<double>::infinity(), normal};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vector3 gap =
+            point_m - nearest_on_edge(corners_m[i], corners_m[(i + 1) % 3], point_m);
+        const double distance_m = gap.norm();
+        if (distance_m < nearest.distance_m) {
+            nearest = {distance_m, distance_m > 0.0 ? Vector3(gap / distance_m) : normal};
+        }
+    }
+    return nearest;
+}
+
+Eigen::AlignedBox3d PlainTriangle::bounds() const {
+    Eigen::AlignedBox3d box(corners_m[0]);
+    return box.extend(corners_m[1]).extend(corners_m[2]);
+}
+
+double PlainTriangle::sine() const {
+    const auto [a, b] = two_shorter_edges(corners_m);
+    return a.cross(b).norm() / (a.norm() * b.norm());
+}
+
+std::vector<PlainTriangle> plain_triangles(const std::vector<contact::FacetSource> &facets) {
+    std::vector<PlainTriangle> triangles;
+    triangles.reserve(facets.size());
+    for (const contact::FacetSource &facet : facets) {
+        const auto [a, b] = two_shorter_edges(facet.corners_m);
+        triangles.push_back(
+            {facet.corners_m, a.cross(b).normalized(), facet.sides == contact::FacetSides::two});
+    }
+    return triangles;
+}
+
+bool goes_through(const PlainTriangle &triangle, const Vector3 &from_m, const Vector3 &to_m) {
+    const double from_height_m = triangle.height_m(from_m);
+    const double to_height_m = triangle.height_m(to_m);
+    const bool goes_in = from_height_m >= 0.0 && to_height_m < 0.0;
+    const bool comes_out = from_height_m <= 0.0 && to_height_m > 0.0;
+    if (!goes_in && !(comes_out && triangle.two_sided)) {
+        return false;
+    }
+    const double share = from_height_m / (from_height_m - to_height_m);
+    const double beyond_m = triangle.beyond_m(from_m + share * (to_m - from_m));
+    return beyond_m <= kRim_m ||
+           (beyond_m <= kMaxRim_m &&
+            beyond_m <= round_off_of_crossing_m(triangle, from_m, to_m,
+                                                std::abs(from_height_m - to_height_m)));
+}
+
+NearbyTriangles::NearbyTriangles(std::span<const PlainTriangle> triangles)
+    : triangles_(triangles), order_(triangles.size()) {
+    std::iota(order_.begin(), order_.end(), 0U);
+    std::vector<Vector3> middles_m;
+    middles_m.reserve(triangles.size());
+    for (const PlainTriangle &triangle : triangles) {
+        middles_m.emplace_back(triangle.bounds().center());
+    }
+    if (!triangles.empty()) {
+        nodes_.reserve(triangles.size());
+        add(0, static_cast<std::uint32_t>(triangles.size()), middles_m);
+    }
+}
+
+std::uint32_t NearbyTriangles::add(std::uint32_t first, std::uint32_t last,
+                                   const std::vector<Vector3> &middles_m) {
+    const auto index = static_cast<std::uint32_t>(nodes_.size());
+    Node node;
+    node.first = first;
+    node.last = last;
+    Eigen::AlignedBox3d middles_box;
+    for (std::uint32_t i = first; i < last; ++i) {
+        node.box.extend(triangles_[order_[i]].bounds());
+        middles_box.extend(middles_m[order_[i]]);
+    }
+    nodes_.push_back(node);
+    if (last - first > kMaxInLeaf) {
+        Eigen::Index axis = 0;
+        middles_box.diagonal().maxCoeff(&axis);
+        const std::uint32_t half = first + (last - first) / 2;
+        std::nth_element(order_.begin() + first, order_.begin() + half, order_.begin() + last,
+                         [&](std::uint32_t a, std::uint32_t b) {
+                             return middles_m[a][axis] < middles_m[b][axis];
+                         });
+        add(first, half, middles_m);
+        const std::uint32_t other = add(half, last, middles_m);
+        nodes_[index].other = other;
+    }
+    return index;
+}
+
+template <typename IsNear, typename Visit>
+void NearbyTriangles::search(const IsNear &is_near, const Visit &visit) const {
+    std::array<std::uint32_t, 64> waiting{}; // at most one for each halving
+    std::size_t count = nodes_.empty() ? 0 : 1;
+    while (count > 0) {
+        const std::uint32_t index = waiting[--count];
+        const Node &node = nodes_[index];
+        if (!is_near(node.box)) {
+            continue;
+        }
+        if (node.other != 0) {
+            waiting[count++] = node.other;
+            waiting[count++] = index + 1;
+            continue;
+        }
+        for (std::uint32_t i = node.first; i < node.last; ++i) {
+            if (is_near(triangles_[order_[i]].bounds()) && visit(order_[i])) {
+                return;
+            }
+        }
+    }
+}
+
+std::vector<std::size_t> NearbyTriangles::within(const Vector3 &centre_m, double radius_m) const {
+    std::vector<std::size_t> found;
+    const auto is_near = [&](const Eigen::AlignedBox3d &box) {
+        return box.squaredExteriorDistance(centre_m) <= radius_m * radius_m;
+    };
+    search(is_near, [&](std::uint32_t triangle) {
+        found.push_back(triangle);
+        return false;
+    });
+    std::ranges::sort(found);
+    return found;
+}
+
+std::optional<std::size_t> NearbyTriangles::crossed(const Vector3 &from_m,
+                                                    const Vector3 &to_m) const {
+    std::optional<std::size_t> found;
+    const auto is_near = [&](const Eigen::AlignedBox3d &box) {
+        return comes_into(box, from_m, to_m);
+    };
+    search(is_near, [&](std::uint32_t triangle) {
+        if (goes_through(triangles_[triangle], from_m, to_m)) {
+            found = triangle;
+        }
+        return found.has_value();
+    });
+    return found;
+}
 
 namespace {
 

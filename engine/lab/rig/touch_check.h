@@ -6,7 +6,6 @@
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/lab/rig/brute_force_proxy.h"
-#include "engine/lab/rig/plain_triangles.h"
 
 #include <cstddef>
 #include <functional>

@@ -1,10 +1,10 @@
-// Covers engine/session/record_playback.cpp: with a record's own tuning everything is as recorded, to the
-// last bit or to the resolution of the encoders; with another, as the law, the filter and a
+// Covers engine/session/record_playback.cpp: with a record's own tuning everything is as recorded,
+// to the last bit or to the resolution of the encoders; with another, as the law, the filter and a
 // simulation with that tuning have it.
 #include "engine/session/record_playback.h"
 
 #include "engine/control/velocity_filter.h"
-#include "engine/lab/rig/faulty_device.h"
+#include "engine/lab/rig/servo_rig.h"
 #include "tests/engine/record/samples.h"
 #include "tests/engine/session/record_fixture.h"
 

@@ -4,7 +4,6 @@
 
 #include "base/table.h"
 #include "engine/lab/loops/stability_case.h"
-#include "engine/lab/loops/stability_parameters.h"
 
 #include <functional>
 #include <optional>

@@ -37,7 +37,7 @@ inline constexpr const char *kMotorMethod = "motor";
 
 /// The frequency of vibration above which forces of the transpose map (23) deviate from the normal
 /// by more than the angle that the paper quotes as perceptible. Predicted by the sampled form of
-/// direction_spectrum.h, measured by vibrating the motors under the law itself.
+/// link_plane.h, measured by vibrating the motors under the law itself.
 [[nodiscard]] Experiments direction_experiments(const loops::StabilityCase &which);
 
 /// The steps above which integrators are unstable: for a winding with its rotor held, and for the

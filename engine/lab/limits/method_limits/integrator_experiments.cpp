@@ -3,7 +3,6 @@
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/lab/limits/method_limits/experiment_list.h"
-#include "engine/lab/rig/integrators.h"
 #include "engine/lab/rig/plant_equations.h"
 
 #include <cmath>

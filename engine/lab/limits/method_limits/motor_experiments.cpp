@@ -7,7 +7,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/method_limits/experiment_list.h"
 #include "engine/lab/limits/thermal_hold.h"
-#include "engine/lab/rig/integrators.h"
+#include "engine/lab/rig/plant_equations.h"
 #include "engine/servo/safety_monitor.h"
 
 #include <Eigen/LU>

@@ -5,7 +5,6 @@
 #include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/brute_force_proxy.h"
-#include "engine/lab/rig/plain_triangles.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/cases.h"
 #include "tests/support/hard_meshes.h"

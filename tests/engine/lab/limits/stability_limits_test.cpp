@@ -1,9 +1,10 @@
-// Covers engine/lab/limits/{stability_simulation,stability_limits,stability_map}.cpp;
-// long_limits_test.cpp has the slow tests.
+// Covers engine/lab/limits/stability_limits.cpp; stability_agreement_test.cpp
+// has the slow tests.
+#include "engine/lab/limits/stability_limits.h"
+
 #include "base/bisection.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/lab/limits/stability_limits.h"
-#include "engine/lab/limits/stability_map.h"
+#include "tests/support/random_loops.h"
 #include "tests/support/runge_kutta_loop.h"
 #include "tests/support/stability_cases.h"
 

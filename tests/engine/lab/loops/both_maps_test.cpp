@@ -1,15 +1,13 @@
-// Covers engine/lab/loops/both_maps.cpp and stiffness_ellipse.cpp; and the scene "wrong_direction"
-// with, by engine/lab/limits/locked_device.cpp, what is felt there: where, and on which surface,
-// the force of the inverse map (18) deviates most from the normal. At rest a tip held at depth δ in
-// a surface with unit normal n feels δ J⁻ᵀ K_q J⁻¹ n (21).
-#include "assets/scenes/shapes.h"
+// Covers engine/lab/loops/both_maps.cpp and link_plane.cpp.
+#include "engine/lab/loops/both_maps.h"
+
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "device/core/motor/motor.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/rendered_force.h"
-#include "engine/lab/loops/stiffness_ellipse.h"
+#include "engine/lab/loops/link_plane.h"
 #include "tests/support/devices.h"
 
 #include <Eigen/Eigenvalues>

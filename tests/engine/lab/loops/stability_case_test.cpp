@@ -1,5 +1,6 @@
-// Covers engine/lab/loops/{stability_case,stability_parameters,tuning_constraints}.cpp and
-// hand_family.h.
+// Covers engine/lab/loops/stability_case.cpp.
+#include "engine/lab/loops/stability_case.h"
+
 #include "device/core/phantom/dynamics.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"

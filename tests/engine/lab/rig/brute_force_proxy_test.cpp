@@ -1,4 +1,4 @@
-// Covers engine/lab/rig/plain_triangles.cpp and brute_force_proxy.cpp: what the proxy is held
+// Covers engine/lab/rig/brute_force_proxy.cpp and brute_force_proxy.cpp: what the proxy is held
 // against.
 #include "engine/lab/rig/brute_force_proxy.h"
 

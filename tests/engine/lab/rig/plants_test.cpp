@@ -1,9 +1,7 @@
-// Covers the plants that simulated devices are held against:
-// engine/lab/rig/{plant_equations,rotor_simulation}.cpp and integrators.h.
-#include "device/core/phantom/kinematics.h"
-#include "engine/lab/rig/integrators.h"
+// Covers engine/lab/rig/plant_equations.cpp.
 #include "engine/lab/rig/plant_equations.h"
-#include "engine/lab/rig/rotor_simulation.h"
+
+#include "device/core/phantom/kinematics.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 

@@ -1,4 +1,4 @@
-// Covers engine/lab/rig/law_rig.cpp, servo_rig.cpp and faulty_device.cpp, what holds a tip in
+// Covers engine/lab/rig/law_rig.cpp and servo_rig.cpp, what holds a tip in
 // scenario/scenarios.cpp, limits/method_limits/pressed_corner.cpp and
 // engine/control/rendered_force.h.
 #include "engine/lab/rig/law_rig.h"

@@ -3,7 +3,6 @@
 // shapes.
 #include "engine/lab/rig/closest_point.h"
 #include "engine/lab/rig/scenario/blob_shape.h"
-#include "engine/lab/rig/scenario/machined_surface.h"
 #include "engine/lab/rig/scenario/pressed_tips.h"
 #include "engine/lab/rig/scenario/scanned_surface.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"

@@ -1,4 +1,4 @@
-#include "engine/lab/charts/chart.h"
+#include "engine/lab/charts/charts.h"
 
 namespace springdrive::charts {
 
