@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "device/core/device_file.h"
 #include "engine/record/record_export.h"
-#include "engine/record/record_reader.h"
+#include "engine/record/record_file.h"
 #include "engine/record/replay.h"
 #include "engine/session/run_folder.h"
 #include "engine/session/session.h"

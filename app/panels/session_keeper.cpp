@@ -1,10 +1,7 @@
 #include "app/panels/session_keeper.h"
 
 #include "base/input_error.h"
-#include "base/new_file.h"
-#include "base/print.h"
-#include "engine/record/record_writer.h"
-#include "engine/session/telemetry_history.h"
+#include "engine/record/record_file.h"
 
 #include <fmt/core.h>
 

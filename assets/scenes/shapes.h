@@ -5,7 +5,7 @@
 #pragma once
 
 #include "base/vector.h"
-#include "engine/lab/rig/scenario/blob_shape.h"
+#include "engine/lab/rig/scenario/known_shapes.h"
 
 #include <array>
 #include <cstdint>

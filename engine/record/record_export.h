@@ -6,7 +6,7 @@
 #pragma once
 
 #include "base/new_file.h"
-#include "engine/record/record_reader.h"
+#include "engine/record/record_file.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -13,8 +13,8 @@
 #pragma once
 
 #include "base/sample_ring.h"
+#include "engine/record/record_file.h"
 #include "engine/record/record_format.h"
-#include "engine/record/record_writer.h"
 #include "engine/servo/servo_sample.h"
 
 #include <chrono>

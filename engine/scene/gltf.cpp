@@ -10,7 +10,6 @@
 #include "engine/scene/load_messages.h"
 #include "engine/scene/scene.h"
 #include "engine/scene/shape_fit.h"
-#include "engine/scene/smooth_nodes.h"
 #include "engine/scene/visual_mesh.h"
 
 #include <tiny_gltf.h>

@@ -5,7 +5,6 @@
 #include "base/input_error.h"
 #include "base/one_line.h"
 #include "engine/scene/gltf_accessor.h"
-#include "engine/scene/gltf_json.h"
 
 #include <nlohmann/json.hpp>
 #include <tiny_gltf.h>

@@ -1,4 +1,4 @@
-#include "engine/scene/gltf_json.h"
+#include "engine/scene/gltf_file.h"
 
 #include "base/cancellation.h"
 #include "base/input_error.h"

@@ -1,4 +1,4 @@
-#include "engine/scene/smooth_nodes.h"
+#include "engine/scene/gltf_mesh.h"
 
 #include "base/degrees.h"
 #include "base/input_error.h"

@@ -3,9 +3,8 @@
 #include "base/cancellation.h"
 #include "base/input_error.h"
 #include "device/core/device_file.h"
+#include "engine/record/record_file.h"
 #include "engine/record/record_format.h"
-#include "engine/record/record_reader.h"
-#include "engine/record/record_writer.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

@@ -3,9 +3,8 @@
 // missing in the folder, and all of them are replayed to the last bit. app/panels/settings.cpp:
 // what is remembered, and files that are damaged or cannot be written.
 #include "app/panels/session_keeper.h"
-#include "app/panels/window_habits.h"
-#include "base/input_error.h"
-#include "engine/record/record_reader.h"
+
+#include "engine/record/record_file.h"
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"

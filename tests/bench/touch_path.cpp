@@ -1,6 +1,6 @@
 #include "tests/bench/touch_path.h"
 
-#include "engine/lab/rig/scenario/pressed_tips.h"
+#include "engine/lab/rig/scenario/known_shapes.h"
 #include "engine/lab/rig/scenario/scanned_surface.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 

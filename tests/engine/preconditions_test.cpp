@@ -9,7 +9,7 @@
 #include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/mesh/vertex_search.h"
 #include "engine/contact/proxy/analytic_shape.h"
-#include "engine/contact/proxy/neighbourhood.h"
+#include "engine/contact/proxy/haptic_surface.h"
 #include "engine/contact/proxy/proxy_solver.h"
 
 #include <gtest/gtest.h>
@@ -79,7 +79,7 @@ TEST(PreconditionsDeathTest, OfWhatHasRoom) {
         near.add(0, sheet);
     }
     EXPECT_EQ(near.size(), Neighbourhood::kCapacity);
-    EXPECT_DEATH(near.add(0, sheet), "<= kCapacity, engine/contact/proxy/neighbourhood.cpp");
+    EXPECT_DEATH(near.add(0, sheet), "<= kCapacity, engine/contact/proxy/haptic_surface.cpp");
 }
 
 TEST(PreconditionsDeathTest, OfWhatMustNotBeOver) {

@@ -7,7 +7,7 @@
 #include "engine/contact/mesh/mesh_report.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/tuning_file.h"
-#include "engine/record/record_reader.h"
+#include "engine/record/record_file.h"
 #include "engine/scene/gltf.h"
 #include "engine/study/protocol/protocol.h"
 

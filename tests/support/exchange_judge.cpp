@@ -2,7 +2,7 @@
 
 #include "device/core/device_file.h"
 #include "engine/control/velocity_filter.h"
-#include "engine/record/record_reader.h"
+#include "engine/record/record_file.h"
 #include "engine/record/replay.h"
 #include "engine/servo/bumpless_transfer.h"
 #include "engine/servo/safety_monitor.h"

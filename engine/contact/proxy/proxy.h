@@ -22,7 +22,6 @@
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/contact_planes.h"
 #include "engine/contact/proxy/haptic_surface.h"
-#include "engine/contact/proxy/neighbourhood.h"
 #include "engine/contact/proxy/proxy_solver.h"
 
 #include <cstdint>

@@ -7,7 +7,6 @@
 #include "base/vector.h"
 #include "engine/contact/proxy/contact_planes.h"
 #include "engine/contact/proxy/haptic_surface.h"
-#include "engine/contact/proxy/neighbourhood.h"
 
 #include <algorithm>
 #include <array>

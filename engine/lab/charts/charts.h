@@ -43,7 +43,16 @@ using ChartProgress = std::function<void(double share)>;
 
 /// method, setting, the cost's minimum, median and maximum [ns], error, stable (1 or 0) and the
 /// machine, a row for each point.
-[[nodiscard]] Table chart_table(const SpeedAccuracyChart &chart, const std::string &machine);
+[[nodiscard]] inline Table chart_table(const SpeedAccuracyChart &chart,
+                                       const std::string &machine) {
+    Table table = Table::with_columns("method,setting,cost_least_ns:.6g,cost_median_ns:.6g,"
+                                      "cost_greatest_ns:.6g,error,stable,machine");
+    for (const ChartPoint &point : chart.points) {
+        table.rows.push_back({point.method, point.setting, point.cost.min_ns, point.cost.median_ns,
+                              point.cost.max_ns, point.error, point.stable, machine});
+    }
+    return table;
+}
 
 // @throw InputError for a setting without a result: a press out of the device's reach, a tuning
 //        without static stiffness, or one under which the safety monitor stops the timed servo.

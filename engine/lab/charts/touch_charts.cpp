@@ -6,10 +6,10 @@
 #include "engine/contact/proxy/proxy.h"
 #include "engine/control/rendered_force.h"
 #include "engine/lab/charts/charts.h"
-#include "engine/lab/rig/scenario/blob_shape.h"
+#include "engine/lab/rig/scenario/known_shapes.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 #include "engine/scene/curved_patches.h"
-#include "engine/scene/smooth_nodes.h"
+#include "engine/scene/gltf_mesh.h"
 
 #include <algorithm>
 #include <cmath>

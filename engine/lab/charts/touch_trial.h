@@ -6,7 +6,7 @@
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/lab/rig/closest_point.h"
-#include "engine/lab/rig/scenario/pressed_tips.h"
+#include "engine/lab/rig/scenario/known_shapes.h"
 #include "engine/scene/curved_patches.h"
 
 #include <functional>

@@ -1,9 +1,8 @@
-// Covers engine/record/{record_writer,record_reader}.cpp, and recorder.cpp on full disks: a file is
-// what its documentation says, and for any file, also a damaged one, reading ends with the rows
-// before the damage or one clear message.
-#include "engine/record/record_reader.h"
-#include "engine/record/record_writer.h"
-#include "engine/record/recorder.h"
+// Covers engine/record/record_file.cpp: for any file, also a damaged one, reading ends with the
+// rows before the damage or one clear message.
+#include "engine/record/record_file.h"
+
+#include "tests/engine/record/record_bytes.h"
 #include "tests/engine/record/samples.h"
 #include "tests/support/files.h"
 

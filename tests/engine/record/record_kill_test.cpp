@@ -1,7 +1,7 @@
 // Covers engine/record/ as a whole: a program that is killed while recording.
 #include "engine/record/recorder.h"
 
-#include "engine/record/record_reader.h"
+#include "engine/record/record_file.h"
 #include "tests/engine/record/samples.h"
 #include "tests/support/cases.h"
 

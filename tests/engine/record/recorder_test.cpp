@@ -1,10 +1,7 @@
-// Covers engine/record/recorder.cpp, for a killed process see record_kill_test.cpp; and replay.cpp:
-// the servo's own samples are reproduced bit for bit, and any different bit is detected.
-#include "engine/control/tuning.h"
-#include "engine/lab/rig/servo_rig.h"
-#include "engine/record/record_reader.h"
+// Covers engine/record/recorder.cpp; for a killed process see record_kill_test.cpp.
 #include "engine/record/recorder.h"
-#include "engine/record/replay.h"
+
+#include "engine/record/record_file.h"
 #include "tests/engine/record/samples.h"
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "base/input_error.h"
+#include "engine/record/record_file.h"
 #include "engine/record/record_format.h"
-#include "engine/record/record_writer.h"
 #include "engine/record/telemetry_columns.h"
 #include "tests/support/files.h"
 

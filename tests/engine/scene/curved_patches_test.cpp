@@ -1,7 +1,7 @@
 // Covers engine/scene/curved_patches.cpp and smooth_nodes.cpp.
 #include "engine/contact/mesh/mesh_preparation.h"
 #include "engine/scene/curved_patches.h"
-#include "engine/scene/smooth_nodes.h"
+#include "engine/scene/gltf_mesh.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/scene/gltf_builder.h"
 

@@ -1,8 +1,6 @@
 // Covers engine/scene/gltf_file.cpp and gltf_json.cpp.
 #include "engine/scene/gltf_file.h"
 
-#include "base/input_error.h"
-#include "engine/scene/gltf_json.h"
 #include "tests/engine/scene/gltf_builder.h"
 
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 
 #include "device/core/device_file.h"
 #include "engine/lab/rig/servo_rig.h"
-#include "engine/record/record_writer.h"
+#include "engine/record/record_file.h"
 #include "engine/session/record.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"

@@ -3,7 +3,7 @@
 
 #include "base/input_error.h"
 #include "engine/control/tuning_file.h"
-#include "engine/record/record_reader.h"
+#include "engine/record/record_file.h"
 #include "engine/session/telemetry_history.h"
 #include "tests/engine/record/samples.h"
 #include "tests/support/devices.h"

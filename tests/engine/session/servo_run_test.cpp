@@ -4,7 +4,7 @@
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
-#include "engine/record/record_reader.h"
+#include "engine/record/record_file.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 

@@ -1,7 +1,7 @@
 // Sessions in lockstep on the project's scenes, for tests of exchanges.
 #pragma once
 
-#include "engine/record/record_reader.h"
+#include "engine/record/record_file.h"
 #include "engine/scene/scripted_touch.h"
 #include "engine/session/session.h"
 #include "tests/support/devices.h"

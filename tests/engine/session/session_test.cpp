@@ -4,7 +4,7 @@
 #include "base/input_error.h"
 #include "base/sha256.h"
 #include "device/core/device_file.h"
-#include "engine/record/record_reader.h"
+#include "engine/record/record_file.h"
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/devices.h"
 #include "tests/support/exchange_judge.h"

@@ -1,7 +1,7 @@
 #include "engine/lab/rig/scenario/scanned_surface.h"
 
 #include "base/split_mix.h"
-#include "engine/lab/rig/scenario/blob_shape.h"
+#include "engine/lab/rig/scenario/known_shapes.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 
 #include <Eigen/Geometry>

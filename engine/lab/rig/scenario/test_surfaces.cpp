@@ -2,8 +2,8 @@
 
 #include "base/bisection.h"
 #include "base/input_error.h"
-#include "base/text.h"
-#include "engine/lab/rig/scenario/blob_shape.h"
+#include "base/number_in.h"
+#include "engine/lab/rig/scenario/known_shapes.h"
 #include "engine/lab/rig/scenario/scanned_surface.h"
 #include "engine/scene/gltf.h"
 #include "engine/scene/scene.h"

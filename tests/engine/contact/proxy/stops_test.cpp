@@ -1,6 +1,5 @@
-// Covers engine/contact/mesh/facet.cpp and facet_boxes.cpp.
+// Covers engine/contact/mesh/facet.cpp.
 #include "engine/contact/mesh/facet.h"
-#include "engine/contact/mesh/facet_boxes.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/surfaces.h"
 

@@ -2,8 +2,7 @@
 // test_surfaces}.cpp and closest_point.cpp: generated surfaces against what is known of their
 // shapes.
 #include "engine/lab/rig/closest_point.h"
-#include "engine/lab/rig/scenario/blob_shape.h"
-#include "engine/lab/rig/scenario/pressed_tips.h"
+#include "engine/lab/rig/scenario/known_shapes.h"
 #include "engine/lab/rig/scenario/scanned_surface.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 
