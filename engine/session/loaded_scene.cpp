@@ -28,7 +28,7 @@ std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
         LoadedScene{std::move(scene), std::move(surface), sha256_of_file(file)});
 }
 
-void SceneLoader::request(const std::filesystem::path &file, const Finish &finish) {
+void Scenes::request(const std::filesystem::path &file, const Finish &finish) {
     if (is_loading()) {
         next_ = Request{file, finish};
         loading_.ask_to_end();
@@ -48,10 +48,10 @@ void SceneLoader::request(const std::filesystem::path &file, const Finish &finis
         });
 }
 
-std::unique_ptr<LoadedScene> SceneLoader::take() {
-    std::unique_ptr<LoadedScene> scene;
+const LoadedScene *Scenes::take_loaded() {
+    std::unique_ptr<LoadedScene> loaded;
     try {
-        scene = loading_.take().value_or(nullptr);
+        loaded = loading_.take().value_or(nullptr);
     } catch (const std::exception &error) {
         error_ = error.what();
     }
@@ -59,18 +59,6 @@ std::unique_ptr<LoadedScene> SceneLoader::take() {
         const Request next = *std::exchange(next_, std::nullopt);
         request(next.file, next.finish);
     }
-    return scene;
-}
-
-Scenes::Scenes(const device::Workspace &workspace, std::unique_ptr<LoadedScene> first)
-    : now_(std::move(first)), loader_(workspace) {}
-
-void Scenes::request(const std::filesystem::path &file, const SceneLoader::Finish &finish) {
-    loader_.request(file, finish);
-}
-
-const LoadedScene *Scenes::take_loaded() {
-    std::unique_ptr<LoadedScene> loaded = loader_.take();
     if (!loaded) {
         return nullptr;
     }
@@ -185,7 +173,7 @@ model_selection::ModelQuestion SceneModels::question(const scene::Scene &scene,
     return question_on(scene, ground_, with_controller_of(started_with_, tuning));
 }
 
-SceneLoader::Finish SceneModels::finish(const control::Tuning &tuning) const {
+Scenes::Finish SceneModels::finish(const control::Tuning &tuning) const {
     return [wanted = wanted_, ground = ground_, tuning = with_controller_of(started_with_, tuning)](
                LoadedScene &loaded, scene::LoadProgress &progress, BackgroundTalk &talk) {
         if (wanted.automatic) {

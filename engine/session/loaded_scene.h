@@ -1,11 +1,11 @@
 // The scene that is shown and touched, and its replacement while the servo is running. Scenes are
-// loaded in the background, so that neither window nor servo has to wait,
-// and each may get a model of its own.
+// loaded in the background, so that neither window nor servo has to wait, and each may get a model
+// of its own.
 //
-//   request ──► SceneLoader, in the background ──► take_loaded ──► now()
-//                                                    │ the previous one
-//                                                    ▼
-//                         release on its own thread ◄── kept until the servo no longer uses it
+//   request ──► load_scene, in the background ──► take_loaded ──► now()
+//                                                   │ the previous one
+//                                                   ▼
+//                        release on its own thread ◄── kept until the servo no longer uses it
 #pragma once
 
 #include "base/background.h"
@@ -44,25 +44,39 @@ struct LoadedScene {
 
 /// For use by one thread. The destructor cancels loading and waits until it has ended, at most a
 /// second.
-class SceneLoader {
+class Scenes {
 public:
     /// A final step for a loaded scene, also in the background. It must own all that it uses; if it
     /// fails, the scene is not shown.
     using Finish = std::function<void(LoadedScene &, scene::LoadProgress &, BackgroundTalk &)>;
 
-    explicit SceneLoader(device::Workspace workspace) : workspace_(std::move(workspace)) {}
-    ~SceneLoader() { progress_->give_up(); }
-    SceneLoader(const SceneLoader &) = delete;
-    SceneLoader &operator=(const SceneLoader &) = delete;
+    /// @param first  not null
+    Scenes(device::Workspace workspace, std::unique_ptr<LoadedScene> first)
+        : now_(std::move(first)), workspace_(std::move(workspace)) {}
+    ~Scenes() { progress_->give_up(); }
+    Scenes(const Scenes &) = delete;
+    Scenes &operator=(const Scenes &) = delete;
+
+    /// Loads in the background; on failure the current scene stays and `error` holds the reason. Of
+    /// several requests while loading, the last one counts.
+    void request(const std::filesystem::path &file, const Finish &finish = {});
+
+    /// Makes a loaded scene the current one, with a new number. Returns the previous scene, which
+    /// stays valid until the servo no longer uses it; null if none was loaded.
+    [[nodiscard]] const LoadedScene *take_loaded();
+
+    /// Call when the servo uses the scene with this number: earlier ones are released.
+    void note_in_use(std::uint32_t id);
 
     /// Scenes requested from now on are fitted into this workspace.
     void set_workspace(const device::Workspace &workspace) { workspace_ = workspace; }
 
-    /// Loads this scene next; of several requests while loading, the last one counts.
-    void request(const std::filesystem::path &file, const Finish &finish);
-
-    /// The scene, once, when it is ready. If loading failed, `error` holds the reason from then on.
-    [[nodiscard]] std::unique_ptr<LoadedScene> take();
+    [[nodiscard]] LoadedScene &now() { return *now_; }
+    [[nodiscard]] const LoadedScene &now() const { return *now_; }
+    /// Number of the current scene: 1 for the first.
+    [[nodiscard]] std::uint32_t id() const { return id_; }
+    /// Number of previous scenes not yet released, as the servo may still use them.
+    [[nodiscard]] std::size_t retired() const { return retired_.size(); }
 
     [[nodiscard]] bool is_loading() const { return loading_.is_busy(); }
     [[nodiscard]] std::string progress() const { return progress_->text(); }
@@ -74,50 +88,15 @@ private:
         Finish finish;
     };
 
+    BackgroundRelease<LoadedScene> release_;
+    std::unique_ptr<LoadedScene> now_;
+    std::uint32_t id_ = 1;
+    std::vector<std::unique_ptr<LoadedScene>> retired_;
     device::Workspace workspace_;
     std::shared_ptr<scene::LoadProgress> progress_ = std::make_shared<scene::LoadProgress>();
     std::optional<Request> next_; ///< requested while another was loading
     std::string error_;
     Background<std::unique_ptr<LoadedScene>> loading_; ///< last member, so that it is joined first
-};
-
-/// For use by one thread.
-class Scenes {
-public:
-    /// @param first  not null
-    Scenes(const device::Workspace &workspace, std::unique_ptr<LoadedScene> first);
-
-    /// Loads in the background; on failure the current scene stays and `error` holds the reason. Of
-    /// several requests while loading, the last one counts.
-    void request(const std::filesystem::path &file, const SceneLoader::Finish &finish = {});
-
-    /// Makes a loaded scene the current one, with a new number. Returns the previous scene, which
-    /// stays valid until the servo no longer uses it; null if none was loaded.
-    [[nodiscard]] const LoadedScene *take_loaded();
-
-    /// Call when the servo uses the scene with this number: earlier ones are released.
-    void note_in_use(std::uint32_t id);
-
-    /// Scenes requested from now on are fitted into this workspace.
-    void set_workspace(const device::Workspace &workspace) { loader_.set_workspace(workspace); }
-
-    [[nodiscard]] LoadedScene &now() { return *now_; }
-    [[nodiscard]] const LoadedScene &now() const { return *now_; }
-    /// Number of the current scene: 1 for the first.
-    [[nodiscard]] std::uint32_t id() const { return id_; }
-    /// Number of previous scenes not yet released, as the servo may still use them.
-    [[nodiscard]] std::size_t retired() const { return retired_.size(); }
-
-    [[nodiscard]] bool is_loading() const { return loader_.is_loading(); }
-    [[nodiscard]] std::string progress() const { return loader_.progress(); }
-    [[nodiscard]] const std::string &error() const { return loader_.error(); }
-
-private:
-    BackgroundRelease<LoadedScene> release_;
-    std::unique_ptr<LoadedScene> now_;
-    std::uint32_t id_ = 1;
-    std::vector<std::unique_ptr<LoadedScene>> retired_;
-    SceneLoader loader_;
 };
 
 // Selects the model of a scene: what is simulated of the device, the touched surface, and the
@@ -203,7 +182,7 @@ public:
 
     /// The final step of loading a scene: finds its model and uses that model's surface.
     /// @param tuning  the active gains, for which the model is measured
-    [[nodiscard]] SceneLoader::Finish finish(const control::Tuning &tuning) const;
+    [[nodiscard]] Scenes::Finish finish(const control::Tuning &tuning) const;
 
     /// Call when the scene is shown: cancels a measurement for the previous one.
     void note_shown(const LoadedScene &scene);

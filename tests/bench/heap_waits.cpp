@@ -3,7 +3,6 @@
 // arena for each as the program has it (base/real_time_thread.h).
 //
 //   heap_waits [LOADS [TRIANGLES]]
-#include "base/background.h"
 #include "base/real_time_thread.h"
 #include "engine/servo/real_time.h"
 #include "engine/session/loaded_scene.h"
@@ -21,6 +20,7 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <thread>
@@ -141,25 +141,19 @@ Figures measure(const std::filesystem::path &file, int loads) {
     Waits waits;
     std::future<void> port = run_on_own_heap([&] { waits = serve(ends); });
     {
-        session::SceneLoader loader(device::Workspace{Vector3::Zero(), Vector3::Constant(0.2)});
-        BackgroundRelease<session::LoadedScene> release;
-        std::unique_ptr<session::LoadedScene> shown;
+        session::Scenes scenes(device::Workspace{Vector3::Zero(), Vector3::Constant(0.2)},
+                               std::make_unique<session::LoadedScene>());
         for (int load = 1; load <= loads; ++load) {
-            loader.request(file, {});
-            std::unique_ptr<session::LoadedScene> scene;
-            while (loader.is_loading()) {
+            scenes.request(file);
+            bool is_loaded = false;
+            while (!is_loaded && scenes.is_loading()) {
                 std::this_thread::sleep_for(5ms);
-                if ((scene = loader.take())) {
-                    break;
-                }
+                is_loaded = scenes.take_loaded() != nullptr;
             }
-            if (!scene) {
-                throw std::runtime_error(loader.error());
+            if (!is_loaded) {
+                throw std::runtime_error(scenes.error());
             }
-            if (shown) {
-                release.let_go(std::move(shown));
-            }
-            shown = std::move(scene);
+            scenes.note_in_use(scenes.id()); // releases the one before
             const std::array<int, 4> at{1, loads / 5, loads / 2, loads};
             for (std::size_t i = 0; i < at.size(); ++i) {
                 if (load == at[i]) {                      // NOLINT
