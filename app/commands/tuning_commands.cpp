@@ -12,8 +12,8 @@
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/lab/limits/drive_comparison.h"
 #include "engine/lab/limits/thermal_hold.h"
+#include "engine/lab/loops/rendered_stiffness.h"
 #include "engine/lab/loops/stability_case.h"
-#include "engine/lab/loops/stiffness_sweep.h"
 #include "engine/servo/servo.h"
 
 #include <fmt/core.h>

@@ -9,7 +9,7 @@
 #include "engine/control/motion_control.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/loops/link_plane.h"
-#include "engine/lab/loops/stiffness_sweep.h"
+#include "engine/lab/loops/rendered_stiffness.h"
 
 #include <fmt/core.h>
 

@@ -4,7 +4,7 @@
 
 #include "app/plots/plot.h"
 #include "base/background.h"
-#include "engine/lab/loops/stiffness_sweep.h"
+#include "engine/lab/loops/rendered_stiffness.h"
 
 #include <optional>
 #include <vector>

@@ -2,7 +2,7 @@
 
 #include "app/study/participant/answers.h"
 #include "base/input_error.h"
-#include "engine/servo/rest_detector.h"
+#include "engine/servo/safety_monitor.h"
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/stimulus_trial.h"
 #include "engine/study/protocol/study_setting.h"

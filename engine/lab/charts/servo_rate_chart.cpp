@@ -8,8 +8,8 @@
 #include "engine/control/tuning.h"
 #include "engine/lab/charts/charts.h"
 #include "engine/lab/loops/link_plane.h"
+#include "engine/lab/loops/rendered_stiffness.h"
 #include "engine/lab/loops/stability_case.h"
-#include "engine/lab/loops/stiffness_sweep.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/servo_rig.h"
 
