@@ -1,5 +1,5 @@
-// Limits that the safety monitor enforces, which the device file sets and the operator may lower, and
-// the soft wall at the edge of the workspace.
+// Limits that the safety monitor enforces, which the device file sets and the operator may lower,
+// and the soft wall at the edge of the workspace.
 #pragma once
 
 #include "base/vector.h"
