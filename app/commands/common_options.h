@@ -10,7 +10,7 @@
 #include "device/simulated/simulation_options.h"
 #include "engine/control/tuning.h"
 #include "engine/scene/scene.h"
-#include "engine/session/session_options.h"
+#include "engine/session/session.h"
 
 #include <array>
 #include <cstdint>

@@ -18,7 +18,7 @@
 #include "device/usb/emulator/emulated_board.h"
 #include "device/usb/emulator/gadget.h"
 #include "engine/commissioning/sweep.h"
-#include "engine/lab/loops/stiffness_sweep.h"
+#include "engine/lab/loops/rendered_stiffness.h"
 #include "engine/servo/real_time.h"
 
 #include <fmt/format.h>

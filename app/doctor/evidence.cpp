@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "device/usb/driver/board_port.h"
 #include "device/usb/driver/board_survey.h"
-#include "engine/record/record_header.h"
+#include "engine/record/record_format.h"
 #include "engine/servo/real_time.h"
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 #include "app/panels/panels.h"
 #include "app/widgets/widgets.h"
-#include "base/error_text.h"
+#include "base/input_error.h"
 #include "engine/lab/loops/stability_case.h"
 #include "engine/session/telemetry_history.h"
 

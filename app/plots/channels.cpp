@@ -2,7 +2,7 @@
 
 #include "app/widgets/widgets.h"
 #include "base/degrees.h"
-#include "engine/control/perception.h"
+#include "engine/control/rendered_force.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/session/telemetry_history.h"

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "app/window/report_requests.h"
-#include "engine/scene/load_progress.h"
+#include "engine/scene/load_messages.h"
 #include "engine/session/session.h"
 
 #include <chrono>

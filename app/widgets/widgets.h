@@ -8,8 +8,8 @@
 #pragma once
 
 #include "app/widgets/rectangle.h"
+#include "app/window/window.h"
 #include "base/print.h"
-#include "engine/servo/duration_histogram.h"
 #include "engine/servo/servo_sample.h"
 
 #include <imgui.h>

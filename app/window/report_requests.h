@@ -3,7 +3,7 @@
 // shows the consequences of all input events up to the request.
 #pragma once
 
-#include "app/window/gl_window.h"
+#include "app/window/window.h"
 #include "engine/servo/servo_sample.h"
 #include "engine/servo/servo_timing.h"
 

@@ -6,8 +6,6 @@
 // The device brakes all the time, except for the pulses, whose limits are the board's own.
 #pragma once
 
-#include "device/core/bench.h"
-#include "device/core/board_reset.h"
 #include "device/core/device_description.h"
 #include "device/core/haptic_device.h"
 

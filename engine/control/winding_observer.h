@@ -32,7 +32,7 @@
 
 #include "base/vector.h"
 #include "device/core/device_description.h"
-#include "device/core/motor/winding_temperature.h"
+#include "device/core/motor/winding_heat.h"
 
 #include <Eigen/Core>
 

@@ -1,8 +1,8 @@
 #include "engine/record/record_format.h"
 
 #include "base/input_error.h"
-#include "base/quoting.h"
-#include "device/core/calibration.h"
+#include "base/text.h"
+#include "device/core/device_description.h"
 #include "engine/control/tuning.h"
 #include "engine/record/telemetry_columns.h"
 

@@ -12,7 +12,7 @@
 // error message, and the ring is still drained.
 #pragma once
 
-#include "base/sample_ring.h"
+#include "base/hand_over.h"
 #include "engine/record/record_file.h"
 #include "engine/record/record_format.h"
 #include "engine/servo/servo_sample.h"

@@ -2,7 +2,7 @@
 
 #include "base/cancellation.h"
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 #include "engine/scene/gltf_file.h"
 #include "engine/scene/gltf_material.h"
 #include "engine/scene/gltf_mesh.h"

@@ -1,9 +1,9 @@
 #include "engine/scene/gltf_file.h"
 
 #include "base/cancellation.h"
-#include "base/contained_path.h"
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/input_file.h"
+#include "base/text.h"
 #include "engine/scene/gltf_accessor.h"
 
 #include <nlohmann/json.hpp>

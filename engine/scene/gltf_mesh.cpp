@@ -4,7 +4,7 @@
 #include "base/cancellation.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 #include "engine/scene/curved_patches.h"
 #include "engine/scene/visual_mesh.h"
 

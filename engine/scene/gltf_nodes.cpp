@@ -3,7 +3,7 @@
 #include "base/cancellation.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 #include "base/vector.h"
 #include "engine/scene/gltf_accessor.h"
 

@@ -1,7 +1,7 @@
 #include "engine/scene/scene.h"
 
 #include "base/input_error.h"
-#include "base/one_line.h"
+#include "base/text.h"
 
 #include <cmath>
 #include <limits>

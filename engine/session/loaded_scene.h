@@ -9,7 +9,6 @@
 #pragma once
 
 #include "base/background.h"
-#include "base/background_release.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/scene/load_messages.h"
 #include "engine/scene/scene.h"

@@ -2,7 +2,7 @@
 
 #include "base/assertions.h"
 #include "base/cancellation.h"
-#include "device/core/motor/amplifier.h"
+#include "device/core/motor/motor.h"
 #include "engine/control/rendered_force.h"
 #include "engine/servo/servo_sample.h"
 

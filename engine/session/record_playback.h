@@ -8,7 +8,6 @@
 #pragma once
 
 #include "base/background.h"
-#include "base/background_release.h"
 #include "device/core/haptic_device.h"
 #include "device/core/split_delay.h"
 #include "engine/control/tuning.h"

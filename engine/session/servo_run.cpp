@@ -1,8 +1,8 @@
 #include "engine/session/servo_run.h"
 
 #include "base/assertions.h"
-#include "base/file_names.h"
 #include "base/input_error.h"
+#include "base/new_file.h"
 
 #include <algorithm>
 #include <cmath>

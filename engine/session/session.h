@@ -9,10 +9,9 @@
 #pragma once
 
 #include "base/new_file.h"
-#include "device/core/calibration.h"
+#include "device/core/device_description.h"
 #include "device/factory/device_factory.h"
-#include "device/simulated/hand_control.h"
-#include "device/simulated/hand_path.h"
+#include "device/simulated/hand.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/control/tuning.h"
 #include "engine/session/loaded_scene.h"

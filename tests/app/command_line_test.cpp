@@ -3,7 +3,7 @@
 // cannot be used, and options that do not go together; from outside, by one line, before anything
 // is done.
 #include "app/commands/command_line.h"
-#include "engine/lab/loops/stability_parameters.h"
+#include "engine/lab/loops/stability_case.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"

@@ -2,7 +2,7 @@
 // space, on shapes, and on meshes from a handful of triangles to more than a million.
 //   build/release/servo_benchmark [--benchmark_filter=tick]
 // The details of motion_control_benchmark and proxy_benchmark are one step here.
-#include "base/sample_ring.h"
+#include "base/hand_over.h"
 #include "engine/control/rendered_force.h"
 #include "engine/servo/bumpless_transfer.h"
 #include "engine/servo/command_limiter.h"

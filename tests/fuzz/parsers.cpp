@@ -3,7 +3,7 @@
 // tests/fuzz/run.
 #include "base/input_error.h"
 #include "device/core/device_file.h"
-#include "device/simulated/hand_path.h"
+#include "device/simulated/hand.h"
 #include "engine/contact/mesh/mesh_report.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/tuning_file.h"

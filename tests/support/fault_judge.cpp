@@ -1,6 +1,6 @@
 #include "tests/support/fault_judge.h"
 
-#include "device/core/motor/winding_guard.h"
+#include "device/core/motor/winding_heat.h"
 #include "engine/servo/safety_limits.h"
 
 #include <Eigen/LU>

@@ -10,7 +10,7 @@
 #include "app/study/sitting/sitting.h"
 #include "base/input_error.h"
 #include "base/timing.h"
-#include "engine/session/session_report.h"
+#include "engine/session/session.h"
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/session_plan.h"
 #include "engine/study/protocol/study_setting.h"

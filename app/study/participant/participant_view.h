@@ -10,7 +10,6 @@
 #include "app/view/scene_meshes.h"
 #include "app/view/shadows.h"
 #include "app/widgets/rectangle.h"
-#include "engine/scene/lesson.h"
 #include "engine/scene/scene.h"
 
 #include <glm/vec3.hpp>

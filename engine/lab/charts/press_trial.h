@@ -7,7 +7,7 @@
 // has it.
 #pragma once
 
-#include "device/simulated/plant_model.h"
+#include "device/simulated/simulation_options.h"
 #include "engine/lab/charts/charts.h"
 #include "engine/lab/charts/plant_solvers.h"
 #include "engine/lab/rig/law_rig.h"

@@ -5,7 +5,7 @@
 
 #include "device/core/device_description.h"
 #include "device/core/faults.h"
-#include "device/core/forwarding_device.h"
+#include "device/core/haptic_device.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/lab/rig/scenario/scenarios.h"

@@ -4,7 +4,6 @@
 
 #include "base/timing.h"
 #include "device/core/device_description.h"
-#include "device/simulated/plant_model.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/control/tuning.h"

@@ -3,7 +3,6 @@
 #include "engine/control/tuning.h"
 
 #include "base/input_error.h"
-#include "engine/control/tuning_difference.h"
 #include "engine/control/tuning_file.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"

@@ -2,7 +2,6 @@
 // rows before the damage or one clear message.
 #include "engine/record/record_file.h"
 
-#include "tests/engine/record/record_bytes.h"
 #include "tests/engine/record/samples.h"
 #include "tests/support/files.h"
 

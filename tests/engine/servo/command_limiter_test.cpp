@@ -4,7 +4,7 @@
 
 #include "device/core/motor/winding_heat.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/servo/workspace_edge.h"
+#include "engine/servo/safety_limits.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 

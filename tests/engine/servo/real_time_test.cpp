@@ -15,7 +15,7 @@
 #include "engine/servo/real_time.h"
 #include "engine/servo/servo.h"
 #include "engine/session/loaded_scene.h"
-#include "engine/study/protocol/protocol_file.h"
+#include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/stimulus_trial.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/stimuli/stimulus.h"

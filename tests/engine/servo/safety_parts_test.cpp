@@ -1,9 +1,8 @@
 // Covers what the safety monitor consists of: engine/servo/energy_observer.h, rest_detector.h,
 // safety_limits.cpp and safety_status.cpp.
-#include "engine/servo/energy_observer.h"
+#include "engine/servo/safety_monitor.h"
 
 #include "device/core/haptic_device.h"
-#include "engine/servo/rest_detector.h"
 #include "engine/servo/safety_limits.h"
 #include "engine/servo/safety_status.h"
 #include "tests/support/configurations.h"

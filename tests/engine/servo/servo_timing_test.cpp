@@ -1,8 +1,7 @@
 // Covers engine/servo/servo_timing.h.
 #include "engine/servo/servo_timing.h"
 
-#include "engine/servo/duration_histogram.h"
-#include "engine/servo/servo_statistics.h"
+#include "app/window/window.h"
 
 #include <gtest/gtest.h>
 

@@ -7,10 +7,10 @@
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/lab/model_selection/selection_cache.h"
-#include "engine/lab/rig/faulty_device.h"
-#include "engine/record/record_reader.h"
+#include "engine/lab/rig/servo_rig.h"
+#include "engine/record/record_file.h"
 #include "engine/record/replay.h"
-#include "engine/session/session_report.h"
+#include "engine/session/session.h"
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/servo_devices.h"
 

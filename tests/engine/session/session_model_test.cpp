@@ -5,7 +5,6 @@
 #include "device/core/device_file.h"
 #include "engine/lab/model_selection/selection_cache.h"
 #include "engine/session/model/model_selection.h"
-#include "engine/session/session.h"
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"

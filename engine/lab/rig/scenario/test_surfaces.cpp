@@ -2,7 +2,7 @@
 
 #include "base/bisection.h"
 #include "base/input_error.h"
-#include "base/number_in.h"
+#include "base/text.h"
 #include "engine/lab/rig/scenario/known_shapes.h"
 #include "engine/lab/rig/scenario/scanned_surface.h"
 #include "engine/scene/gltf.h"

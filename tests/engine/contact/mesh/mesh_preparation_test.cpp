@@ -1,7 +1,6 @@
 // Covers engine/contact/mesh/mesh_preparation.cpp and mesh_report.cpp.
 #include "engine/contact/mesh/mesh_preparation.h"
 #include "engine/contact/mesh/mesh_report.h"
-#include "tests/engine/contact/mesh/meshes.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/surfaces.h"
 

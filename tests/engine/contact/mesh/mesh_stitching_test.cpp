@@ -2,7 +2,6 @@
 // what it is allowed.
 #include "engine/contact/mesh/mesh_stitching.h"
 #include "engine/contact/mesh/vertex_search.h"
-#include "tests/engine/contact/mesh/meshes.h"
 #include "tests/engine/contact/mesh/soups.h"
 
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 #include "engine/contact/mesh/mesh_preparation.h"
 #include "engine/contact/mesh/mesh_repair.h"
 #include "engine/contact/mesh/mesh_topology.h"
-#include "tests/engine/contact/mesh/meshes.h"
+#include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/surfaces.h"
 
 #include <gtest/gtest.h>

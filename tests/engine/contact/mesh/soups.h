@@ -2,9 +2,7 @@
 // reference results for comparison.
 #pragma once
 
-#include "engine/contact/mesh/edge_table.h"
 #include "engine/contact/mesh/mesh_preparation.h"
-#include "engine/contact/mesh/mesh_triangle.h"
 #include "engine/contact/mesh/triangle_soup.h"
 #include "tests/support/configurations.h"
 

@@ -6,7 +6,6 @@
 
 #include "engine/contact/mesh/fan_grading.h"
 #include "engine/lab/rig/brute_force_proxy.h"
-#include "engine/lab/rig/plain_triangles.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/contact/proxy/optimality.h"
 #include "tests/support/hard_meshes.h"

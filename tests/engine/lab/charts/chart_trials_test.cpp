@@ -3,11 +3,11 @@
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "device/core/phantom/kinematics.h"
-#include "engine/control/force_direction.h"
+#include "engine/control/rendered_force.h"
 #include "engine/lab/charts/motion_trial.h"
 #include "engine/lab/charts/servo_rate_chart.h"
 #include "engine/lab/charts/touch_trial.h"
-#include "engine/lab/loops/stiffness_ellipse.h"
+#include "engine/lab/loops/link_plane.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"
 #include "tests/support/devices.h"
 

@@ -5,7 +5,7 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/locked_device.h"
 #include "engine/lab/limits/thermal_hold.h"
-#include "engine/lab/loops/stiffness_ellipse.h"
+#include "engine/lab/loops/link_plane.h"
 #include "tests/support/csv.h"
 #include "tests/support/devices.h"
 

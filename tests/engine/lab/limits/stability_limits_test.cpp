@@ -4,7 +4,6 @@
 
 #include "base/bisection.h"
 #include "device/core/phantom/kinematics.h"
-#include "tests/support/random_loops.h"
 #include "tests/support/runge_kutta_loop.h"
 #include "tests/support/stability_cases.h"
 

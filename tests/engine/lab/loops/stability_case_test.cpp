@@ -5,8 +5,6 @@
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/tuning.h"
-#include "engine/lab/loops/stability_case.h"
-#include "engine/lab/loops/stability_parameters.h"
 #include "engine/lab/loops/tuning_constraints.h"
 #include "tests/support/configurations.h"
 #include "tests/support/sampled_loop.h"

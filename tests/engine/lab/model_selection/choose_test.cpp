@@ -2,7 +2,6 @@
 #include "base/input_error.h"
 #include "engine/lab/model_selection/choose.h"
 #include "engine/lab/model_selection/selection_cache.h"
-#include "engine/lab/model_selection/selection_json.h"
 #include "tests/engine/lab/model_selection/model_settings.h"
 #include "tests/support/files.h"
 

@@ -4,7 +4,7 @@
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/scenario/touch_path.h"
 #include "engine/lab/rig/servo_rig.h"
-#include "engine/scene/surface_probe.h"
+#include "engine/scene/scripted_touch.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/lab/model_selection/model_settings.h"
 #include "tests/support/devices.h"
