@@ -6,12 +6,15 @@
 #include "base/new_file.h"
 #include "base/print.h"
 #include "base/table.h"
+#include "base/text.h"
 #include "device/core/device_file.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/limits/method_limits/experiment.h"
 #include "engine/lab/limits/stability_limits.h"
+#include "engine/lab/loops/stability_case.h"
+#include "engine/lab/rig/scenario/scenarios.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,7 @@
 #include "app/exhibit/tour.h"
 
 #include "app/host/folders.h"
+#include "base/input_error.h"
 #include "engine/scene/scripted_touch.h"
 
 #include <algorithm>

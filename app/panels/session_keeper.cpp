@@ -1,7 +1,10 @@
 #include "app/panels/session_keeper.h"
 
 #include "base/input_error.h"
+#include "base/new_file.h"
+#include "base/print.h"
 #include "engine/record/record_file.h"
+#include "engine/session/servo_run.h"
 
 #include <fmt/core.h>
 

@@ -1,7 +1,10 @@
 #include "app/panels/window_habits.h"
 
 #include "app/host/folders.h"
+#include "base/field_toml.h"
+#include "base/input_error.h"
 #include "base/new_file.h"
+#include "base/text.h"
 
 #include <fmt/format.h>
 #include <imgui.h>

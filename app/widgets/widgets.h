@@ -11,6 +11,7 @@
 #include "app/window/window.h"
 #include "base/print.h"
 #include "engine/servo/servo_sample.h"
+#include "engine/servo/servo_timing.h"
 
 #include <imgui.h>
 

@@ -2,7 +2,10 @@
 // outside that commands keep to them: which files are written, where, and which never.
 #include "app/commands/output_files.h"
 
+#include "app/host/folders.h"
 #include "base/input_error.h"
+#include "tests/support/devices.h"
+#include "tests/support/files.h"
 #include "tests/support/program.h"
 
 #include <gtest/gtest.h>

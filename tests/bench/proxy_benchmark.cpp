@@ -3,7 +3,9 @@
 // many triangles meet in one vertex or edge. docs/proxy.md describes the columns.
 //
 // Embree and FCL are optional (libembree-dev, libfcl-dev); without them their columns say so.
+#include "base/vector.h"
 #include "engine/contact/mesh/facet.h"
+#include "engine/contact/mesh/triangle_soup.h"
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/contact/proxy/proxy.h"
 #include "engine/lab/rig/scenario/test_surfaces.h"

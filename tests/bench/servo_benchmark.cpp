@@ -4,6 +4,10 @@
 // The details of motion_control_benchmark and proxy_benchmark are one step here.
 #include "base/hand_over.h"
 #include "engine/control/rendered_force.h"
+#include "engine/lab/rig/scenario/scenarios.h"
+#include "engine/lab/rig/scenario/test_surfaces.h"
+#include "engine/lab/rig/servo_rig.h"
+#include "engine/scene/scene.h"
 #include "engine/servo/bumpless_transfer.h"
 #include "engine/servo/command_limiter.h"
 #include "tests/bench/touch_path.h"

@@ -4,6 +4,7 @@
 
 #include "engine/lab/limits/stability_limits.h"
 #include "engine/lab/loops/stability_case.h"
+#include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 
 #include <array>

@@ -3,6 +3,8 @@
 
 #include "app/plots/plot_panel.h"
 #include "app/widgets/widgets.h"
+#include "engine/control/tuning.h"
+#include "engine/servo/safety_limits.h"
 #include "engine/session/telemetry_history.h"
 #include "tests/support/plots.h"
 

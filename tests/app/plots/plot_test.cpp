@@ -3,6 +3,8 @@
 
 #include "app/plots/channels.h"
 #include "app/plots/plot_panel.h"
+#include "app/plots/stiffness_curves.h"
+#include "tests/support/devices.h"
 #include "tests/support/imgui_frame.h"
 #include "tests/support/plots.h"
 

@@ -5,7 +5,9 @@
 
 #include "app/study/participant/answers.h"
 #include "app/study/sitting/sitting.h"
+#include "device/core/faults.h"
 #include "engine/study/protocol/protocol.h"
+#include "tests/app/study/headless_study.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 

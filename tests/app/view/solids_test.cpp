@@ -1,6 +1,7 @@
 // Covers app/view/solids.cpp: shapes, where they are placed, and
 // that no part of the linkage passes through another.
 
+#include "app/view/marks.h"
 #include "app/view/solids.h"
 #include "app/view/view_state.h"
 #include "tests/support/devices.h"

@@ -2,6 +2,7 @@
 // stops, while its device's cable is pulled again and again. The default tests run a sample;
 // `tests/long kiosk` two hours, or SPRINGDRIVE_KIOSK_SECONDS of them.
 #include "app/exhibit/tour.h"
+#include "app/exhibit/trip_recovery.h"
 #include "engine/record/record_file.h"
 #include "engine/servo/safety_status.h"
 #include "tests/support/cases.h"

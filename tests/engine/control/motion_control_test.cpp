@@ -4,6 +4,7 @@
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/rendered_force.h"
+#include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 
 #include <Eigen/Eigenvalues>

@@ -5,6 +5,7 @@
 
 #include "engine/record/record_format.h"
 #include "tests/engine/record/samples.h"
+#include "tests/support/csv.h"
 #include "tests/support/files.h"
 
 #include <gtest/gtest.h>

@@ -16,6 +16,7 @@ namespace {
 using testing::bytes_of_number;
 using testing::chunk_bytes;
 using testing::contents_of;
+using testing::expected_bytes;
 using testing::fresh_folder;
 using testing::FullDisk;
 using testing::header_bytes;

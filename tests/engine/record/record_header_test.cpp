@@ -1,6 +1,7 @@
 // Covers engine/record/record_format.cpp.
 #include "engine/record/record_format.h"
 
+#include "engine/record/telemetry_columns.h"
 #include "tests/engine/record/samples.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,10 @@
 // Covers engine/record/recorder.cpp; for a killed process see record_kill_test.cpp.
 #include "engine/record/recorder.h"
 
+#include "engine/control/tuning.h"
+#include "engine/lab/rig/servo_rig.h"
 #include "engine/record/record_file.h"
+#include "engine/record/replay.h"
 #include "tests/engine/record/samples.h"
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"

@@ -1,6 +1,10 @@
 // Covers engine/scene/gltf_file.cpp and gltf_json.cpp.
 #include "engine/scene/gltf_file.h"
 
+#include "base/input_error.h"
+#include "engine/scene/load_messages.h"
+#include "engine/scene/scene.h"
+#include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/scene/gltf_builder.h"
 
 #include <gtest/gtest.h>
@@ -414,9 +418,8 @@ TEST(GltfUri, FilesOutsideAreRefusedAlikeWhetherTheyExistOrNot) {
                                              {"dead.bin", by_link},
                                              {"up/secret.bin", by_link},
                                              {"up/none.bin", by_link}}) {
-        EXPECT_EQ(
-            error_text_of([&] { (void)gltf::read_uri(one.uri, folders.scene(), 100); }),
-            one.why)
+        EXPECT_EQ(error_text_of([&] { (void)gltf::read_uri(one.uri, folders.scene(), 100); }),
+                  one.why)
             << one.uri;
     }
     EXPECT_EQ(error_text_of([&] { (void)gltf::read_uri(absolute, folders.scene(), 100); }),
@@ -529,8 +532,7 @@ TEST(SceneSurface, NamesTheFileWhoseSurfaceIsTooMuchWork) {
     Scene scene;
     scene.file = "folder/line.glb";
     scene.surface = testing::soup_in_a_line(random, 6000);
-    const std::string error =
-        error_text_of([&] { static_cast<void>(haptic_surface_of(scene)); });
+    const std::string error = error_text_of([&] { static_cast<void>(haptic_surface_of(scene)); });
     EXPECT_TRUE(error.starts_with("folder/line.glb: preparing its 6000 triangles for touch needs "
                                   "about "))
         << error;

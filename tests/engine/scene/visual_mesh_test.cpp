@@ -1,4 +1,5 @@
 // Covers engine/scene/visual_mesh.cpp: how a scene is drawn.
+#include "engine/scene/gltf_material.h"
 #include "engine/scene/visual_mesh.h"
 #include "tests/engine/scene/gltf_builder.h"
 

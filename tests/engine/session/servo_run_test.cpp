@@ -5,6 +5,8 @@
 #include "device/core/phantom/kinematics.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/record/record_file.h"
+#include "engine/record/telemetry_columns.h"
+#include "engine/session/telemetry_history.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 

@@ -5,6 +5,8 @@
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "engine/lab/loops/stability_case.h"
+#include "engine/session/session.h"
+#include "engine/session/telemetry_history.h"
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"

@@ -5,6 +5,7 @@
 #include "base/sha256.h"
 #include "device/core/device_file.h"
 #include "engine/record/record_file.h"
+#include "engine/session/session.h"
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/devices.h"
 #include "tests/support/exchange_judge.h"

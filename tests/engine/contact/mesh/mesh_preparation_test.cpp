@@ -1,4 +1,6 @@
 // Covers engine/contact/mesh/mesh_preparation.cpp and mesh_report.cpp.
+#include "base/cancellation.h"
+#include "engine/contact/mesh/fan_grading.h"
 #include "engine/contact/mesh/mesh_preparation.h"
 #include "engine/contact/mesh/mesh_report.h"
 #include "tests/engine/contact/mesh/soups.h"

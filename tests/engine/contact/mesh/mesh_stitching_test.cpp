@@ -1,5 +1,6 @@
 // Covers engine/contact/mesh/mesh_stitching.cpp, with vertex_search.cpp, and that no stage exceeds
 // what it is allowed.
+#include "base/input_error.h"
 #include "engine/contact/mesh/mesh_stitching.h"
 #include "engine/contact/mesh/vertex_search.h"
 #include "tests/engine/contact/mesh/soups.h"

@@ -4,6 +4,7 @@
 
 #include "base/bisection.h"
 #include "device/core/phantom/kinematics.h"
+#include "engine/lab/limits/stability_simulation.h"
 #include "tests/support/runge_kutta_loop.h"
 #include "tests/support/stability_cases.h"
 

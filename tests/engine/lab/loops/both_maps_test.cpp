@@ -1,12 +1,14 @@
 // Covers engine/lab/loops/both_maps.cpp and link_plane.cpp.
 #include "engine/lab/loops/both_maps.h"
 
+#include "assets/scenes/shapes.h"
 #include "base/degrees.h"
 #include "base/input_error.h"
 #include "device/core/motor/motor.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/rendered_force.h"
+#include "engine/lab/limits/locked_device.h"
 #include "engine/lab/loops/link_plane.h"
 #include "tests/support/devices.h"
 

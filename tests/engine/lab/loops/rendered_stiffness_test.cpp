@@ -6,6 +6,7 @@
 #include "engine/control/coupling.h"
 #include "engine/control/motion_control.h"
 #include "engine/control/velocity_filter.h"
+#include "engine/lab/limits/stability_simulation.h"
 #include "engine/lab/loops/link_plane.h"
 #include "engine/lab/loops/rendered_stiffness.h"
 #include "tests/support/csv.h"

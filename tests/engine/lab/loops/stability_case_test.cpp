@@ -7,6 +7,7 @@
 #include "engine/control/tuning.h"
 #include "engine/lab/loops/tuning_constraints.h"
 #include "tests/support/configurations.h"
+#include "tests/support/devices.h"
 #include "tests/support/sampled_loop.h"
 #include "tests/support/stability_cases.h"
 

@@ -7,6 +7,7 @@
 #include "engine/study/methods/random_key.h"
 #include "engine/study/protocol/protocol_check.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
+#include "tests/support/files.h"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
