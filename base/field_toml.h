@@ -102,15 +102,28 @@ template <typename Struct> [[nodiscard]] std::string allowed(const Field<Struct>
                                                                                  : range + " texts";
 }
 
+/// A cell of `reference`: "0.1 to 10 s (0.5)"; what is empty is left out.
+[[nodiscard]] inline std::string with_unit_and_default(std::string text, std::string_view unit,
+                                                       std::string_view default_value) {
+    if (!unit.empty()) {
+        text += fmt::format(" {}", unit);
+    }
+    if (!default_value.empty()) {
+        text += fmt::format(" ({})", default_value);
+    }
+    return text;
+}
+
 /// The keys of one or more lists, each with the default that its struct has.
 template <typename... Lists> [[nodiscard]] Table reference(const Lists &...lists) {
-    Table table = Table::with_columns("key,unit,allowed,default,meaning");
+    Table table = Table::with_columns("key,allowed (default),meaning");
     const auto add = [&table]<typename Struct>(const Field<Struct> &field) {
+        const std::string default_value = field.presence == kRequired ? "required"
+                                          : field.presence == kDerived
+                                              ? ""
+                                              : toml_value(field, Struct());
         table.rows.push_back({fmt::format("`{}`", field.name),
-                              field.unit.empty() ? Cell() : field.unit, allowed(field),
-                              field.presence == kRequired  ? "required"
-                              : field.presence == kDerived ? "–"
-                                                           : toml_value(field, Struct()),
+                              with_unit_and_default(allowed(field), field.unit, default_value),
                               field.help});
     };
     (std::ranges::for_each(lists, add), ...);

@@ -420,14 +420,17 @@ void write_keys(std::ostream &out, std::string_view heading, const Table &keys) 
 
 Table condition_keys() {
     Table table = reference(kConditionFields);
-    table.rows.push_back({"`point_m`", Cell(), "three numbers", "the scene's own spot",
+    table.rows.push_back({"`point_m`", "three numbers (the scene's own spot)",
                           "the spot, on the surface, in device coordinates [m]; with `normal`"});
-    table.rows.push_back({"`normal`", Cell(), "three numbers", "the scene's own spot",
+    table.rows.push_back({"`normal`", "three numbers (the scene's own spot)",
                           "out of the surface there; of any length"});
     for (const ParameterFacts &one : condition_parameters()) {
-        table.rows.push_back({fmt::format("`{}`", one.name), one.unit,
-                              fmt::format("{:g} to {:g}", one.minimum, one.maximum),
-                              toml_number(one.default_value), one.help});
+        const std::string_view unit = one.unit == "–" ? std::string_view() : one.unit;
+        table.rows.push_back(
+            {fmt::format("`{}`", one.name),
+             with_unit_and_default(fmt::format("{:g} to {:g}", one.minimum, one.maximum), unit,
+                                   toml_number(one.default_value)),
+             one.help});
     }
     return table;
 }
@@ -435,7 +438,7 @@ Table condition_keys() {
 Table block_keys() {
     Table table = reference(kBlockFields);
     table.rows.push_back(
-        {"`conditions`", Cell(), "names of conditions", "required",
+        {"`conditions`", "names of conditions (required)",
          "whose trials are interleaved in it; without any [[block]] there is one of all"});
     return table;
 }

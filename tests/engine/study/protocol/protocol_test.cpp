@@ -1,5 +1,5 @@
 // Covers engine/study/protocol/{protocol,study_setting,session_plan,texts}.cpp and the German texts
-// of docs/study_protocol.md. What questions are refused in files is in protocol_file_test.cpp.
+// of docs/direction_de.toml. What questions are refused in files is in protocol_file_test.cpp.
 #include "base/degrees.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/coupling.h"
@@ -289,20 +289,10 @@ TEST(Texts, EachPlaceholderIsThereOnce) {
     EXPECT_EQ(validate(smiling), "");
 }
 
-/// The first block of TOML after a heading of a page.
-std::string toml_after(const std::string &page, const std::string &heading) {
-    const std::size_t at = page.find(heading);
-    EXPECT_NE(at, std::string::npos) << heading;
-    const std::string opening = "```toml\n";
-    const std::size_t from = page.find(opening, at) + opening.size();
-    return page.substr(from, page.find("```", from) - from);
-}
-
-/// The page's German texts are complete, and a shipped protocol may have them.
+/// The German texts beside the page are complete, and a shipped protocol may have them.
 TEST(Texts, TheManualHasThemInGerman) {
     const std::string german =
-        toml_after(testing::contents_of(testing::assets().parent_path() / "docs/study_protocol.md"),
-                   "## In another language");
+        testing::contents_of(testing::assets().parent_path() / "docs/direction_de.toml");
     std::string direction =
         testing::contents_of(testing::assets() / "protocols" / "direction.toml");
     const std::size_t from = direction.find("[texts]");
