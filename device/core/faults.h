@@ -1,5 +1,5 @@
 // Faults that a device can show on demand, and which of them act now. What they do is done where
-// the data are: to packets (usb/emulator/packet_line.h), to a board's pins
+// the data are: to packets (usb/emulator/emulated_board.h), to a board's pins
 // (usb/emulator/emulated_plant.h), or to what a driver shows (engine/lab/rig/servo_rig.h).
 //
 //   NAME[:ARGUMENT...][@BEGIN[-END]]     drop:in:0.01   stuck-encoder:2@1.5-2   unplug@3.5

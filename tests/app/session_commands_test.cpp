@@ -1,6 +1,6 @@
 // Covers what runs a device, from outside: app/main.cpp, app/demo/demo.cpp, and
 // app/commands/{record,export,replay,device,sweep,commissioning}_command*.cpp on simulated devices
-// and emulated boards; typed_session.cpp's warnings; stage/load_lines.cpp.
+// and emulated boards; common_options.cpp's warnings; stage/frame_loop.cpp.
 #include "app/stage/frame_loop.h"
 #include "engine/control/tuning_file.h"
 #include "tests/support/csv.h"

@@ -1,6 +1,5 @@
-// Covers what threads exchange: base/latest_value.h and base/sample_ring.h, each with its two
-// threads; base/background.h, base/background_release.h and base/cancellation.h, and how
-// base/parallel.h passes on the cancellation.
+// Covers what threads exchange: base/hand_over.h, with its two threads; base/background.h and
+// base/cancellation.h, and how base/parallel.h passes on the cancellation.
 #include "base/hand_over.h"
 
 #include "base/background.h"

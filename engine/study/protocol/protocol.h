@@ -123,7 +123,7 @@ struct ParameterFacts {
 [[nodiscard]] Vector3 turned(const Condition &condition, const Vector3 &normal);
 
 // A protocol: everything about a study that is decided before the first participant sits down, as
-// plain values. Files are read by protocol_file.h; docs/study_protocol.md is the manual.
+// plain values. Files are read by protocol_file.cpp; docs/study_protocol.md is the manual.
 //
 // Free space. In free space (η = 1, ẋ_Sd = ẋ) the law (10) is e_W = k_T θ̇_f whatever K_P, K_D, α, η
 // and map are: a device is felt by its own mass and friction and by k_T² τ/dR at each motor, with τ

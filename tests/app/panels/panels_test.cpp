@@ -1,5 +1,5 @@
 // Covers what panels compute: the stiffness that a touch has met (app/panels/hand_tab.cpp), the
-// shipped tunings (app/panels/tuning_files.h, assets/tunings), the field of the stability tab
+// shipped tunings (app/panels/tuning_editor.h, assets/tunings), the field of the stability tab
 // (app/panels/stability_tab.h), except its drawing, and app/panels/tuning_editor.cpp.
 #include "app/panels/panels.h"
 #include "app/panels/stability_tab.h"

@@ -1,4 +1,4 @@
-// Covers app/plots/channel_look.cpp.
+// Covers app/plots/channels.cpp.
 #include "app/plots/channels.h"
 
 #include "app/plots/plot_panel.h"

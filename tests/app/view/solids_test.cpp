@@ -210,7 +210,7 @@ struct Joint {
 };
 
 /// Where a pair may meet: not at all where the radius is 0. The radii are those
-/// of the drums and pins of linkage_solids.cpp, with a tenth of a millimetre
+/// of the drums and pins of solids.cpp, with a tenth of a millimetre
 /// for facets and rounding.
 Joint joint_of(LinkagePart a, LinkagePart b, const device::LinkagePose &pose) {
     using enum LinkagePart;

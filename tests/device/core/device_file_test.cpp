@@ -1,4 +1,4 @@
-// Covers device/core/device_file.cpp, calibration_file.cpp and, through them, base/strict_toml.cpp.
+// Covers device/core/device_file.cpp and, through it, base/strict_toml.cpp.
 #include "device/core/device_file.h"
 
 #include "base/input_error.h"

@@ -1,4 +1,4 @@
-// Covers device/simulated/hand_path.cpp and hand_stimulus.cpp.
+// Covers device/simulated/hand.cpp.
 #include "device/simulated/hand.h"
 
 #include "base/input_error.h"

@@ -1,4 +1,4 @@
-// Covers device/simulated/friction.cpp, joint_stops.cpp and small_system.h.
+// Covers device/simulated/friction.cpp and the joints' stops of linkage_step.cpp.
 #include "device/simulated/friction.h"
 
 #include "device/simulated/linkage_step.h"

@@ -1,5 +1,5 @@
-// Covers device/usb/board/encoder.h, matrix.h, command_limits.h, current_offset.h, winding_heat.h,
-// state_machine.h and exchange.h, and tests/device/usb/core_checks.h.
+// Covers device/usb/board/loop_parts.h, values.h, link.h and exchange.h, and
+// tests/device/usb/core_checks.h.
 #include "device/usb/board/exchange.h"
 #include "device/usb/board/link.h"
 #include "device/usb/board/loop_parts.h"

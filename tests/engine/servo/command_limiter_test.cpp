@@ -1,4 +1,4 @@
-// Covers engine/servo/command_limiter.cpp and workspace_edge.cpp: what of a requested command is
+// Covers engine/servo/command_limiter.cpp and safety_limits.cpp: what of a requested command is
 // passed on, and the soft wall that is added at the edge of the workspace.
 #include "engine/servo/command_limiter.h"
 

@@ -1,5 +1,5 @@
 // Covers engine/session/session_plant.cpp: changes of the simulated device while it runs, and its
-// hand; scene_loader.cpp; and the scene of the wrong direction, touched by that hand: what the
+// hand; loaded_scene.cpp; and the scene of the wrong direction, touched by that hand: what the
 // window measures there.
 #include "base/degrees.h"
 #include "base/input_error.h"

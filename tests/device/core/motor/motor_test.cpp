@@ -1,4 +1,4 @@
-// Covers device/core/motor/motor.cpp, amplifier.cpp and winding_temperature.cpp.
+// Covers device/core/motor/motor.cpp and, of winding_heat.cpp, the temperature.
 #include "device/core/motor/motor.h"
 
 #include "device/core/motor/winding_heat.h"

@@ -1,4 +1,4 @@
-// Covers engine/lab/limits/stability_limits.cpp; stability_agreement_test.cpp
+// Covers engine/lab/limits/stability_limits.cpp; long_limits_test.cpp
 // has the slow tests.
 #include "engine/lab/limits/stability_limits.h"
 

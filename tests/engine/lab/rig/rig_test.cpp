@@ -1,5 +1,5 @@
 // Covers engine/lab/rig/law_rig.cpp and servo_rig.cpp, what holds a tip in
-// scenario/scenarios.cpp, limits/method_limits/pressed_corner.cpp and
+// scenario/scenarios.cpp, limits/method_limits and
 // engine/control/rendered_force.h.
 #include "engine/lab/rig/law_rig.h"
 #include "engine/lab/rig/servo_rig.h"

@@ -1,4 +1,4 @@
-// Covers engine/study/protocol/stimulus_trial.cpp, presented.cpp and what protocol_check.cpp finds
+// Covers engine/study/protocol/stimulus_trial.cpp, stimulus_trial.cpp and what protocol_check.cpp finds
 // in trials: whole presentations on the simulated device, against the statics of the paper and the
 // plant's true state.
 #include "engine/study/protocol/protocol_check.h"

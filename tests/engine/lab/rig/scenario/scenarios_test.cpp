@@ -1,5 +1,5 @@
 // Covers engine/lab/rig/scenario/{scenarios,exploration_path,touch_path}.cpp and
-// engine/scene/surface_probe.cpp.
+// engine/scene/scripted_touch.cpp.
 #include "engine/lab/rig/law_rig.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 #include "engine/lab/rig/scenario/touch_path.h"
