@@ -217,7 +217,7 @@ room(demo PLACES app/assistant app/demo app/exhibit USES panels stage commission
 room(study_sound PLACES app/study/sound USES base OPENS portaudio)
 # The windows of a study's session, and the one for visitors.
 room(study_screen
-    PLACES app/study/experimenter app/study/participant app/study/sitting app/visitors
+    PLACES app/study/experimenter app/study/participant app/study/session app/visitors
     USES stage study_sound study_observers study_results OPENS epoxy glfw
     DEFINES GLFW_INCLUDE_NONE ${font} ${version})
 # The command line: everything except main, so that tests can call it.

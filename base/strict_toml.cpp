@@ -22,10 +22,10 @@ struct StrictTomlTable::Contents {
     std::string prefix; ///< "motor." for keys of [motor]
     std::shared_ptr<const toml::table> root;
     const toml::table *table = nullptr; ///< this table, owned by `root`
-    std::set<std::string, std::less<>> asked;
+    std::set<std::string, std::less<>> requested;
 
     const toml::node *find(std::string_view key) {
-        asked.emplace(key);
+        requested.emplace(key);
         return table->get(key);
     }
 };
@@ -323,8 +323,9 @@ StrictTomlTable StrictTomlTable::row(std::string_view key, std::size_t index) co
 
 void StrictTomlTable::refuse_unknown_keys() const {
     for (const auto &[key, node] : *contents_->table) {
-        if (!contents_->asked.contains(key.str())) {
-            std::vector<std::string_view> known(contents_->asked.begin(), contents_->asked.end());
+        if (!contents_->requested.contains(key.str())) {
+            std::vector<std::string_view> known(contents_->requested.begin(),
+                                                contents_->requested.end());
             std::string list;
             for (const std::string_view name : known) {
                 list += (list.empty() ? "" : ", ") + std::string(name);

@@ -230,7 +230,8 @@ void Assistant::open(session::Session &session) {
 }
 
 bool Assistant::can_go_on(const session::Session &session) const {
-    if (is_stopped(session) || is_lost(session) || session.is_lent() || session.is_exchanging()) {
+    if (is_stopped(session) || is_lost(session) || session.is_acquired() ||
+        session.is_exchanging()) {
         return false;
     }
     switch (step_->report().verdict) {

@@ -1,8 +1,8 @@
-// Steps whose work is done on the thread of a loan, once a person starts it: self-test and
-// calibration. Window and loan do not wait for each other:
+// Steps whose work is done on the thread of an exclusive use, once a person starts it: self-test
+// and calibration. Window and exclusive use do not wait for each other:
 //
-//   window ── frames, wants_end ──► LoanTalk ──► loan: self-test, calibration
-//   window ◄── view, outcome    ◄── LoanTalk ◄──┘
+//   window ── frames, wants_end ──► ExclusiveTalk ──► exclusive use: self-test, calibration
+//   window ◄── view, outcome    ◄── ExclusiveTalk ◄──┘
 #include "app/assistant/step.h"
 
 #include "app/host/folders.h"
@@ -33,19 +33,19 @@ namespace {
 
 /// @tparam View     what is seen of it meanwhile, with the rotors' angles once they are measured
 /// @tparam Outcome  what came of it
-template <typename View, typename Outcome> struct LoanTalk {
+template <typename View, typename Outcome> struct ExclusiveTalk {
     // The window's:
     std::atomic<std::uint32_t> frames{1};
     std::atomic<bool> wants_end{false}; ///< of the motion, with what is known by then
-    // The loan's:
+    // The exclusive use's:
     LatestValue<View> view;
     std::optional<Outcome> outcome; ///< written last; none if it was ended before its end
 };
 
-template <typename View, typename Outcome> class LoanStep : public Step {
+template <typename View, typename Outcome> class ExclusiveStep : public Step {
 public:
     using Step::Step;
-    using Talk = LoanTalk<View, Outcome>;
+    using Talk = ExclusiveTalk<View, Outcome>;
 
     void update() override {
         if (!talk_) {
@@ -53,10 +53,10 @@ public:
         }
         talk_->frames.fetch_add(1, std::memory_order_relaxed);
         view_ = talk_->view.latest();
-        if (session().is_lent()) {
+        if (session().is_acquired()) {
             return;
         }
-        set_error(session().loan_error());
+        set_error(session().exclusive_use_error());
         outcome_ = std::move(talk_->outcome);
         was_stopped_ = error().empty() && !outcome_;
         talk_.reset();
@@ -71,10 +71,11 @@ protected:
     [[nodiscard]] const std::optional<Outcome> &outcome() const { return outcome_; }
     [[nodiscard]] bool was_stopped() const { return was_stopped_; } ///< by a person
 
-    /// The loan is over, whatever came of it.
+    /// The exclusive use is over, whatever came of it.
     virtual void conclude() = 0;
 
-    /// @param make_tick  of the talk: makes what `Session::lend_device` takes; may throw InputError
+    /// @param make_tick  of the talk: makes what `Session::acquire_exclusive` takes; may throw
+    /// InputError
     template <typename MakeTick> void start(const MakeTick &make_tick) {
         auto talk = std::make_shared<Talk>();
         outcome_.reset();
@@ -84,7 +85,7 @@ protected:
             if (session().device().device().bench() == nullptr) {
                 throw InputError("this device has no board");
             }
-            session().lend_device(make_tick(talk));
+            session().acquire_exclusive(make_tick(talk));
         });
         if (error().empty()) {
             talk_ = std::move(talk);
@@ -148,9 +149,9 @@ const char *stage_name(SelfTestStage stage) {
     return "done";
 }
 
-class SelfTestStep final : public LoanStep<TestView, SelfTestReport> {
+class SelfTestStep final : public ExclusiveStep<TestView, SelfTestReport> {
 public:
-    using LoanStep::LoanStep;
+    using ExclusiveStep::ExclusiveStep;
 
     [[nodiscard]] StepReport report() override {
         StepReport report;
@@ -300,7 +301,7 @@ struct CalibrationOutcome {
     std::string storing_error;               ///< why the board does not keep it
 };
 
-using CalibrationTalk = LoanTalk<CalibrationView, CalibrationOutcome>;
+using CalibrationTalk = ExclusiveTalk<CalibrationView, CalibrationOutcome>;
 
 /// As it would be without a calibration: what was known before is no part of the result.
 class Uncalibrated final : public device::ForwardingDevice {
@@ -318,11 +319,11 @@ private:
 };
 
 /// Destroyed before its end, it brakes, and the board keeps what it had.
-class CalibrationLoan {
+class ExclusiveCalibration {
 public:
     /// @param device  used by `step` alone
     /// @throw InputError for a device of which nothing can be learned
-    CalibrationLoan(factory::OpenDevice &device, std::shared_ptr<CalibrationTalk> talk)
+    ExclusiveCalibration(factory::OpenDevice &device, std::shared_ptr<CalibrationTalk> talk)
         : talk_(std::move(talk)), device_(device.device()) {
         run_.emplace(
             device_, commissioning::CalibrationOptions{},
@@ -409,14 +410,14 @@ struct Memory {
     std::int64_t unkept_made_at_s = -1; ///< of the one that the next start does not use
 };
 
-class CalibrationStep final : public LoanStep<CalibrationView, CalibrationOutcome> {
+class CalibrationStep final : public ExclusiveStep<CalibrationView, CalibrationOutcome> {
 public:
     CalibrationStep(session::Session &session, std::shared_ptr<Memory> memory)
-        : LoanStep(session), memory_(std::move(memory)),
+        : ExclusiveStep(session), memory_(std::move(memory)),
           file_comes_first_(has_own_calibration(session.device_choice().file)) {}
 
     void update() override {
-        LoanStep::update();
+        ExclusiveStep::update();
         use_if_possible();
     }
 
@@ -463,14 +464,15 @@ private:
         saved_.clear();
         is_skipped_ = false;
         start([this](const std::shared_ptr<Talk> &talk) {
-            const auto loan = std::make_shared<CalibrationLoan>(session().device(), talk);
+            const auto exclusive_use =
+                std::make_shared<ExclusiveCalibration>(session().device(), talk);
             const double rate_hz = session().servo().rate_hz();
             if (rate_hz != CalibrationRun::kRate_hz) {
                 session().set_servo_rate(CalibrationRun::kRate_hz);
                 rate_before_hz_ = rate_hz;
             }
             // It alone owns the run, which so has braked before the servo goes on.
-            return [loan] { return loan->step(); };
+            return [exclusive_use] { return exclusive_use->step(); };
         });
         if (!is_running()) {
             return_to_rate();
@@ -644,7 +646,7 @@ private:
 
     std::shared_ptr<Memory> memory_;
     std::optional<double> rate_before_hz_; ///< of the servo
-    std::string later_error_;              ///< of what came after the loan
+    std::string later_error_;              ///< of what came after the exclusive use
     std::string save_error_;
     std::string saved_; ///< as this file
     bool is_skipped_ = false;

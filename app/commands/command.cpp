@@ -1,6 +1,6 @@
 #include "app/commands/command.h"
 
-#include "engine/study/observers/simulated_sitting.h"
+#include "engine/study/observers/simulated_study_session.h"
 #include "engine/study/store/study_contents.h"
 
 #include <CLI/CLI.hpp>

@@ -383,11 +383,11 @@ void emulate(const TypedEmulator &typed) {
         gadget.plug_in();
         print(std::cout, "{} is plugged in at {}\n", typed.serial, gadget.controller());
         std::cout.flush();
-        gadget.run([&] { return ends() || board.unplug_wanted(); });
+        gadget.run([&] { return ends() || board.unplug_requested(); });
         gadget.unplug();
         print(std::cout, "{} is unplugged at {:.3f} s\n", typed.serial, board.time_s());
         std::cout.flush();
-        gadget.run([&] { return ends() || !board.unplug_wanted(); });
+        gadget.run([&] { return ends() || !board.unplug_requested(); });
     }
     if (board.late_s() > 0.0) {
         print(std::cerr,

@@ -261,7 +261,7 @@ void Screen::escape() {
     if (ImGui::GetIO().WantTextInput) {
         return;
     }
-    if (session_.is_lent()) {
+    if (session_.is_acquired()) {
         session_.take_device_back();
     } else if (shows_keys_) {
         shows_keys_ = false;

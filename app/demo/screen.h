@@ -108,7 +108,7 @@ private:
     bool opens_assistant_ = false; ///< with the first frame
     DoctorPopup assistants_doctor_;
     TipInside tip_inside_;
-    HandLift lift_;
+    HandRetraction lift_;
     ShownValues shown_values_;
     float start_height_ = 0.0F; ///< of the first minute's plate, as measured; 0: not yet
     std::optional<exhibit::Kiosk> kiosk_;

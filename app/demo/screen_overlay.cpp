@@ -36,7 +36,7 @@ void Screen::obey(SceneAction action) {
             habits_.say(error, true);
         }
         return;
-    case SceneAction::lift_hand:
+    case SceneAction::retract_hand:
         lift_.start();
         return;
     }

@@ -168,9 +168,9 @@ const TouchValues &ShownValues::at(const ShownThings &shown,
 
 void ShownValues::renew_field(Thing thing, const device::DeviceDescription &device,
                               const control::Tuning &tuning) {
-    FieldOf wanted{thing, device.name, device.workspace.size_m, tuning};
-    wanted.tuning.map = {}; // the colours are of one map each
-    if (field_ && wanted == field_of_) {
+    FieldOf requested{thing, device.name, device.workspace.size_m, tuning};
+    requested.tuning.map = {}; // the colours are of one map each
+    if (field_ && requested == field_of_) {
         return;
     }
     WorkspaceField field;
@@ -182,7 +182,7 @@ void ShownValues::renew_field(Thing thing, const device::DeviceDescription &devi
         field.largest = std::max(field.largest, found.value);
     }
     field_ = std::make_shared<const WorkspaceField>(std::move(field));
-    field_of_ = wanted;
+    field_of_ = requested;
 }
 
 } // namespace springdrive::app

@@ -166,19 +166,19 @@ std::string limit_text(std::uint64_t limit) {
 
 std::string why_no_priority(const Evidence &evidence) {
     const Process &process = evidence.process;
-    const auto wanted = static_cast<std::uint64_t>(evidence.probes.rights.priority);
-    if (process.priority_limit < wanted && process.priority_limit_hard >= wanted) {
-        return fmt::format("ulimit -S -r {}", wanted);
+    const auto requested = static_cast<std::uint64_t>(evidence.probes.rights.priority);
+    if (process.priority_limit < requested && process.priority_limit_hard >= requested) {
+        return fmt::format("ulimit -S -r {}", requested);
     }
     if (evidence.machine.is_container()) {
         return allow(evidence, "rtprio");
     }
-    const bool has_right = process.is_root() || process.priority_limit >= wanted;
+    const bool has_right = process.is_root() || process.priority_limit >= requested;
     if (const std::string file = file_of_missing_share(evidence.machine);
         has_right && !file.empty()) {
         return fmt::format("echo 500000 | {}tee {}", process.sudo(), shell_word(file));
     }
-    if (process.priority_limit >= wanted) {
+    if (process.priority_limit >= requested) {
         // The kernel schedules by groups and shows no file for it, as with cgroup v2.
         return process.sudo() + "sysctl -w kernel.sched_rt_runtime_us=-1";
     }

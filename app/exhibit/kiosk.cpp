@@ -150,7 +150,7 @@ void Kiosk::recover(const KioskParts &parts) {
     case Remedy::reset:
         session.servo().reset_safety();
         break;
-    case Remedy::lift_hand:
+    case Remedy::retract_hand:
         // A path that the scripted hand was on is left by the course, and then soon at its end.
         if (session.hand().is_simulated() && !session.hand().follows_path() &&
             !parts.stage.lift.is_on()) {

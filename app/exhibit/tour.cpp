@@ -239,9 +239,9 @@ std::optional<Showing> showing_of(const device::DeviceDescription &device,
 
 void ScriptedDemo::show(const ScriptContext &stage, const TourStop &stop) {
     restore_gains(stage);
-    wanted_ = file_of(stop);
+    requested_ = file_of(stop);
     if (stage.session.scenes().is_loading() || !has_scene(stage.session)) {
-        stage.session.request_scene(wanted_);
+        stage.session.request_scene(requested_);
     }
 }
 

@@ -84,7 +84,7 @@ inline constexpr double kStrike_m_per_s = 0.20;
 struct ScriptContext {
     session::Session &session;
     TuningEditor &editor;
-    HandLift &lift;
+    HandRetraction &lift;
 };
 
 /// Shows the tour's scenes one at a time, each by its scripted hand.
@@ -92,13 +92,13 @@ class ScriptedDemo {
 public:
     /// The present scene and gains are those of the start.
     explicit ScriptedDemo(const session::Session &session)
-        : tuning_(session.tuning().now()), wanted_(session.scenes().now().scene.file) {}
+        : tuning_(session.tuning().now()), requested_(session.scenes().now().scene.file) {}
 
     /// Requests the scene, with the gains of the start.
     void show(const ScriptContext &stage, const TourStop &stop);
 
     [[nodiscard]] bool has_scene(const session::Session &session) const {
-        return session.scenes().now().scene.file == wanted_;
+        return session.scenes().now().scene.file == requested_;
     }
 
     /// What the course depends on, of scene, motors and scripted hand.
@@ -120,7 +120,7 @@ private:
     void switch_map_if_due(const ScriptContext &stage);
 
     control::Tuning tuning_; ///< of the start
-    std::filesystem::path wanted_;
+    std::filesystem::path requested_;
     std::optional<Showing> showing_;
     double began_s_ = 0.0;       ///< by the session's time
     double words_until_s_ = 0.0; ///< without a scripted hand

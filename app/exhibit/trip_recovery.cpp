@@ -49,7 +49,7 @@ Remedy TripRecovery::recover(const RecoveryState &now) {
     }
     if (now.hand_is_held || now.is_touching) {
         static_cast<void>(waits(Condition::let_go));
-        return now.hand_is_held ? Remedy::none : Remedy::lift_hand;
+        return now.hand_is_held ? Remedy::none : Remedy::retract_hand;
     }
     calm_since_s_ = calm_since_s_.value_or(now.time_s);
     goes_on_in_s_ = std::max(0.0, *calm_since_s_ + kPause_s - now.time_s);
@@ -85,7 +85,7 @@ Remedy TripRecovery::watch(const RecoveryState &now) {
     }
     condition_ = Condition::lift;
     caught_since_s_ = now.hand_is_held ? now.time_s : caught_since_s_.value_or(now.time_s);
-    return now.time_s - *caught_since_s_ >= kLift_s ? Remedy::lift_hand : Remedy::none;
+    return now.time_s - *caught_since_s_ >= kLift_s ? Remedy::retract_hand : Remedy::none;
 }
 
 } // namespace springdrive::app::exhibit

@@ -56,7 +56,7 @@ enum class Condition : std::uint8_t {
     needs_zeroing, ///< by the staff
 };
 
-enum class Remedy : std::uint8_t { none, reset, lift_hand };
+enum class Remedy : std::uint8_t { none, reset, retract_hand };
 
 /// How an exhibit goes on after a stop.
 class TripRecovery {

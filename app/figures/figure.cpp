@@ -109,11 +109,11 @@ constexpr int kDecades = 4; ///< 1 Hz to 10 kHz: below R/L and above it
 /// aliasing.
 constexpr double kMaxMeasured = 0.45;
 
-std::vector<Cell> row(const loops::SpringDrive &drive, double wanted_hz) {
-    const bool measurable = wanted_hz * drive.period_s <= kMaxMeasured;
+std::vector<Cell> row(const loops::SpringDrive &drive, double requested_hz) {
+    const bool measurable = requested_hz * drive.period_s <= kMaxMeasured;
     const loops::SweepWindow window =
-        measurable ? loops::sweep_window(wanted_hz, drive.period_s) : loops::SweepWindow{};
-    const double frequency_hz = measurable ? window.frequency_hz(drive.period_s) : wanted_hz;
+        measurable ? loops::sweep_window(requested_hz, drive.period_s) : loops::SweepWindow{};
+    const double frequency_hz = measurable ? window.frequency_hz(drive.period_s) : requested_hz;
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     const std::complex<double> measured =
         measurable ? loops::measured_stiffness(drive, window) : std::complex<double>(kNone, kNone);

@@ -90,11 +90,11 @@ constexpr std::array<Grip, 3> kGrips{
     {{"light hand", 0.0}, {"relaxed hand", 0.5}, {"firm hand", 1.0}}};
 
 device::HandParameters hand_of(const device::HandParameters &before, const Grip &grip) {
-    const loops::Hand wanted = loops::hand_of_firmness(grip.firmness);
+    const loops::Hand requested = loops::hand_of_firmness(grip.firmness);
     device::HandParameters hand = before;
-    hand.mass_kg = wanted.mass_kg;
-    hand.damping_Ns_per_m = wanted.damping_Ns_per_m;
-    hand.stiffness_N_per_m = wanted.stiffness_N_per_m;
+    hand.mass_kg = requested.mass_kg;
+    hand.damping_Ns_per_m = requested.damping_Ns_per_m;
+    hand.stiffness_N_per_m = requested.stiffness_N_per_m;
     return hand;
 }
 

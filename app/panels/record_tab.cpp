@@ -270,13 +270,14 @@ void OpenedRecord::update(double frame_s, const control::Tuning &tuning) {
 /// Behind the record is the answer, behind the present the record.
 void OpenedRecord::renew_behind() {
     const bool of_record = view == RecordView::behind;
-    const record::ChannelStore *const wanted = of_record ? &playback_.store() : playback_.answer();
-    if (wanted == nullptr) {
+    const record::ChannelStore *const requested =
+        of_record ? &playback_.store() : playback_.answer();
+    if (requested == nullptr) {
         behind_.reset();
-    } else if (!behind_ || behind_of_ != wanted) {
-        behind_ = PlotTrace{*wanted, {}, {}};
+    } else if (!behind_ || behind_of_ != requested) {
+        behind_ = PlotTrace{*requested, {}, {}};
     }
-    behind_of_ = wanted;
+    behind_of_ = requested;
     if (behind_) {
         behind_->name = of_record ? playback_.record().file.filename().string()
                         : playback_.is_answer_current() ? "with the active tuning"

@@ -45,14 +45,14 @@ SceneMessage record_shown(const SceneSituation &now) {
 SceneMessage with_lift(SceneMessage message, const SceneSituation &now, const char *button) {
     if (now.can_move_hand) {
         message.button = button;
-        message.action = SceneAction::lift_hand;
+        message.action = SceneAction::retract_hand;
     }
     return message;
 }
 
 /// What has to happen before the motors start: otherwise a reset seems to do nothing.
 SceneMessage waiting(const SceneSituation &now) {
-    if (now.is_lent) {
+    if (now.is_acquired) {
         return {"waiting", SceneUrgency::waits,
                 "A step of the assistant has the device: its motors may act."};
     }
@@ -158,10 +158,10 @@ SceneAction draw_message(const SceneMessage &message, const Rectangle &view, flo
 /// On a plate above the help, in the corner where neither read-outs nor messages are.
 void draw_notice(const Notice &notice, const Rectangle &view, float scale) {
     const ui::Scope scope("notice");
-    const float wanted = ImGui::CalcTextSize(notice.text.c_str()).x + 3.0F * margin(scale);
+    const float requested = ImGui::CalcTextSize(notice.text.c_str()).x + 3.0F * margin(scale);
     ImGui::SetNextWindowPos({view.end().x - margin(scale), view.end().y - 3.5F * margin(scale)},
                             ImGuiCond_Always, {1.0F, 1.0F});
-    ImGui::SetNextWindowSize({std::min(0.55F * view.size.x, wanted), 0.0F});
+    ImGui::SetNextWindowSize({std::min(0.55F * view.size.x, requested), 0.0F});
     ImGui::PushStyleColor(ImGuiCol_WindowBg,
                           colour_of(notice.is_bad ? SceneUrgency::stopped : SceneUrgency::hint));
     ImGui::Begin("notice", nullptr, kOverlay | ImGuiWindowFlags_NoInputs);
@@ -226,7 +226,7 @@ std::optional<SceneMessage> message_for(const SceneSituation &now) {
         return SceneMessage{"paused", SceneUrgency::hint, "Paused: the device stands still.",
                             {},       "go on  P",         SceneAction::go_on};
     }
-    if (waits && (now.is_lent || now.is_released || !now.is_zeroed)) {
+    if (waits && (now.is_acquired || now.is_released || !now.is_zeroed)) {
         return waiting(now);
     }
     if (now.is_inside && !now.touching) {
@@ -245,7 +245,7 @@ SceneSituation situation_of(const session::Session &session, const OpenedRecord 
     now.safety = session.latest().safety;
     now.is_lost = session.latest().health == device::DeviceHealth::lost;
     now.reconnects = session.device_choice().kind != factory::DeviceKind::simulated;
-    now.is_lent = session.is_lent();
+    now.is_acquired = session.is_acquired();
     now.is_released = session.is_kept_released();
     now.is_zeroed = session.is_zeroed();
     now.is_paused = session.servo().can_change_speed() && session.servo().speed() == 0.0;

@@ -28,7 +28,7 @@ struct SceneSituation {
     servo::SafetyStatus safety;
     bool is_lost = false;          ///< the device does not answer
     bool reconnects = false;       ///< a lost device is connected again by itself
-    bool is_lent = false;          ///< a step of the assistant moves the device
+    bool is_acquired = false;      ///< a step of the assistant moves the device
     bool is_released = false;      ///< the device is kept braking, by the assistant
     bool is_zeroed = true;         ///< its angles are known
     bool is_paused = false;        ///< a simulated device stands still
@@ -40,7 +40,7 @@ struct SceneSituation {
 };
 
 /// What a message's button does.
-enum class SceneAction : std::uint8_t { none, reset, go_on, show_present, zero, lift_hand };
+enum class SceneAction : std::uint8_t { none, reset, go_on, show_present, zero, retract_hand };
 
 /// The colour of the plate.
 enum class SceneUrgency : std::uint8_t {

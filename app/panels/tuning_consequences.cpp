@@ -48,13 +48,13 @@ double active_dR_Ohm(const session::Session &session) {
 
 void draw_observed_resistances(session::Session &session) {
     const ui::ExplainedRow row(explanation_of("observe R", "Ω"));
-    bool is_wanted = session.wants_resistance_observed();
-    if (ui::checkbox("observe R", is_wanted)) {
-        session.observe_resistance(is_wanted);
+    bool is_requested = session.wants_resistance_observed();
+    if (ui::checkbox("observe R", is_requested)) {
+        session.observe_resistance(is_requested);
     }
     const control::ObservedMotors &R = session.latest().motor;
     if (!R.front().is_observed) {
-        if (is_wanted) {
+        if (is_requested) {
             ImGui::SameLine();
             ui::text(kFaintInk, "no inductance");
         }
@@ -81,7 +81,7 @@ void draw_observed_resistances(session::Session &session) {
 
 void show_held_up_dR(const session::Session &session) {
     const servo::ServoSample &now = session.latest();
-    const double wanted_Ohm = session.tuning().now().dR_Ohm;
+    const double requested_Ohm = session.tuning().now().dR_Ohm;
     double left_s = 0.0;
     for (std::size_t j = 0; j < now.motor.size(); ++j) {
         if (!now.motor[j].is_trusted) {
@@ -89,12 +89,12 @@ void show_held_up_dR(const session::Session &session) {
             ui::explain("a current sensor is wrong, or the motor is not the file's;\n"
                         "to observe anew, switch \"observe R\" off and on");
         }
-        left_s = std::max(left_s,
-                          control::touch_left_s(session.description(), j, now.motor[j], wanted_Ohm,
-                                                now.current_A[static_cast<Eigen::Index>(j)]));
+        left_s = std::max(
+            left_s, control::touch_left_s(session.description(), j, now.motor[j], requested_Ohm,
+                                          now.current_A[static_cast<Eigen::Index>(j)]));
     }
     const double active_Ohm = active_dR_Ohm(session);
-    if (!(active_Ohm > wanted_Ohm)) {
+    if (!(active_Ohm > requested_Ohm)) {
         return;
     }
     constexpr double kTooLong_s = 20.0;

@@ -113,9 +113,9 @@ struct RoundBins {
 /// which there is at least one.
 double quantile(std::vector<double> &numbers, double fraction) {
     const double rank = std::ceil(fraction * static_cast<double>(numbers.size()));
-    const auto wanted = numbers.begin() + static_cast<std::ptrdiff_t>(std::max(rank, 1.0)) - 1;
-    std::nth_element(numbers.begin(), wanted, numbers.end());
-    return *wanted;
+    const auto requested = numbers.begin() + static_cast<std::ptrdiff_t>(std::max(rank, 1.0)) - 1;
+    std::nth_element(numbers.begin(), requested, numbers.end());
+    return *requested;
 }
 
 Range covered_range(std::span<const double> values) {

@@ -52,20 +52,20 @@ void PlotView::show_event(const record::ChannelStore &live, const signals::TimeW
     held_by_hand_ = false;
 }
 
-void PlotView::show(const record::ChannelStore &live, const signals::TimeWindow &wanted) {
+void PlotView::show(const record::ChannelStore &live, const signals::TimeWindow &requested) {
     hold(live);
     const signals::TimeWindow before = window(live);
-    const double length_s = wanted.to_s - wanted.from_s;
+    const double length_s = requested.to_s - requested.from_s;
     const double span_before_s = span_s_;
     zoom_to_span(length_s);
-    end_s_ = wanted.to_s;
+    end_s_ = requested.to_s;
     if (span_s_ != length_s && span_s_ == span_before_s) {
         end_s_ = before.to_s; // it was at the end already: stays to the last bit
     } else if (span_s_ != length_s) {
         // At the end of zooming: the time at which both windows agree stays where it is.
         const double old_s = before.to_s - before.from_s;
         const double share =
-            old_s == length_s ? 1.0 : (wanted.from_s - before.from_s) / (old_s - length_s);
+            old_s == length_s ? 1.0 : (requested.from_s - before.from_s) / (old_s - length_s);
         const double fixed_s = before.from_s + share * old_s;
         end_s_ = fixed_s + (1.0 - share) * span_s_;
     }

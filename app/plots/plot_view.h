@@ -48,7 +48,7 @@ public:
     /// Holds, and shows this window of an event.
     void show_event(const record::ChannelStore &live, const signals::TimeWindow &window);
     /// Holds, and zooms or moves to this window.
-    void show(const record::ChannelStore &live, const signals::TimeWindow &wanted);
+    void show(const record::ChannelStore &live, const signals::TimeWindow &requested);
     /// The end of what was shown before it was zoomed or moved: that of the event, or of the hold.
     [[nodiscard]] double reference_end_s(const record::ChannelStore &live) const {
         return is_live() ? window(live).to_s : reference_end_s_;

@@ -77,8 +77,8 @@ void StiffnessCurves::start_sweep() {
         const double ratio = last_Hz(drive) / kFirst_Hz;
         for (int i = 0; i < kMeasured; ++i) {
             talk.report("sweep", static_cast<double>(i) / kMeasured);
-            const double wanted_Hz = kFirst_Hz * std::pow(ratio, i / (kMeasured - 1.0));
-            const loops::SweepWindow window = loops::sweep_window(wanted_Hz, drive.period_s);
+            const double requested_Hz = kFirst_Hz * std::pow(ratio, i / (kMeasured - 1.0));
+            const loops::SweepWindow window = loops::sweep_window(requested_Hz, drive.period_s);
             loops::StiffnessPoint point;
             point.frequency_hz = window.frequency_hz(drive.period_s);
             point.analytic_Nm_per_rad = loops::analytic_stiffness(drive, omega(point.frequency_hz));

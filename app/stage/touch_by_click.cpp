@@ -167,7 +167,7 @@ Vector3 TouchByClick::next_m(double frame_s) {
     return at_m_;
 }
 
-void HandLift::update(session::Session &session, bool is_inside, double frame_s) {
+void HandRetraction::update(session::Session &session, bool is_inside, double frame_s) {
     if (!is_on()) {
         return;
     }

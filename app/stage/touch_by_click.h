@@ -80,7 +80,7 @@ private:
     bool is_pressed_ = false;
 };
 
-class HandLift {
+class HandRetraction {
 public:
     void start() { left_m_ = kClear_m; }
     void stop() { left_m_ = 0.0; }

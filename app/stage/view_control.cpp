@@ -157,7 +157,7 @@ void ViewControl::update(session::Session &session, const ViewState &state, cons
 
 void ViewControl::report(const session::Session &session, const ViewState &state,
                          const Rectangle &view) const {
-    if (!ui::report().is_wanted()) {
+    if (!ui::report().is_requested()) {
         return;
     }
     const PixelRectangle part =
@@ -255,14 +255,14 @@ void ViewControl::begin_with_hand(const session::Session &session, const PixelPo
     if (const auto place = touchable_under(camera_, pixel, size, session.scenes().now().surface)) {
         dragging_ = Drag::touch;
         touch_.press(ground_of(session), session.latest().contact, grabbed_m_, *place);
-        asked_m_ = grabbed_m_;
+        requested_m_ = grabbed_m_;
     }
 }
 
 /// Unless something else has moved the hand meanwhile.
 void ViewControl::move_touch(session::Session &session, const PixelPoint &pixel,
                              const PixelSize &size) {
-    if (session.hand().target_m() != asked_m_) {
+    if (session.hand().target_m() != requested_m_) {
         touch_.stop();
         return;
     }
@@ -276,7 +276,7 @@ void ViewControl::move_touch(session::Session &session, const PixelPoint &pixel,
         }
     }
     session.hand().move_to(touch_.next_m(ImGui::GetIO().DeltaTime));
-    asked_m_ = session.hand().target_m();
+    requested_m_ = session.hand().target_m();
 }
 
 } // namespace springdrive::app

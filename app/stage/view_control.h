@@ -70,7 +70,7 @@ private:
     Drag dragging_ = Drag::none;
     Vector3 grabbed_m_{Vector3::Zero()}; ///< position of the hand by the mouse, within reach or not
     TouchByClick touch_;
-    Vector3 asked_m_{Vector3::Zero()}; ///< the hand's target that `touch_` led to last
+    Vector3 requested_m_{Vector3::Zero()}; ///< the hand's target that `touch_` led to last
     std::optional<Viewpoint> kept_ = Viewpoint::home; ///< until the camera is moved
     bool is_framed_ = false;
     PixelSize framed_size_;                  ///< of the view, then

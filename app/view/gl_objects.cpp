@@ -212,10 +212,11 @@ void DepthTexture::bind(int unit) const {
     glBindTexture(GL_TEXTURE_2D, texture_.name());
 }
 
-MultisampledTarget::Buffers::Buffers(int wanted, int wide, int high) : width(wide), height(high) {
+MultisampledTarget::Buffers::Buffers(int requested, int wide, int high)
+    : width(wide), height(high) {
     GLint most = 0;
     glGetIntegerv(GL_MAX_SAMPLES, &most);
-    const GLint samples = std::min(wanted, most);
+    const GLint samples = std::min(requested, most);
     glBindRenderbuffer(GL_RENDERBUFFER, colour.name());
     glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA8, width, height);
     glBindRenderbuffer(GL_RENDERBUFFER, depth.name());

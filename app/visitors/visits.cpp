@@ -2,12 +2,12 @@
 
 #include "app/host/process.h"
 #include "app/study/participant/answers.h"
-#include "app/study/sitting/sitting.h"
+#include "app/study/session/study_session.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"
 #include "base/vector.h"
 #include "engine/study/conduct/conduct.h"
-#include "engine/study/observers/simulated_sitting.h"
+#include "engine/study/observers/simulated_study_session.h"
 #include "engine/study/protocol/session_plan.h"
 
 #include <fmt/core.h>
@@ -30,9 +30,9 @@ using study_screen::OwnCurve;
 using study_screen::ParticipantInput;
 using study_screen::ParticipantPicture;
 using study_screen::Resumable;
-using study_screen::SittingFrame;
-using study_screen::SittingState;
-using study_screen::SittingStep;
+using study_screen::StudySessionFrame;
+using study_screen::StudySessionState;
+using study_screen::StudySessionStep;
 
 constexpr const char *kVisitor = "V1"; ///< a code, as the study in memory wants one
 constexpr const char *kNothingIsKept = "Nothing of this is kept: no answer, no name, no file.";
@@ -59,14 +59,14 @@ Levels levels_of(const study::Protocol &protocol) {
 }
 
 /// Steps that wait for any key.
-bool waits_for_key(SittingStep step) {
+bool waits_for_key(StudySessionStep step) {
     switch (step) {
-    case SittingStep::instructions:
-    case SittingStep::practice_begins:
-    case SittingStep::practice_ends:
-    case SittingStep::block_begins:
-    case SittingStep::in_break:
-    case SittingStep::over:
+    case StudySessionStep::instructions:
+    case StudySessionStep::practice_begins:
+    case StudySessionStep::practice_ends:
+    case StudySessionStep::block_begins:
+    case StudySessionStep::in_break:
+    case StudySessionStep::over:
         return true;
     default:
         return false;
@@ -207,7 +207,7 @@ std::string threshold_words(const OwnCurve &curve) {
                        threshold.high);
 }
 
-/// A sitting without an experimenter. Not in the unnamed namespace, as coroutines hold it.
+/// A session without an experimenter. Not in the unnamed namespace, as coroutines hold it.
 class UnattendedVisit {
 public:
     /// @param session  and the protocol: must outlive this
@@ -218,8 +218,9 @@ public:
           seen_s_(session.servo().now_s()), stop_(session.servo().inputs().requested_stop),
           step_since_s_(session.servo().now_s()) {}
 
-    /// What is shown of a sitting's picture. With a mouse all can be done by its left button.
-    [[nodiscard]] ParticipantPicture for_visitors(ParticipantPicture picture, SittingStep step) {
+    /// What is shown of a session's picture. With a mouse all can be done by its left button.
+    [[nodiscard]] ParticipantPicture for_visitors(ParticipantPicture picture,
+                                                  StudySessionStep step) {
         const double now_s = session_.servo().now_s();
         if (std::exchange(step_, step) != step) {
             step_since_s_ = now_s;
@@ -228,7 +229,7 @@ public:
         picture.choices_take_clicks = true;
         if (waits_for_key(step)) {
             picture.choices = {card_of("Go on", "enter")};
-        } else if (step == SittingStep::device_stopped) {
+        } else if (step == StudySessionStep::device_stopped) {
             picture.choices = {card_of("Let it go on", "enter")};
         }
         if (made_up_) {
@@ -243,8 +244,9 @@ public:
         return picture;
     }
 
-    /// What a sitting gets of the frame in which that was shown.
-    [[nodiscard]] SittingFrame for_sitting(SittingFrame frame, const SittingState &state) {
+    /// What a session gets of the frame in which that was shown.
+    [[nodiscard]] StudySessionFrame for_study_session(StudySessionFrame frame,
+                                                      const StudySessionState &state) {
         if (!made_up_ && away_s(frame.inputs) > kGoneAfter_s) {
             stop(frame, VisitEnd::gone);
         }
@@ -254,10 +256,11 @@ public:
         if (was_asked_) { // it answers that, and nothing that was behind it
             frame.inputs.clear();
         }
-        if (state.step == SittingStep::device_stopped && is_pressed(frame.inputs, "enter", 0)) {
+        if (state.step == StudySessionStep::device_stopped &&
+            is_pressed(frame.inputs, "enter", 0)) {
             frame.orders.resets_device = true;
         }
-        if (state.step == SittingStep::over) { // their curve follows at once
+        if (state.step == StudySessionStep::over) { // their curve follows at once
             frame.inputs.push_back(key_press("enter", session_.servo().now_s()));
         }
         if (made_up_) {
@@ -287,12 +290,12 @@ private:
     }
 
     /// Answers to what the method asks for, not to what was delivered: that is in no picture.
-    void act_made_up(const SittingState &state, SittingFrame &frame) {
+    void act_made_up(const StudySessionState &state, StudySessionFrame &frame) {
         const double now_s = session_.servo().now_s();
         const double shown_s = now_s - step_since_s_;
         if (waits_for_key(state.step) && shown_s >= kReading_s) {
             frame.inputs.push_back(key_press("enter", now_s));
-        } else if (state.step == SittingStep::response && shown_s >= kThinking_s) {
+        } else if (state.step == StudySessionStep::response && shown_s >= kThinking_s) {
             const study::SimulatedAnswer answer = study::simulated_answer(
                 protocol_, *made_up_, *state.trial, state.trial->level.value());
             const auto *chosen = std::get_if<study::Chosen>(&answer.response);
@@ -304,7 +307,7 @@ private:
         }
     }
 
-    void stop(SittingFrame &frame, VisitEnd why) {
+    void stop(StudySessionFrame &frame, VisitEnd why) {
         frame.orders.stops = true;
         end_ = why;
     }
@@ -316,7 +319,7 @@ private:
     std::optional<Vector3> tip_m_; ///< of a real device, where it was when it was moved last
     std::uint32_t stop_;           ///< the last one requested here
     double step_since_s_;          ///< since when the present step is shown
-    SittingStep step_ = SittingStep::instructions;
+    StudySessionStep step_ = StudySessionStep::instructions;
     bool was_asked_ = false; ///< in the present frame, whether somebody is still there
     VisitEnd end_ = VisitEnd::none;
 };
@@ -324,13 +327,13 @@ private:
 Visits::Visits(VisitsPlan plan, session::Session &session, study_screen::ShowsScene show_scene)
     : plan_(std::move(plan)), session_(session), show_scene_(std::move(show_scene)) {}
 
-study_screen::Frames::Next Visits::show(ParticipantPicture picture, SittingStep step) {
+study_screen::Frames::Next Visits::show(ParticipantPicture picture, StudySessionStep step) {
     state_ = {};
     state_.step = step;
     return frames_.show(std::move(picture));
 }
 
-void Visits::resume(SittingFrame frame) {
+void Visits::resume(StudySessionFrame frame) {
     if (frame.orders.stops) {
         session_.keep_released(true);
         frames_.end();
@@ -363,7 +366,7 @@ Resumable<Visitor> Visits::wait_for_visitor() {
     }
     const double from_s = session_.servo().now_s();
     while (true) {
-        const SittingFrame frame = co_await show(picture, SittingStep::instructions);
+        const StudySessionFrame frame = co_await show(picture, StudySessionStep::instructions);
         if (plan_.is_show) {
             if (session_.servo().now_s() - from_s > kShowStart_s) {
                 co_return Visitor::made_up;
@@ -379,7 +382,7 @@ Resumable<Visitor> Visits::wait_for_visitor() {
 }
 
 Resumable<VisitEnd> Visits::sit(study::StudyStore &store, Visitor visitor) {
-    study_screen::SittingPlan plan{plan_.protocol, plan_.setting, plan_.folders, kVisitor};
+    study_screen::StudySessionPlan plan{plan_.protocol, plan_.setting, plan_.folders, kVisitor};
     plan.offers_practice_again = false; // nobody has the time
     plan.keeps_records = false;
     plan.is_attended = false;
@@ -390,21 +393,21 @@ Resumable<VisitEnd> Visits::sit(study::StudyStore &store, Visitor visitor) {
     UnattendedVisit visit(session_, plan_.protocol,
                           is_made_up ? std::optional(made_up_visitor()) : std::nullopt);
     session_.keep_released(false); // a device that is not zeroed stays released
-    study_screen::Sitting sitting(store, std::move(plan), session_, show_scene_);
-    sitting.start();
-    while (!sitting.is_over()) {
-        state_ = sitting.state();
-        SittingFrame frame =
-            co_await frames_.show(visit.for_visitors(sitting.picture(), state_.step));
-        sitting.resume(visit.for_sitting(std::move(frame), state_));
+    study_screen::StudySession study_session(store, std::move(plan), session_, show_scene_);
+    study_session.start();
+    while (!study_session.is_over()) {
+        state_ = study_session.state();
+        StudySessionFrame frame =
+            co_await frames_.show(visit.for_visitors(study_session.picture(), state_.step));
+        study_session.resume(visit.for_study_session(std::move(frame), state_));
     }
-    if (sitting.ending() == study::SessionEnding::failed) {
+    if (study_session.ending() == study::SessionEnding::failed) {
         throw InputError("the device has failed for good: " +
                          servo::description(session_.latest().safety) + "; start it again");
     }
-    co_return sitting.ending() == study::SessionEnding::completed ? VisitEnd::none
-    : visit.end() == VisitEnd::none                               ? VisitEnd::gone
-                                                                  : visit.end();
+    co_return study_session.ending() == study::SessionEnding::completed ? VisitEnd::none
+    : visit.end() == VisitEnd::none                                     ? VisitEnd::gone
+                                                                        : visit.end();
 }
 
 /// The trials that a made-up visitor was not shown with, answered at once: the curve grows.
@@ -427,7 +430,8 @@ Resumable<bool> Visits::reckon_rest(study::StudyStore &store) {
         picture.curve = curve_of(protocol, result_of_visit(protocol, store.contents()));
         const double until_s = session_.servo().now_s() + kDot_s;
         while (session_.servo().now_s() < until_s) {
-            const SittingFrame frame = co_await show(picture, SittingStep::after_response);
+            const StudySessionFrame frame =
+                co_await show(picture, StudySessionStep::after_response);
             if (is_pressed(frame.inputs, "escape", SIZE_MAX)) {
                 co_return false;
             }
@@ -452,7 +456,7 @@ Resumable<> Visits::show_curve(const study::StudyContents &visit, Visitor visito
     double from_s = session_.servo().now_s();
     const double stays_s = plan_.is_show ? kShowResult_s : kResult_s;
     while (true) {
-        const SittingFrame frame = co_await show(picture, SittingStep::over);
+        const StudySessionFrame frame = co_await show(picture, StudySessionStep::over);
         const double now_s = session_.servo().now_s();
         if (is_pressed(frame.inputs, "enter", 0) || is_pressed(frame.inputs, "escape", SIZE_MAX) ||
             now_s - from_s > stays_s) {
@@ -511,7 +515,8 @@ void VisitorWindow::obey_staff(const std::vector<ParticipantInput> &inputs) {
     }
 }
 
-void VisitorWindow::report(const ParticipantPicture &picture, const SittingState &state) const {
+void VisitorWindow::report(const ParticipantPicture &picture,
+                           const StudySessionState &state) const {
     const study_screen::ParticipantLayout &layout = window_.layout();
     ui::enter_at(layout.heading.box, "visitor/heading", "text", picture.heading);
     ui::enter_at(layout.text.box, "visitor/text", "text", picture.text);
@@ -526,13 +531,14 @@ void VisitorWindow::report(const ParticipantPicture &picture, const SittingState
     }
 }
 
-SittingFrame VisitorWindow::show(const ParticipantPicture &picture, const SittingState &state) {
+StudySessionFrame VisitorWindow::show(const ParticipantPicture &picture,
+                                      const StudySessionState &state) {
     window_.show(picture);
     report(picture, state);
     if (window_.take_emergency_stop()) {
         session_.emergency_stop();
     }
-    SittingFrame frame{window_.take_inputs(session_.servo()), {}};
+    StudySessionFrame frame{window_.take_inputs(session_.servo()), {}};
     obey_staff(frame.inputs);
     frame.orders.stops = is_asked_to_end_ || asked_to_end();
     return frame;

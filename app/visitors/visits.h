@@ -1,26 +1,26 @@
 // "Can you feel it?", one visitor after the other, unattended:
 //
-//   start ──► sitting ──► own curve ──► start
+//   start ──► session ──► own curve ──► start
 //     │         └ walked away ───────────► start
 //     └► a visitor who is made up: three trials, the others reckoned, the curve ──► start
 //
 // A visit's trials are in a study in memory, which is gone when the next visitor begins: nothing of
-// a visitor is in any file. A visitor's sitting is a participant's in which nobody looks after the
-// visitor: what an experimenter would do is done between the sitting and the window.
+// a visitor is in any file. A visitor's session is a participant's in which nobody looks after the
+// visitor: what an experimenter would do is done between the session and the window.
 //
-//   sitting ──picture──► buttons, "Still there?" ──► window
-//   sitting ◄──inputs── answers of a visitor who is made up ◄── window
+//   session ──picture──► buttons, "Still there?" ──► window
+//   session ◄──inputs── answers of a visitor who is made up ◄── window
 #pragma once
 
 #include "app/stage/frame_loop.h"
 #include "app/study/participant/participant_picture.h"
 #include "app/study/participant/participant_window.h"
-#include "app/study/sitting/resumable.h"
-#include "app/study/sitting/sitting_state.h"
-#include "app/study/sitting/trial_presenter.h"
+#include "app/study/session/resumable.h"
+#include "app/study/session/study_session_state.h"
+#include "app/study/session/trial_presenter.h"
 #include "engine/session/session.h"
 #include "engine/study/methods/psychometric_function.h"
-#include "engine/study/observers/simulated_sitting.h"
+#include "engine/study/observers/simulated_study_session.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/results/study_results.h"
@@ -41,7 +41,7 @@ inline constexpr double kGoneAfter_s = 40.0;
 /// A visitor who is made up is shown for so many trials.
 inline constexpr std::size_t kShownTrials = 3;
 
-/// Why a visit was ended before the sitting was through.
+/// Why a visit was ended before the session was through.
 enum class VisitEnd : std::uint8_t {
     none,
     gone,       ///< nobody was there any more
@@ -73,16 +73,16 @@ public:
     /// @param session  started, with the protocol's device. All must outlive this
     Visits(VisitsPlan plan, session::Session &session, study_screen::ShowsScene show_scene);
 
-    // As of a Sitting.
+    // As of a StudySession.
     void start() { frames_.start(whole()); }
     [[nodiscard]] const study_screen::ParticipantPicture &picture() const {
         return frames_.picture();
     }
-    [[nodiscard]] const study_screen::SittingState &state() const { return state_; }
+    [[nodiscard]] const study_screen::StudySessionState &state() const { return state_; }
     /// Until a frame says that everything is to end.
     [[nodiscard]] bool is_over() const { return frames_.is_over(); }
     /// @throw InputError if the device has failed for good
-    void resume(study_screen::SittingFrame frame);
+    void resume(study_screen::StudySessionFrame frame);
 
     /// Visits that were begun.
     [[nodiscard]] int begun() const { return begun_; }
@@ -97,13 +97,13 @@ private:
                                                        Visitor visitor);
     /// A picture of ours.
     [[nodiscard]] study_screen::Frames::Next show(study_screen::ParticipantPicture picture,
-                                                  study_screen::SittingStep step);
+                                                  study_screen::StudySessionStep step);
     [[nodiscard]] study::SimulatedParticipant made_up_visitor() const;
 
     VisitsPlan plan_;
     session::Session &session_;
     study_screen::ShowsScene show_scene_;
-    study_screen::SittingState state_; ///< of what is shown
+    study_screen::StudySessionState state_; ///< of what is shown
     int begun_ = 0;
     study_screen::Frames frames_;
 };
@@ -136,8 +136,8 @@ public:
         : session_(session), window_(wish) {}
 
     /// Shows this for a frame.
-    study_screen::SittingFrame show(const study_screen::ParticipantPicture &picture,
-                                    const study_screen::SittingState &state);
+    study_screen::StudySessionFrame show(const study_screen::ParticipantPicture &picture,
+                                         const study_screen::StudySessionState &state);
     [[nodiscard]] ReportedWindow reported() const { return {window_.framebuffer()}; }
     /// See ShowsScene.
     void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot);
@@ -145,7 +145,7 @@ public:
 private:
     void obey_staff(const std::vector<study_screen::ParticipantInput> &inputs);
     void report(const study_screen::ParticipantPicture &picture,
-                const study_screen::SittingState &state) const;
+                const study_screen::StudySessionState &state) const;
 
     session::Session &session_;
     study_screen::ParticipantWindow window_;

@@ -162,14 +162,14 @@ WindowReport &report() { return state().report; }
 
 void enter(std::string_view label, const char *kind, std::string_view text,
            decltype(ShownItem::value) value, decltype(ShownItem::numbers) numbers) {
-    if (state().report.is_wanted()) {
+    if (state().report.is_requested()) {
         enter_item(label, kind, text, std::move(value), std::move(numbers));
     }
 }
 
 void enter_at(const Rectangle &place, std::string_view label, const char *kind,
               std::string_view text) {
-    if (state().report.is_wanted()) {
+    if (state().report.is_requested()) {
         ShownItem item;
         item.id = id_of(label);
         item.kind = kind;
@@ -343,7 +343,7 @@ DropDown::DropDown(const char *label, const char *shown) {
     is_open_ = ImGui::BeginCombo(label, shown);
     if (is_open_) {
         state().scopes.emplace_back(name_of(label));
-    } else if (state().report.is_wanted() && ImGui::IsItemFocused()) {
+    } else if (state().report.is_requested() && ImGui::IsItemFocused()) {
         state().report.note_focus();
     }
 }

@@ -66,18 +66,18 @@ struct ShownItem {
 class WindowReport {
 public:
     /// Begins a frame.
-    void begin(bool is_wanted) {
-        is_wanted_ = is_wanted;
+    void begin(bool is_requested) {
+        is_requested_ = is_requested;
         items_.clear();
     }
-    [[nodiscard]] bool is_wanted() const { return is_wanted_; }
+    [[nodiscard]] bool is_requested() const { return is_requested_; }
 
     void enter(ShownItem item) { items_.push_back(std::move(item)); }
     void note_focus() { items_.back().is_focused = true; } ///< on the last one
     [[nodiscard]] const std::vector<ShownItem> &items() const { return items_; }
 
 private:
-    bool is_wanted_ = false;
+    bool is_requested_ = false;
     std::vector<ShownItem> items_;
 };
 

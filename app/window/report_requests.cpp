@@ -65,7 +65,7 @@ void ReportRequests::end_frame(const ReportedWindow &window, const servo::ServoS
     ++frame_;
     durations_.add(
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count());
-    if (!ui::report().is_wanted()) {
+    if (!ui::report().is_requested()) {
         return;
     }
     const WindowFacts facts =

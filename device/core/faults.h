@@ -52,7 +52,7 @@ enum class FaultKind : std::uint8_t {
     stop,         ///< the stop switch is pressed
     disable,      ///< the enable line is open
     restart,      ///< at once, without leaving the bus
-    unplug,       ///< by whoever holds the device: EmulatedBoard::unplug_wanted
+    unplug,       ///< by whoever holds the device: EmulatedBoard::unplug_requested
     failed_store, ///< of calibrations
     // Without a text: of what a driver shows, for each motor by `size`:
     board,           ///< its board reports the faults of size[0], as bits

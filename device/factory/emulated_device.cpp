@@ -46,7 +46,7 @@ EmulatedDevice::EmulatedDevice(const device::DeviceDescription &description, dou
 }
 
 void EmulatedDevice::note_cable() noexcept {
-    port_->is_plugged = is_plugged_ && !board_.unplug_wanted();
+    port_->is_plugged = is_plugged_ && !board_.unplug_requested();
     if (!port_->is_plugged && port_->is_connected()) {
         port_->unplug();
     }

@@ -31,7 +31,7 @@ SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
       temperature_(parts_.temperature), converter_{CurrentConverter(3 * options.device_seed),
                                                    CurrentConverter(3 * options.device_seed + 1),
                                                    CurrentConverter(3 * options.device_seed + 2)} {
-    wanted_ = options_;
+    requested_ = options_;
     linkage_.q_rad = start_angles(description, options, start_tip_m);
     truth_.tip_m = start_tip_m;
     truth_.hand_target_m = start_tip_m;
@@ -59,24 +59,24 @@ void SimulatedPhantom::activate(const PlantParts &parts) noexcept {
 }
 
 void SimulatedPhantom::simulate_as(const SimulationOptions &options) {
-    SimulationOptions wanted = options_;
-    wanted.dynamics = options.dynamics;
-    wanted.effects = options.effects;
-    wanted.planar = options.planar;
-    wanted.longest_step_s = options.longest_step_s;
-    wanted.delay_periods = options.delay_periods;
-    wanted.hand = options.hand;
-    PlantParts parts = plant_parts(description_, wanted);
+    SimulationOptions requested = options_;
+    requested.dynamics = options.dynamics;
+    requested.effects = options.effects;
+    requested.planar = options.planar;
+    requested.longest_step_s = options.longest_step_s;
+    requested.delay_periods = options.delay_periods;
+    requested.hand = options.hand;
+    PlantParts parts = plant_parts(description_, requested);
     parts.number = ++newest_parts_;
     wanted_parts_.publish(parts);
     delay_periods_ = options.delay_periods;
-    wanted_ = wanted;
+    requested_ = requested;
 }
 
 void SimulatedPhantom::hold_with(const device::HandParameters &hand) {
-    SimulationOptions wanted = wanted_;
-    wanted.hand = hand;
-    simulate_as(wanted);
+    SimulationOptions requested = requested_;
+    requested.hand = hand;
+    simulate_as(requested);
 }
 
 void SimulatedPhantom::follow(HandPath path) {
@@ -86,12 +86,13 @@ void SimulatedPhantom::follow(HandPath path) {
     follows_path_ = true;
 }
 
-void SimulatedPhantom::take_over(const PlantParts &wanted) noexcept {
+void SimulatedPhantom::take_over(const PlantParts &requested) noexcept {
     const bool was_planar = parts_.linkage.planar;
-    PlantParts parts = wanted;
-    parts.linkage.planar = wanted.linkage.planar && was_planar;
+    PlantParts parts = requested;
+    parts.linkage.planar = requested.linkage.planar && was_planar;
     // Otherwise a stop that the linkage is already beyond would throw it back.
-    parts.linkage.stops = wanted.linkage.stops && description_.joint_limits.allow(linkage_.q_rad);
+    parts.linkage.stops =
+        requested.linkage.stops && description_.joint_limits.allow(linkage_.q_rad);
     activate(parts);
 }
 
@@ -114,8 +115,8 @@ device::Measurement SimulatedPhantom::advance(const PlantCommand &command) noexc
 }
 
 device::Measurement SimulatedPhantom::read() noexcept {
-    if (const PlantParts &wanted = wanted_parts_.latest(); wanted.number != parts_.number) {
-        take_over(wanted);
+    if (const PlantParts &requested = wanted_parts_.latest(); requested.number != parts_.number) {
+        take_over(requested);
     } else if (parts_.effects.joint_limits && !parts_.linkage.stops) {
         parts_.linkage.stops = description_.joint_limits.allow(linkage_.q_rad);
     }
@@ -162,9 +163,9 @@ device::Measurement SimulatedPhantom::measurement() noexcept {
 }
 
 void SimulatedPhantom::set_period(double period_s) {
-    SimulationOptions wanted = options_;
-    wanted.servo_period_s = period_s;
-    check_options(description_, wanted);
+    SimulationOptions requested = options_;
+    requested.servo_period_s = period_s;
+    check_options(description_, requested);
     clock_base_s_ = clock_s();
     clock_base_periods_ = periods_;
     options_.servo_period_s = period_s;

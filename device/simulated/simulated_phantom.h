@@ -215,7 +215,7 @@ private:
     [[nodiscard]] device::Measurement measurement() noexcept;
     [[nodiscard]] double clock_s() const noexcept;
     void activate(const PlantParts &parts) noexcept;
-    void take_over(const PlantParts &wanted) noexcept;
+    void take_over(const PlantParts &requested) noexcept;
     [[nodiscard]] Vector3 run(const PlantCommand &command, double duration_s) noexcept;
     [[nodiscard]] Vector3 step(const PlantCommand &command, double h) noexcept;
     [[nodiscard]] CurrentSteps drive(const PlantCommand &command, double h) noexcept;
@@ -235,8 +235,8 @@ private:
     void note_linkage(const LinkageState &linkage) noexcept;
 
     device::DeviceDescription description_;
-    SimulationOptions options_; ///< without path; read by other threads, too
-    SimulationOptions wanted_;  ///< by the last `simulate_as`, for its thread
+    SimulationOptions options_;   ///< without path; read by other threads, too
+    SimulationOptions requested_; ///< by the last `simulate_as`, for its thread
     PlantParts parts_;
     LatestValue<PlantParts> wanted_parts_;
     std::uint32_t newest_parts_ = 0;  ///< their number, for the thread of `simulate_as`

@@ -37,7 +37,7 @@ constexpr double kWholeDrag_rad_per_s = 6.0;
 
 /// The standard deviations of R and of the ripple that end a calibration, and those that are good
 /// enough if nothing more is learned, as shares of R.
-constexpr double kWanted = 5e-4;
+constexpr double kRequested = 5e-4;
 constexpr double kEnough = 2e-3;
 /// So long without progress, and nothing more is learned.
 constexpr int kNoGain_ticks = 20'000;
@@ -282,18 +282,18 @@ device::MotorCalibration CalibrationRun::learned(std::size_t motor) const {
 /// 0 with the file alone, 1 where R and ripple are known as well as they should be: each tenth of
 /// the deviation is as much.
 double CalibrationRun::share_of(std::size_t motor) const {
-    const auto left = [](double now, double at_first, double wanted) {
-        return std::clamp(std::log(now / wanted) / std::log(at_first / wanted), 0.0, 1.0);
+    const auto left = [](double now, double at_first, double requested) {
+        return std::clamp(std::log(now / requested) / std::log(at_first / requested), 0.0, 1.0);
     };
     const device::MotorCalibration now = learned(motor);
     const device::MotorCalibration &first = at_first_[motor];
-    const double wanted_Ohm = kWanted * first.resistance_Ohm;
-    double most = left(now.resistance_deviation_Ohm, first.resistance_deviation_Ohm, wanted_Ohm);
+    const double requested_Ohm = kRequested * first.resistance_Ohm;
+    double most = left(now.resistance_deviation_Ohm, first.resistance_deviation_Ohm, requested_Ohm);
     for (double device::MotorCalibration::*const deviation :
          {&device::MotorCalibration::ripple_deviation_Ohm,
           &device::MotorCalibration::ripple_2_deviation_Ohm}) {
-        if (first.*deviation > wanted_Ohm) {
-            most = std::max(most, left(now.*deviation, first.*deviation, wanted_Ohm));
+        if (first.*deviation > requested_Ohm) {
+            most = std::max(most, left(now.*deviation, first.*deviation, requested_Ohm));
         }
     }
     return 1.0 - most;

@@ -37,7 +37,7 @@ constexpr double kObserved = 0.01; ///< deviation of R, as a share of dR
 constexpr long kBlockTicks = 250;
 constexpr std::size_t kMinBlocks = 6;
 constexpr std::size_t kMaxBlocks = 16;
-constexpr double kWantedDeviation = 3e-3; ///< deviation of K_θ as a share of it
+constexpr double kRequestedDeviation = 3e-3; ///< deviation of K_θ as a share of it
 constexpr unsigned kMaxDiscarded = 200;
 
 /// A dither beside the sine, so that the rounding of its counts averages out: slow, or faster than
@@ -307,7 +307,7 @@ void StiffnessSweep::hold() {
 
 void StiffnessSweep::observe(const ServoSample &sample) {
     const double since_s = now_s_ - stage_began_s_;
-    if (sine_.wanted_V == 0.0) { // it is known, and the excitation fades
+    if (sine_.requested_V == 0.0) { // it is known, and the excitation fades
         if (since_s >= kCalm_s) {
             enter(SweepStage::measuring);
             begin_task(kFirst_V);
@@ -338,13 +338,13 @@ void StiffnessSweep::observe(const ServoSample &sample) {
 }
 
 void StiffnessSweep::Amplitude::change(double to_V) noexcept {
-    wanted_V = to_V;
+    requested_V = to_V;
     rate_V_per_s = std::abs(to_V - now_V) / kChange_s;
 }
 
 void StiffnessSweep::Amplitude::pass(double time_s) noexcept {
     const double step_V = rate_V_per_s * time_s;
-    now_V = std::clamp(wanted_V, now_V - step_V, now_V + step_V);
+    now_V = std::clamp(requested_V, now_V - step_V, now_V + step_V);
 }
 
 /// Against the spring K_P it moves the rotor by some counts; a fast one moves its inertia, and is
@@ -393,8 +393,8 @@ void StiffnessSweep::end_task() {
                    : kFirst_V);
 }
 
-void StiffnessSweep::try_amplitude(double wanted_V) noexcept {
-    const double to_V = std::min(wanted_V, largest_V());
+void StiffnessSweep::try_amplitude(double requested_V) noexcept {
+    const double to_V = std::min(requested_V, largest_V());
     is_rising_ = to_V > sine_.now_V;
     changing_s_ = kChange_s;
     sine_.change(to_V);
@@ -453,14 +453,14 @@ bool StiffnessSweep::is_too_much_energy(const ServoSample &sample) const noexcep
 void StiffnessSweep::retreat() {
     constexpr double kRetreat = 0.5;
     discarded_ += phase_ == Phase::measuring ? 1 : 0;
-    if (sine_.wanted_V <= kMin_V) {
+    if (sine_.requested_V <= kMin_V) {
         end("the tip's force, or the energy that the hand gets, is near its limit even without an "
             "excitation; hold the tip loosely, or allow more force");
         return;
     }
     ++trials_;
     measurement_.blocks.clear();
-    try_amplitude(std::max(kMin_V, kRetreat * sine_.wanted_V));
+    try_amplitude(std::max(kMin_V, kRetreat * sine_.requested_V));
     // Until the tip is calm again, or the observer has forgotten most of the energy.
     is_rising_ = false;
     changing_s_ = is_too_much_energy(sample_) ? servo::EnergyObserver::kMemory_s : kCalm_s;
@@ -480,7 +480,7 @@ double StiffnessSweep::room() const noexcept {
         current_A / (kCurrentShare * limits_.current_A),
         speed_m_per_s / (kSpeedShare * limits_.tip_speed_m_per_s),
         std::sqrt(std::max(0.0, energy)), // it rises with the square of the amplitude
-        sine_.wanted_V / largest_V(),
+        sine_.requested_V / largest_V(),
     });
     return 1.0 / used;
 }
@@ -493,12 +493,12 @@ void StiffnessSweep::adapt() {
         enter(Phase::settling);
         return;
     }
-    if (its_room < kGoodLeast && sine_.wanted_V <= kMin_V) {
+    if (its_room < kGoodLeast && sine_.requested_V <= kMin_V) {
         retreat();
         return;
     }
     try_amplitude(std::max(
-        kMin_V, sine_.wanted_V * std::clamp(kFitting * its_room, 1.0 / kMaxGrowth, kMaxGrowth)));
+        kMin_V, sine_.requested_V * std::clamp(kFitting * its_room, 1.0 / kMaxGrowth, kMaxGrowth)));
 }
 
 void StiffnessSweep::begin_block() {
@@ -561,7 +561,7 @@ void StiffnessSweep::take_block() {
     const std::size_t blocks = measurement_.blocks.size();
     const bool is_known =
         blocks >= kMinBlocks &&
-        estimated_deviation(drive_of(measurement_.motor), measurement_) < kWantedDeviation;
+        estimated_deviation(drive_of(measurement_.motor), measurement_) < kRequestedDeviation;
     if (!is_known && blocks < kMaxBlocks) {
         begin_block();
         return;

@@ -214,7 +214,7 @@ private:
     /// An amplitude, which changes without a step.
     struct Amplitude {
         double now_V = 0.0;
-        double wanted_V = 0.0;
+        double requested_V = 0.0;
         double rate_V_per_s = 0.0;
 
         void change(double to_V) noexcept;
@@ -253,7 +253,7 @@ private:
     [[nodiscard]] double dither_V(const Task &task) const;
     void begin_task(double first_V);
     void end_task();
-    void try_amplitude(double wanted_V) noexcept;
+    void try_amplitude(double requested_V) noexcept;
     void measure(const servo::ServoSample &sample);
     [[nodiscard]] bool is_too_much(const servo::ServoSample &sample) const noexcept;
     [[nodiscard]] bool is_too_much_energy(const servo::ServoSample &sample) const noexcept;

@@ -386,20 +386,20 @@ void encode(const servo::ServoSample &sample, std::byte *row) {
 }
 
 RowDecoder::RowDecoder(const RecordHeader &header) {
-    for (const RecordColumn &wanted : sample_columns()) {
-        const RecordColumn *const found = header.column(wanted.name);
-        if (found == nullptr && is_recent(wanted.name)) {
+    for (const RecordColumn &requested : sample_columns()) {
+        const RecordColumn *const found = header.column(requested.name);
+        if (found == nullptr && is_recent(requested.name)) {
             offset_.push_back(kMissing);
             continue;
         }
         if (found == nullptr) {
-            throw InputError("the record has no column " + wanted.name +
+            throw InputError("the record has no column " + requested.name +
                              ", so it is of another version; only exports can read it");
         }
-        if (found->type != wanted.type) {
-            throw InputError("the record's column " + wanted.name + " is of type " +
+        if (found->type != requested.type) {
+            throw InputError("the record's column " + requested.name + " is of type " +
                              std::string(code_of(found->type)) + ", not " +
-                             std::string(code_of(wanted.type)) + "; only exports can read it");
+                             std::string(code_of(requested.type)) + "; only exports can read it");
         }
         offset_.push_back(found->offset);
     }

@@ -83,10 +83,10 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
     if (!servo::lets_pass(sample.safety.state)) {
         tick.command = device::DeviceCommand::braking();
     } else if (is_new) {
-        device::DeviceCommand wanted = tick.found.command;
-        wanted.e_W_V += sample.transfer_offset_V;
+        device::DeviceCommand requested = tick.found.command;
+        requested.e_W_V += sample.transfer_offset_V;
         const servo::LimitedCommand passed =
-            servo::limited(device_, wanted, limiter_inputs(sample, tick.now));
+            servo::limited(device_, requested, limiter_inputs(sample, tick.now));
         tick.command = passed.command;
         tick.active_limits = passed.active_limits;
     } else { // no new measurement: the last command is held

@@ -259,12 +259,13 @@ Vector3 CurvedPatches::towards_even_joints(const Patch &patch) {
     Matrix3 normals;
     Vector3 off;
     for (std::size_t e = 0; e < 3; ++e) {
-        const Vector3 wanted = 2.0 * patch.edges[e]->at(1, 2) -
-                               0.5 * (patch.beside((e + 2) % 3, 1) + patch.beside((e + 1) % 3, 0));
+        const Vector3 requested =
+            2.0 * patch.edges[e]->at(1, 2) -
+            0.5 * (patch.beside((e + 2) % 3, 1) + patch.beside((e + 1) % 3, 0));
         const Vector3 normal = patch.normal_in_middle(e);
         const auto row = static_cast<Eigen::Index>(e);
         normals.row(row) = normal;
-        off[row] = normal.dot(wanted - patch.centre);
+        off[row] = normal.dot(requested - patch.centre);
     }
     // Where the three normals hardly differ, small contradictions must not carry the centre off.
     constexpr double kDamping = 0.01;
@@ -337,8 +338,8 @@ std::size_t CurvedPatches::cuts_for(double angle_rad, std::size_t maximum) const
         // A single facet has no neighbour in its patch; halved, it tells how much it bends.
         double turn = cuts == 1 ? 2.0 * turn_rad(triangle, 2) : turn_rad(triangle, cuts);
         while (cuts < maximum && turn > angle_rad) {
-            const double wanted = std::ceil(static_cast<double>(cuts) * turn / angle_rad);
-            cuts = std::clamp(static_cast<std::size_t>(wanted), cuts + 1, maximum);
+            const double requested = std::ceil(static_cast<double>(cuts) * turn / angle_rad);
+            cuts = std::clamp(static_cast<std::size_t>(requested), cuts + 1, maximum);
             turn = turn_rad(triangle, cuts);
         }
     }

@@ -557,11 +557,11 @@ std::vector<SmoothNode> find_smooth_nodes(std::vector<PlacedPrimitive> &primitiv
 
 /// Coarser division of all, where there would be too many triangles.
 void keep_within_allowance(std::vector<SmoothNode> &nodes) {
-    double wanted = 0.0;
+    double requested = 0.0;
     for (const SmoothNode &node : nodes) {
-        wanted += static_cast<double>(node.triangles * node.cuts * node.cuts);
+        requested += static_cast<double>(node.triangles * node.cuts * node.cuts);
     }
-    const double share = std::sqrt(static_cast<double>(kMaxCurvedTriangles) / wanted);
+    const double share = std::sqrt(static_cast<double>(kMaxCurvedTriangles) / requested);
     for (SmoothNode &node : nodes) {
         const double cuts = std::floor(share * static_cast<double>(node.cuts));
         node.cuts = std::clamp<std::size_t>(static_cast<std::size_t>(cuts), 1, node.cuts);

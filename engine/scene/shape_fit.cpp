@@ -318,8 +318,8 @@ private:
     }
 
     template <typename Size>
-    void consider(const Size &size, const Eigen::Isometry3d &placement, double wanted_size) {
-        if (std::abs(size_of(size) - wanted_size) > kFullness * size_of(size)) {
+    void consider(const Size &size, const Eigen::Isometry3d &placement, double requested_size) {
+        if (std::abs(size_of(size) - requested_size) > kFullness * size_of(size)) {
             return;
         }
         const contact::AnalyticShape shape(size, placement, material_);

@@ -30,16 +30,16 @@ BumplessTransfer::BumplessTransfer(const device::DeviceDescription &device, doub
 
 void BumplessTransfer::set_period(double period_s) noexcept { period_s_ = period_s; }
 
-void BumplessTransfer::approach(const LawSettings &wanted, bool is_felt) noexcept {
+void BumplessTransfer::approach(const LawSettings &requested, bool is_felt) noexcept {
     before_ = active_;
-    active_ = wanted;
+    active_ = requested;
     if (!is_felt) {
         return;
     }
     const double share = -std::expm1(-period_s_ / kTuningGlide_s);
     for (const control::Parameter &parameter : control::kParameters) {
         const double value = before_.tuning.*parameter.value;
-        const double gap = wanted.tuning.*parameter.value - value;
+        const double gap = requested.tuning.*parameter.value - value;
         if (std::abs(gap) >= kTuningArrived * (parameter.maximum - parameter.minimum)) {
             active_.tuning.*parameter.value = value + share * gap;
         }

@@ -39,7 +39,7 @@ public:
     /// Advances by one tick towards the requested settings.
     /// @param is_felt  whether the law's command reaches the motors; otherwise settings change
     ///                 immediately
-    void approach(const LawSettings &wanted, bool is_felt) noexcept;
+    void approach(const LawSettings &requested, bool is_felt) noexcept;
 
     [[nodiscard]] const LawSettings &active() const { return active_; }
     /// The settings of the previous tick.

@@ -86,7 +86,8 @@ bool hold_to_supply(const device::DeviceDescription &device, const LimiterInputs
 
 } // namespace
 
-LimitedCommand limited(const device::DeviceDescription &device, const device::DeviceCommand &wanted,
+LimitedCommand limited(const device::DeviceDescription &device,
+                       const device::DeviceCommand &requested,
                        const LimiterInputs &inputs) noexcept {
     LimitedCommand result;
     const control::Configuration &now = inputs.now;
@@ -101,8 +102,8 @@ LimitedCommand limited(const device::DeviceDescription &device, const device::De
     for (Eigen::Index j = 0; j < 3; ++j) {
         const device::MotorParameters &file = motor_of(device, j);
         const control::ObservedMotor &motor = inputs.motors[static_cast<std::size_t>(j)];
-        const double R_hat_Ohm = std::clamp(inputs.ramp * wanted.cancelled_resistance_Ohm[j], 0.0,
-                                            inputs.R_hat_limit_Ohm[j]);
+        const double R_hat_Ohm = std::clamp(inputs.ramp * requested.cancelled_resistance_Ohm[j],
+                                            0.0, inputs.R_hat_limit_Ohm[j]);
         result.command.cancelled_resistance_Ohm[j] = R_hat_Ohm;
         dR_Ohm[j] = std::max(min_resistance_Ohm(file, motor) - R_hat_Ohm,
                              device::kMinResidualShare * file.resistance_Ohm);
@@ -110,7 +111,7 @@ LimitedCommand limited(const device::DeviceDescription &device, const device::De
         no_current_V[j] = motor.torque_constant_Nm_per_A * now.theta_rate_rad_per_s[j] - offset_V;
         const double edge_A =
             edge_Nm[j] / (device.geometry.transmission_ratio[j] * motor.torque_constant_Nm_per_A);
-        e_W_V[j] = inputs.ramp * (wanted.e_W_V[j] + dR_Ohm[j] * edge_A) - offset_V;
+        e_W_V[j] = inputs.ramp * (requested.e_W_V[j] + dR_Ohm[j] * edge_A) - offset_V;
     }
     const Permissible first = draw_back(device, inputs, no_current_V, dR_Ohm, e_W_V);
     result.force_share = first.share;

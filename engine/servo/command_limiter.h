@@ -42,7 +42,7 @@ struct LimitedCommand {
 
 /// `wanted` must be finite. RT-safe.
 [[nodiscard]] LimitedCommand limited(const device::DeviceDescription &device,
-                                     const device::DeviceCommand &wanted,
+                                     const device::DeviceCommand &requested,
                                      const LimiterInputs &inputs) noexcept;
 
 } // namespace springdrive::servo

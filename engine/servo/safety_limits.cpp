@@ -25,9 +25,9 @@ SafetyLimits limits_of(const device::DeviceDescription &device) {
 SafetyLimits lowered(const SafetyLimits &device, const SafetyLimits &request) noexcept {
     SafetyLimits limits = device;
     for (const SafetyLimit &limit : kSafetyLimits) {
-        const double wanted = request.*limit.value;
-        if (wanted > 0.0) { // false for NaN too
-            limits.*limit.value = std::min(device.*limit.value, wanted);
+        const double requested = request.*limit.value;
+        if (requested > 0.0) { // false for NaN too
+            limits.*limit.value = std::min(device.*limit.value, requested);
         }
     }
     return limits;

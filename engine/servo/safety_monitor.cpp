@@ -308,11 +308,11 @@ void SafetyMonitor::check_clocks(const Link &link) noexcept {
     trip_above(TripCause::window_silent, window_silent_s_, limits_.window_silence_s);
 }
 
-void SafetyMonitor::check(const device::DeviceCommand &wanted, const Observation &seen,
+void SafetyMonitor::check(const device::DeviceCommand &requested, const Observation &seen,
                           const SafetyOrders &orders) noexcept {
     check_link(seen.link);
-    if (!seen.all_finite || !wanted.e_W_V.allFinite() ||
-        !wanted.cancelled_resistance_Ohm.allFinite() || !seen.current_A.allFinite() ||
+    if (!seen.all_finite || !requested.e_W_V.allFinite() ||
+        !requested.cancelled_resistance_Ohm.allFinite() || !seen.current_A.allFinite() ||
         !seen.now.tip_m.allFinite() || !seen.now.tip_velocity_m_per_s().allFinite() ||
         !seen.tip_force_N.allFinite() || !seen.spring_force_N.allFinite() ||
         !seen.spring_stretch_m.allFinite()) {
@@ -350,7 +350,7 @@ void SafetyMonitor::proceed(bool release) noexcept {
     }
 }
 
-LimitedCommand SafetyMonitor::apply_limits(const device::DeviceCommand &wanted,
+LimitedCommand SafetyMonitor::apply_limits(const device::DeviceCommand &requested,
                                            const Observation &seen) noexcept {
     LimiterInputs inputs{seen.now, limits_, status_.ramp, Vector3::Zero(), seen.motors};
     for (std::size_t j = 0; j < winding_.size(); ++j) {
@@ -358,12 +358,12 @@ LimitedCommand SafetyMonitor::apply_limits(const device::DeviceCommand &wanted,
         inputs.R_hat_limit_Ohm[index] = winding_[j].R_hat_limit_Ohm;
         // A residual resistance below the winding's safe minimum is not applied (7).
         winding_[j].is_limited =
-            status_.ramp * wanted.cancelled_resistance_Ohm[index] > winding_[j].R_hat_limit_Ohm;
+            status_.ramp * requested.cancelled_resistance_Ohm[index] > winding_[j].R_hat_limit_Ohm;
     }
-    return limited(device_, wanted, inputs);
+    return limited(device_, requested, inputs);
 }
 
-device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
+device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &requested,
                                           const Observation &seen,
                                           const SafetyOrders &orders) noexcept {
     approach_limits(orders.limits);
@@ -378,14 +378,14 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &wanted,
     watch_window(orders, elapsed_s);
     watch_energy(seen);
     rest_.update(seen.now.tip_m, seen.touching);
-    check(wanted, seen, orders);
+    check(requested, seen, orders);
     tip_m_ = seen.now.tip_m;
     has_tip_ = true;
     proceed(orders.release || zeroing_ == 0);
     if (!lets_pass()) {
         return safe_state();
     }
-    const LimitedCommand passed = apply_limits(wanted, seen);
+    const LimitedCommand passed = apply_limits(requested, seen);
     check_voltage(passed);
     if (!lets_pass()) {
         return safe_state();

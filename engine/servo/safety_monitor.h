@@ -201,7 +201,7 @@ public:
     void set_period(double period_s) noexcept;
 
     /// The command that may go to the device. RT-safe.
-    device::DeviceCommand pass(const device::DeviceCommand &wanted, const Observation &seen,
+    device::DeviceCommand pass(const device::DeviceCommand &requested, const Observation &seen,
                                const SafetyOrders &orders) noexcept;
 
     /// The same for a tick without a new measurement: the active command is held until the limit
@@ -245,14 +245,14 @@ private:
     void check_link(const Link &link) noexcept;
     void check_clocks(const Link &link) noexcept;
     [[nodiscard]] bool is_resetting_board() const noexcept { return board_reset_left_s_ > 0.0; }
-    void check(const device::DeviceCommand &wanted, const Observation &seen,
+    void check(const device::DeviceCommand &requested, const Observation &seen,
                const SafetyOrders &orders) noexcept;
     [[nodiscard]] device::DeviceCommand safe_state() const noexcept;
     void check_motion(const Observation &seen, bool is_released) noexcept;
     void check_consistency(const Observation &seen) noexcept;
     void check_windings(const Vector3 &current_A) noexcept;
     void check_voltage(const LimitedCommand &passed) noexcept;
-    [[nodiscard]] LimitedCommand apply_limits(const device::DeviceCommand &wanted,
+    [[nodiscard]] LimitedCommand apply_limits(const device::DeviceCommand &requested,
                                               const Observation &seen) noexcept;
     void proceed(bool release) noexcept;
 

@@ -1,7 +1,7 @@
 // The servo: a loop on its own thread and clock, or in lockstep with its caller.
 //
 //   window ── publish(ServoInputs) ──► mailbox ──► ┌─ thread: read, update, write ─┐
-//              with an InputCourse, which then changes them from tick to tick
+//              with an InputTrajectory, which then changes them from tick to tick
 //   window ◄── drain(ServoSample)  ◄── ring    ◄── │                               │
 //   recorder ◄── record_ring()     ◄── ring    ◄── └───────────────────────────────┘
 //

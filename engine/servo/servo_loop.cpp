@@ -371,10 +371,10 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
                     unchanged ? std::optional(unchanged->command.e_W_V) : std::nullopt,
                     scene_is_new_, safety_.lets_pass());
     sample.transfer_offset_V = transfer_.transfer_offset_V() + inputs_.excitation_V;
-    device::DeviceCommand wanted = found.command;
-    wanted.e_W_V += sample.transfer_offset_V;
-    command_ =
-        safety_.pass(wanted, observation(now, found, unchanged, since, measured, sample), orders());
+    device::DeviceCommand requested = found.command;
+    requested.e_W_V += sample.transfer_offset_V;
+    command_ = safety_.pass(requested, observation(now, found, unchanged, since, measured, sample),
+                            orders());
     observers_.note(command_);
 
     measured_ = measured;

@@ -94,14 +94,14 @@ public:
     /// The duration that a share `fraction` of all durations does not exceed [s]; 0 if there are
     /// none.
     [[nodiscard]] double quantile_s(double fraction) const noexcept {
-        const double wanted = fraction * static_cast<double>(count_);
+        const double requested = fraction * static_cast<double>(count_);
         double before = 0.0;
         // The last bin has no upper bound.
         for (std::size_t bin = 0; bin + 1 < bins_.size(); ++bin) {
             const auto within = static_cast<double>(bins_[bin]);
-            if (within > 0.0 && before + within >= wanted) {
+            if (within > 0.0 && before + within >= requested) {
                 const double lower_s = lower_bound_s(bin);
-                const double share = std::max(0.0, wanted - before) / within;
+                const double share = std::max(0.0, requested - before) / within;
                 return std::min(lower_s + share * (lower_bound_s(bin + 1) - lower_s), longest_s_);
             }
             before += within;

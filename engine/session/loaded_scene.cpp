@@ -103,22 +103,22 @@ model_selection::ModelQuestion question_on(const scene::Scene &scene, const Mode
     return {&scene, ground.device, tuning, ground.period_s, ground.delay_periods};
 }
 
-const model_selection::ModelChooser &chooser_of(const ModelOptions &wanted) {
-    SPRINGDRIVE_ASSERT(wanted.chooser != nullptr);
-    return *wanted.chooser;
+const model_selection::ModelChooser &chooser_of(const ModelOptions &requested) {
+    SPRINGDRIVE_ASSERT(requested.chooser != nullptr);
+    return *requested.chooser;
 }
 
 /// Uses the surface set by option, or else that of the choice.
-void take_surface(LoadedScene &loaded, const ModelOptions &wanted) {
+void take_surface(LoadedScene &loaded, const ModelOptions &requested) {
     std::optional<model_selection::ContactShape> shape;
     if (loaded.choice) {
         shape = model_selection::model_of(*loaded.choice).shape;
     }
-    if (wanted.surface) {
-        shape = wanted.surface;
+    if (requested.surface) {
+        shape = requested.surface;
     }
     if (shape && *shape != model_selection::ContactShape{}) {
-        loaded.surface = chooser_of(wanted).surface_of(loaded.scene, *shape);
+        loaded.surface = chooser_of(requested).surface_of(loaded.scene, *shape);
     }
 }
 
@@ -174,18 +174,19 @@ model_selection::ModelQuestion SceneModels::question(const scene::Scene &scene,
 }
 
 Scenes::Finish SceneModels::finish(const control::Tuning &tuning) const {
-    return [wanted = wanted_, ground = ground_, tuning = with_controller_of(started_with_, tuning)](
+    return [requested = requested_, ground = ground_,
+            tuning = with_controller_of(started_with_, tuning)](
                LoadedScene &loaded, scene::LoadProgress &progress, BackgroundTalk &talk) {
-        if (wanted.automatic) {
+        if (requested.automatic) {
             progress.begin(scene::LoadProgress::Stage::measuring, true);
-            loaded.choice =
-                chooser_of(wanted).known(question_on(loaded.scene, ground, tuning), ground.memory,
-                                         [&](const std::string &what, double share) {
-                                             talk.report(what, share);
-                                             progress.advance_to(share);
-                                         });
+            loaded.choice = chooser_of(requested).known(question_on(loaded.scene, ground, tuning),
+                                                        ground.memory,
+                                                        [&](const std::string &what, double share) {
+                                                            talk.report(what, share);
+                                                            progress.advance_to(share);
+                                                        });
         }
-        take_surface(loaded, wanted);
+        take_surface(loaded, requested);
     };
 }
 
@@ -204,27 +205,27 @@ void SceneModels::apply_to(const LoadedScene &scene,
         simulation.planar = model.planar && may_hold_base;
         const bool is_tuned =
             before && !uses(model_selection::model_of(*before).controller, tuning);
-        if (wanted_.takes_controller && !is_tuned) {
+        if (requested_.takes_controller && !is_tuned) {
             tuning = model_selection::with_controller(model.controller, tuning);
         }
     }
-    if (wanted_.plant) {
-        simulation.dynamics = wanted_.plant->dynamics;
-        simulation.effects = wanted_.plant->effects;
+    if (requested_.plant) {
+        simulation.dynamics = requested_.plant->dynamics;
+        simulation.effects = requested_.plant->effects;
     }
-    simulation.longest_step_s = wanted_.longest_step_s.value_or(simulation.longest_step_s);
+    simulation.longest_step_s = requested_.longest_step_s.value_or(simulation.longest_step_s);
 }
 
 void SceneModels::measure(const scene::Scene &scene, const control::Tuning &tuning, bool fresh) {
-    const model_selection::ModelQuestion asked = question(scene, tuning);
+    const model_selection::ModelQuestion requested = question(scene, tuning);
     std::optional<model_selection::ModelSelection> remembered;
     if (!fresh) {
-        remembered = chooser_of(wanted_).stored(asked, ground_.memory);
+        remembered = chooser_of(requested_).stored(requested, ground_.memory);
     }
     if (remembered) {
         choice_ = std::move(remembered);
     } else {
-        measurement_.begin(wanted_.chooser, asked, ground_.memory);
+        measurement_.begin(requested_.chooser, requested, ground_.memory);
     }
 }
 

@@ -160,9 +160,9 @@ struct ModelGround {
 class SceneModels {
 public:
     /// @param started_with  its motion controller may be replaced by a model's
-    SceneModels(const ModelOptions &wanted, const control::Tuning &started_with,
+    SceneModels(const ModelOptions &requested, const control::Tuning &started_with,
                 const ModelGround &ground)
-        : wanted_(wanted), started_with_(started_with), ground_(ground) {}
+        : requested_(requested), started_with_(started_with), ground_(ground) {}
 
     /// Sets another device or rate, and cancels a measurement for the old one.
     void set_ground(const ModelGround &ground);
@@ -170,14 +170,14 @@ public:
 
     /// Effects that the user chose: of a plant that the options fix, too.
     void set_effects(const simulated::PlantEffects &effects) {
-        if (wanted_.plant) {
-            wanted_.plant->effects = effects;
+        if (requested_.plant) {
+            requested_.plant->effects = effects;
         }
     }
 
     /// From now on every scene gets its own model.
-    void choose_automatically() { wanted_.automatic = true; }
-    [[nodiscard]] bool is_automatic() const { return wanted_.automatic; }
+    void choose_automatically() { requested_.automatic = true; }
+    [[nodiscard]] bool is_automatic() const { return requested_.automatic; }
 
     /// The final step of loading a scene: finds its model and uses that model's surface.
     /// @param tuning  the active gains, for which the model is measured
@@ -211,7 +211,7 @@ private:
     [[nodiscard]] model_selection::ModelQuestion question(const scene::Scene &scene,
                                                           const control::Tuning &tuning) const;
 
-    ModelOptions wanted_;
+    ModelOptions requested_;
     control::Tuning started_with_;
     ModelGround ground_;
     std::optional<model_selection::ModelSelection> choice_; ///< for the shown scene

@@ -79,7 +79,7 @@ void ServoRun::touch(const contact::HapticSurface &surface, std::uint32_t scene_
     publish();
 }
 
-void ServoRun::follow(servo::InputCourse *course) {
+void ServoRun::follow(servo::InputTrajectory *course) {
     inputs_.course = course;
     publish();
 }
@@ -91,8 +91,8 @@ void ServoRun::touch_nothing() {
     publish();
 }
 
-void ServoRun::release(bool asked) {
-    inputs_.release = asked;
+void ServoRun::release(bool requested) {
+    inputs_.release = requested;
     publish();
 }
 

@@ -63,11 +63,11 @@ public:
                const control::Tuning &tuning);
     /// Lets a course change tuning, excitation and x₀ from tick to tick; null: nothing does. It
     /// must live until a later one has been updated, or the servo stopped.
-    void follow(servo::InputCourse *course);
+    void follow(servo::InputTrajectory *course);
     /// Free space from now on: until `touch`, nothing is there.
     void touch_nothing();
     /// Ramps the force down and keeps the motors braking until called with false.
-    void release(bool asked);
+    void release(bool requested);
 
     /// Starts the servo's thread, unless in lockstep. Returns warnings on what the system refused.
     /// @param on_thread  see ServoThread

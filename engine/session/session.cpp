@@ -59,7 +59,7 @@ Session::Session(const SessionOptions &options, scene::LoadProgress *progress) :
         limits.late_s = *options.late_limit_s;
         servo_->lower_limits(limits);
     }
-    observe_as_wanted();
+    observe_as_requested();
     servo_->touch(scenes_->now().surface, scenes_->id(), tuning);
     tuning_ = std::make_unique<TuningHistory>(
         tuning, 0.0, [this](const control::Tuning &active) { servo_->tune(active); });
@@ -101,7 +101,7 @@ void Session::start_servo() {
 
 void Session::advance(double frame_s) {
     servo_->advance(frame_s);
-    go_on_with_loan(frame_s);
+    go_on_with_exclusive_use(frame_s);
     recording_->pump();
     hand_.advance(latest().time_s);
     forget_old_past();
@@ -237,7 +237,7 @@ void Session::show(const LoadedScene &before) {
     if (now.choice && device_->has_world()) {
         world().simulate_as(simulation_);
     }
-    observe_as_wanted();
+    observe_as_requested();
     servo_->touch(now.surface, scenes_->id(), tuning); // both with the same tick
     if (tuning != tuning_->now()) {
         tuning_->replace(tuning, plot_time_s(), "by the scene's model");
@@ -250,18 +250,18 @@ void Session::show(const LoadedScene &before) {
 
 void Session::observe_resistance(bool on) {
     options_.observes_resistance = on;
-    observe_as_wanted();
+    observe_as_requested();
     past_.back().ran_on = device_of_run();
 }
 
-void Session::observe_as_wanted() {
+void Session::observe_as_requested() {
     const bool has_inductance = !device_->has_world() ||
                                 simulation_.dynamics == simulated::PlantDynamics::electromechanical;
     servo_->observe_resistance(options_.observes_resistance && has_inductance);
 }
 
 void Session::set_servo_rate(double servo_hz) {
-    require_not_lent();
+    require_not_acquired();
     const double before_hz = servo_->rate_hz();
     const double period_s = servo::servo_period_s(servo_hz);
     if (next_device_) {

@@ -216,8 +216,9 @@ public:
 
     /// Makes a board's calibration part of its description, and starts on it as if it had been
     /// opened with it: what was observed of the windings before is forgotten. A record continues in
-    /// a new file. The device must be released, as after a loan.
-    /// @throw InputError while a motor is driven, or the device is stopped, exchanged or lent; if
+    /// a new file. The device must be released, as after an exclusive use.
+    /// @throw InputError while a motor is driven, or the device is stopped, exchanged or in
+    /// exclusive use; if
     ///        the calibration is another device's, or impossible; nothing is then changed
     void use_calibration(const device::Calibration &calibration);
 
@@ -228,20 +229,20 @@ public:
     /// when `tick` says that there is no more to do or throws, by `take_device_back`, or by an
     /// emergency stop; then the servo goes on, waiting for rest in free space.
     /// @param tick  returns whether there is more to do
-    /// @throw InputError while the device is stopped, exchanged, lost or lent already
-    void lend_device(std::function<bool()> tick);
-    /// Stops the motors until a person lets them go on, and ends a loan.
+    /// @throw InputError while the device is stopped, exchanged, lost or in exclusive use already
+    void acquire_exclusive(std::function<bool()> tick);
+    /// Stops the motors until a person lets them go on, and ends an exclusive use.
     void emergency_stop();
 
-    /// Ends the loan now; may be called without one.
+    /// Ends the exclusive use now; may be called without one.
     void take_device_back();
     /// From the request on, until the servo goes on.
-    [[nodiscard]] bool is_lent() const { return loan_ != nullptr; }
-    /// Why `tick` threw, of the last loan; else empty.
-    [[nodiscard]] const std::string &loan_error() const { return loan_error_; }
+    [[nodiscard]] bool is_acquired() const { return exclusive_use_ != nullptr; }
+    /// Why `tick` threw, of the last exclusive use; else empty.
+    [[nodiscard]] const std::string &exclusive_use_error() const { return exclusive_use_error_; }
 
     /// While asked for, the device only brakes, whatever else would start it.
-    void keep_released(bool asked);
+    void keep_released(bool requested);
     [[nodiscard]] bool is_kept_released() const { return is_kept_released_; }
 
     /// Until the device is zeroed, no motor is driven; and again from the tick on in which an
@@ -279,8 +280,8 @@ public:
     [[nodiscard]] const Warnings &warnings() const { return warnings_; }
 
 private:
-    struct Prepared; ///< an opened device with all that is needed to start on it
-    class Loan;      ///< of the device
+    struct Prepared;    ///< an opened device with all that is needed to start on it
+    class ExclusiveUse; ///< of the device
 
     [[nodiscard]] Prepared prepare(const DeviceChoice &choice, const std::string &text,
                                    control::Tuning &tuning) const;
@@ -288,15 +289,15 @@ private:
     [[nodiscard]] simulated::SimulatedWorld &world();
     [[nodiscard]] simulated::HandControl &hand_control();
     void move_emulated();
-    void require_not_lent() const;
-    void require_free() const; ///< neither lent nor exchanged
+    void require_not_acquired() const;
+    void require_free() const; ///< neither in exclusive use nor exchanged
     void require_not_stopped() const;
     void end_pulses();
-    void go_on_with_loan(double frame_s);
+    void go_on_with_exclusive_use(double frame_s);
     void simulate_as(const simulated::SimulationOptions &simulation);
     void start_again_with(const simulated::PlantEffects &effects);
     void begin_path(const simulated::HandPath &path, const char *what);
-    void observe_as_wanted();
+    void observe_as_requested();
     void choose_again();
     void measure_anew();
     void renew_exchange();
@@ -344,8 +345,8 @@ private:
     int reconnections_ = 0;         ///< by `advance`
     std::function<void()> on_thread_;
     Warnings warnings_;
-    std::string loan_error_;
-    std::unique_ptr<Loan> loan_; ///< ends first
+    std::string exclusive_use_error_;
+    std::unique_ptr<ExclusiveUse> exclusive_use_; ///< ends first
 };
 
 // Report on a completed run: the servo's timing, whether it was stopped, what was recorded.

@@ -29,7 +29,8 @@ namespace springdrive::session {
 
 namespace {
 
-/// After a zeroing or a loan, for the velocity filter to settle: to it, the device jumped.
+/// After a zeroing or an exclusive use, for the velocity filter to settle: to it, the device
+/// jumped.
 constexpr double kSettling_s = 0.1;
 
 /// Between two looks at a link: whether a lost device is there again, or d has changed.
@@ -129,7 +130,7 @@ void Session::exchange_device(const DeviceChoice &choice) {
         throw InputError("changing the device requires a restart of the program: " +
                          servo::description(latest().safety));
     }
-    require_not_lent();
+    require_not_acquired();
     control::Tuning tuning = tuning_->now();
     next_device_ = std::make_unique<Prepared>(prepare(choice, text_of_device(choice.file), tuning));
     servo_->release(true);
@@ -205,7 +206,7 @@ void Session::keep_windings() const {
 /// After `ServoRun::renew`: a record continues in a new file.
 void Session::start_anew(const std::string &text, const device::DeviceDescription &description,
                          double speed, const char *why) {
-    observe_as_wanted();
+    observe_as_requested();
     models_->set_ground(ground(text, description, servo_->rate_hz()));
     next_look_s_ = 0.0; // of the servo before, whose time was another
     released_until_s_ = 0.0;
@@ -262,16 +263,17 @@ bool Session::is_zeroed() const { return device_->state() == factory::DeviceStat
 void Session::release_until_zeroed() {
     knows_zero_ = is_zeroed();
     const bool is_settling = latest().time_s < released_until_s_;
-    servo_->release(is_exchanging() || is_kept_released_ || loan_ || !knows_zero_ || is_settling);
+    servo_->release(is_exchanging() || is_kept_released_ || exclusive_use_ || !knows_zero_ ||
+                    is_settling);
 }
 
-void Session::keep_released(bool asked) {
-    is_kept_released_ = asked;
+void Session::keep_released(bool requested) {
+    is_kept_released_ = requested;
     release_until_zeroed();
 }
 
 void Session::zero_device(const Vector3 &theta_rad) {
-    require_not_lent();
+    require_not_acquired();
     servo_->paused([&] {
         device_->zero(theta_rad);
         note(dump({{"device", "zeroed"},
@@ -283,7 +285,7 @@ void Session::zero_device(const Vector3 &theta_rad) {
 }
 
 void Session::reconnect_device(const std::optional<Vector3> &theta_rad) {
-    require_not_lent();
+    require_not_acquired();
     servo_->paused([&] {
         const Vector3 theta = theta_rad.value_or(latest().theta_rad);
         device_->reconnect();
@@ -312,11 +314,12 @@ void Session::watch_zero() {
 
 /// A device that was unplugged is connected again once it is there; its trip stays.
 void Session::watch_link() {
-    if (released_until_s_ > 0.0 && latest().time_s >= released_until_s_ && !loan_) {
+    if (released_until_s_ > 0.0 && latest().time_s >= released_until_s_ && !exclusive_use_) {
         released_until_s_ = 0.0;
         release_until_zeroed();
     }
-    if (device_->has_world() || !has_started_ || is_exchanging() || loan_ || servo_->has_failed()) {
+    if (device_->has_world() || !has_started_ || is_exchanging() || exclusive_use_ ||
+        servo_->has_failed()) {
         return;
     }
     if (latest().time_s < next_look_s_) {
@@ -355,13 +358,13 @@ void Session::adopt_delay() {
 }
 
 /// Calls `tick` once a period until it has no more to do.
-class Session::Loan {
+class Session::ExclusiveUse {
 public:
-    Loan(std::function<bool()> tick, double period_s)
+    ExclusiveUse(std::function<bool()> tick, double period_s)
         : tick_(std::move(tick)), period_s_(period_s) {}
-    ~Loan() { end(); }
-    Loan(const Loan &) = delete;
-    Loan &operator=(const Loan &) = delete;
+    ~ExclusiveUse() { end(); }
+    ExclusiveUse(const ExclusiveUse &) = delete;
+    ExclusiveUse &operator=(const ExclusiveUse &) = delete;
 
     [[nodiscard]] bool has_begun() const { return has_begun_; }
     [[nodiscard]] bool is_over() const { return is_over_.load(std::memory_order_acquire); }
@@ -427,15 +430,15 @@ private:
     std::future<void> running_;
 };
 
-void Session::require_not_lent() const {
-    if (loan_) {
+void Session::require_not_acquired() const {
+    if (exclusive_use_) {
         throw InputError("the device is in use by its self-test or calibration; wait until that is "
                          "over, or stop it");
     }
 }
 
 void Session::require_free() const {
-    require_not_lent();
+    require_not_acquired();
     if (is_exchanging()) {
         throw InputError("the device is being exchanged; wait until that is done");
     }
@@ -448,31 +451,31 @@ void Session::require_not_stopped() const {
     }
 }
 
-void Session::lend_device(std::function<bool()> tick) {
+void Session::acquire_exclusive(std::function<bool()> tick) {
     require_free();
     if (latest().health == device::DeviceHealth::lost) {
         throw InputError("the device is lost; plug it in again");
     }
     require_not_stopped();
-    loan_error_.clear();
-    loan_ = std::make_unique<Loan>(std::move(tick), servo_->period_s());
+    exclusive_use_error_.clear();
+    exclusive_use_ = std::make_unique<ExclusiveUse>(std::move(tick), servo_->period_s());
     release_until_zeroed();
 }
 
-void Session::go_on_with_loan(double frame_s) {
-    if (!loan_) {
+void Session::go_on_with_exclusive_use(double frame_s) {
+    if (!exclusive_use_) {
         return;
     }
-    if (servo_->is_held_stopped() || loan_->is_over() ||
+    if (servo_->is_held_stopped() || exclusive_use_->is_over() ||
         latest().safety.state == servo::SafetyState::tripped) {
         take_device_back();
-    } else if (loan_->has_begun()) {
+    } else if (exclusive_use_->has_begun()) {
         if (servo_->is_in_lockstep()) {
-            loan_->advance(frame_s);
+            exclusive_use_->advance(frame_s);
         }
     } else if (servo_->halt_if_released()) {
         note(dump({{"device", "lent"}, {"after_tick", latest().tick}}));
-        loan_->begin(!servo_->is_in_lockstep(), options_.cpu);
+        exclusive_use_->begin(!servo_->is_in_lockstep(), options_.cpu);
     }
 }
 
@@ -504,13 +507,13 @@ void Session::end_pulses() {
 }
 
 void Session::take_device_back() {
-    if (!loan_) {
+    if (!exclusive_use_) {
         return;
     }
-    loan_->end();
-    const bool has_begun = loan_->has_begun();
-    loan_error_ = loan_->error();
-    loan_.reset();
+    exclusive_use_->end();
+    const bool has_begun = exclusive_use_->has_begun();
+    exclusive_use_error_ = exclusive_use_->error();
+    exclusive_use_.reset();
     if (has_begun) {
         end_pulses();
         note(dump({{"device", "back"}, {"after_tick", latest().tick}}));

@@ -68,13 +68,13 @@ simulated::HandPath from_here(const Vector3 &here_m, const simulated::HandPath &
     return simulated::HandPath(std::move(points));
 }
 
-/// The last reachable point on the line from the workspace's centre to `wanted_m`.
+/// The last reachable point on the line from the workspace's centre to `requested_m`.
 Vector3 nearest_in_reach(const device::PhantomGeometry &geometry, const Vector3 &centre_m,
-                         const Vector3 &wanted_m) {
-    if (device::joint_angles_rad(geometry, wanted_m)) {
-        return wanted_m;
+                         const Vector3 &requested_m) {
+    if (device::joint_angles_rad(geometry, requested_m)) {
+        return requested_m;
     }
-    const Vector3 offset_m = wanted_m - centre_m;
+    const Vector3 offset_m = requested_m - centre_m;
     const auto is_in_reach = [&](double share) {
         return device::joint_angles_rad(geometry, centre_m + share * offset_m).has_value();
     };
@@ -110,7 +110,7 @@ void Session::renew_exchange() {
 }
 
 void Session::set_delay(double delay_periods) {
-    require_not_lent();
+    require_not_acquired();
     simulated::SimulationOptions simulation = simulation_;
     simulation.delay_periods = delay_periods;
     servo_->paused([&] {
@@ -184,7 +184,7 @@ void Session::leave_path() {
 }
 
 void Session::begin_path(const simulated::HandPath &path, const char *what) {
-    require_not_lent();
+    require_not_acquired();
     servo_->paused([&] {
         const simulated::HandPath whole = from_here(hand_control().hand_m(), path);
         hand_control().follow(whole);

@@ -1,7 +1,8 @@
 // Covers what the window keeps in files. app/panels/session_keeper.cpp and, with the folders that
 // it makes, record_commands.cpp: whatever happens between two keeps, no tick that was in memory is
-// missing in the folder, and all of them are replayed to the last bit. app/panels/window_habits.cpp:
-// what is remembered, and files that are damaged or cannot be written.
+// missing in the folder, and all of them are replayed to the last bit.
+// app/panels/window_habits.cpp: what is remembered, and files that are damaged or cannot be
+// written.
 #include "app/panels/session_keeper.h"
 
 #include "engine/record/record_file.h"

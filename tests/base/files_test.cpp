@@ -1,5 +1,5 @@
-// Covers base/input_file.cpp, base/new_file.cpp and base/sha256.cpp. Paths by which a scene leaves its
-// folder are in gltf_file_test.cpp.
+// Covers base/input_file.cpp, base/new_file.cpp and base/sha256.cpp. Paths by which a scene leaves
+// its folder are in gltf_file_test.cpp.
 #include "base/input_file.h"
 
 #include "base/input_error.h"

@@ -1,6 +1,6 @@
 // Covers texts: base/text.cpp, base/print.h, base/timing.cpp, base/table.cpp, and what of
-// base/strict_toml.cpp the tests of device and tuning files leave: flags, choices, lists, rows and the
-// nearest name. Formats that must not compile are tested by tests/forbidden_formats.
+// base/strict_toml.cpp the tests of device and tuning files leave: flags, choices, lists, rows and
+// the nearest name. Formats that must not compile are tested by tests/forbidden_formats.
 #include "base/text.h"
 
 #include "base/input_error.h"

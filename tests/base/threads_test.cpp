@@ -133,18 +133,18 @@ TEST(Background, RethrowsTheWorksException) {
 
 TEST(Background, TellsTheWorkThatItIsCancelled) {
     const auto ended = std::make_shared<std::promise<bool>>();
-    std::future<bool> was_wanted = ended->get_future();
+    std::future<bool> was_requested = ended->get_future();
     {
         Background<int> background;
         background.start([ended](BackgroundTalk &talk) {
-            while (talk.is_wanted()) {
+            while (talk.is_requested()) {
                 std::this_thread::yield();
             }
-            ended->set_value(talk.is_wanted());
+            ended->set_value(talk.is_requested());
             return 0;
         });
     }
-    EXPECT_FALSE(was_wanted.get());
+    EXPECT_FALSE(was_requested.get());
 }
 
 TEST(Background, ReportsTheWorksProgress) {
@@ -176,7 +176,7 @@ TEST(Background, WorkAskedToEndEndsAtItsNextReport) {
 TEST(Background, NewWorkReplacesTheOld) {
     Background<int> background;
     background.start([](BackgroundTalk &talk) {
-        while (talk.is_wanted()) {
+        while (talk.is_requested()) {
             std::this_thread::yield();
         }
         return 1;
@@ -192,7 +192,7 @@ TEST(Background, CancellingDoesNotWaitButTheDestructorDoes) {
         Background<int> background;
         for (int i = 0; i < 3; ++i) { // two are cancelled while the third runs
             background.start([&](BackgroundTalk &talk) {
-                while (talk.is_wanted() || !may_end) {
+                while (talk.is_requested() || !may_end) {
                     std::this_thread::yield();
                 }
                 ++ended;

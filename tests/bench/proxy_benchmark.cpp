@@ -169,9 +169,9 @@ struct Nearest {
 };
 
 /// Embree finds the triangles that may be nearest and leaves their distance to its caller.
-bool consider_triangle(RTCPointQueryFunctionArguments *asked) {
-    auto &nearest = *static_cast<Nearest *>(asked->userPtr);
-    const auto &[a, b, c] = nearest.soup->triangles[asked->primID];
+bool consider_triangle(RTCPointQueryFunctionArguments *requested) {
+    auto &nearest = *static_cast<Nearest *>(requested->userPtr);
+    const auto &[a, b, c] = nearest.soup->triangles[requested->primID];
     const auto &vertices_m = nearest.soup->vertices_m;
     const contact::TrianglePoint found =
         contact::nearest_on_triangle({vertices_m[a], vertices_m[b], vertices_m[c]}, nearest.tip_m);
@@ -180,7 +180,7 @@ bool consider_triangle(RTCPointQueryFunctionArguments *asked) {
         return false;
     }
     nearest.distance_m = distance_m;
-    asked->query->radius = static_cast<float>(distance_m);
+    requested->query->radius = static_cast<float>(distance_m);
     return true;
 }
 

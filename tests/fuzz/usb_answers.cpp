@@ -368,9 +368,9 @@ private:
     double period_s() { return 1e-6 * (125.0 + 10.0 * input_.u16() / 13.0); }
 
     void set_period() {
-        const double wanted_s = period_s();
-        device_->set_period(wanted_s);
-        period_s_ = wanted_s;
+        const double requested_s = period_s();
+        device_->set_period(requested_s);
+        period_s_ = requested_s;
     }
 
     void look() const {

@@ -73,8 +73,9 @@ private:
     }
 
     /// The law's e_W for the motion and contact of `now` with the tuning of `tuned`.
-    [[nodiscard]] Vector3 wanted_V(const servo::ServoSample &before, const servo::ServoSample &now,
-                                   const servo::ServoSample &tuned) const {
+    [[nodiscard]] Vector3 requested_V(const servo::ServoSample &before,
+                                      const servo::ServoSample &now,
+                                      const servo::ServoSample &tuned) const {
         control::VelocityFilter filter(before.theta_rad, before.theta_rate_rad_per_s);
         const double pole =
             control::velocity_filter_pole(tuned.tuning.lambda_rad_per_s, now.since_last_s);
@@ -87,7 +88,7 @@ private:
     [[nodiscard]] Vector3 unchanged_V(const servo::ServoSample &before,
                                       const servo::ServoSample &now) const {
         if (now.scene_id == before.scene_id) {
-            return within_supply(wanted_V(before, now, before) + before.transfer_offset_V);
+            return within_supply(requested_V(before, now, before) + before.transfer_offset_V);
         }
         const control::Configuration then =
             law_.configuration(before.theta_rad, before.theta_rate_rad_per_s);

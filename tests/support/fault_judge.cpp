@@ -220,13 +220,13 @@ void FaultJudge::look_at_voltage(const Vector3 &permissible_V, const servo::Serv
 /// The share of the requested force that may be passed on, by the rule of command_limiter.h: steady
 /// currents, and their force, are within 95 % of their limits.
 FaultJudge::Permissible FaultJudge::permissible(const TipAt &now,
-                                                const device::DeviceCommand &wanted,
+                                                const device::DeviceCommand &requested,
                                                 const servo::ServoSample &sample) const {
     const device::MotorParameters &motor = device_.motor[0];
     Vector3 min_Ohm;
     for (Eigen::Index j = 0; j < 3; ++j) {
         const double R_hat_Ohm =
-            std::min(wanted.cancelled_resistance_Ohm[j],
+            std::min(requested.cancelled_resistance_Ohm[j],
                      sample.winding[static_cast<std::size_t>(j)].R_hat_limit_Ohm);
         min_Ohm[j] = std::max((1.0 - motor.commutation_ripple) * motor.resistance_Ohm - R_hat_Ohm,
                               device::kMinResidualShare * motor.resistance_Ohm);
@@ -237,7 +237,7 @@ FaultJudge::Permissible FaultJudge::permissible(const TipAt &now,
             .cwiseQuotient(N);
     const Vector3 back_emf_V = k_T_.cwiseProduct(rate_rad_per_s_);
     const Vector3 steady_current_A =
-        (wanted.e_W_V - back_emf_V).cwiseQuotient(min_Ohm) + edge_Nm.cwiseQuotient(k_T_);
+        (requested.e_W_V - back_emf_V).cwiseQuotient(min_Ohm) + edge_Nm.cwiseQuotient(k_T_);
     const double force_N = now.force_N(k_T_.cwiseProduct(steady_current_A)).norm();
     const double max_A = std::min(motor.peak_current_A, sample.limits.current_A);
     const double share = std::min({1.0, 0.95 * max_A / steady_current_A.cwiseAbs().maxCoeff(),
@@ -280,12 +280,12 @@ void FaultJudge::look(const device::Measurement &measured, const servo::ServoInp
     find(servo::TripCause::tip_force, force_N.norm(), sample.limits.tip_force_N, kRoundOff);
     look_at_motion(now, sample, since_last_s);
     look_at_energy(now, force_N, sample);
-    device::DeviceCommand wanted =
+    device::DeviceCommand requested =
         law_(law_.configuration(theta_rad, rate_rad_per_s_), sample.contact, sample.tuning,
              sample.global_alpha_rad2_per_m2)
             .command;
-    wanted.e_W_V += sample.transfer_offset_V;
-    const Permissible passes = permissible(now, wanted, sample);
+    requested.e_W_V += sample.transfer_offset_V;
+    const Permissible passes = permissible(now, requested, sample);
     look_at_voltage(passes.e_W_V, sample);
     share_ = passes.share;
     state_ = sample.safety.state;

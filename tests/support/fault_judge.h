@@ -81,7 +81,7 @@ private:
         double share = 1.0;
         Vector3 e_W_V{Vector3::Zero()};
     };
-    [[nodiscard]] Permissible permissible(const TipAt &now, const device::DeviceCommand &wanted,
+    [[nodiscard]] Permissible permissible(const TipAt &now, const device::DeviceCommand &requested,
                                           const servo::ServoSample &sample) const;
 
     device::DeviceDescription device_;

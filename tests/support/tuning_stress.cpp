@@ -151,8 +151,8 @@ void TuningStress::check_set(const servo::ServoSample &sample) {
 }
 
 /// The law's e_W for the state of one sample with the tuning of another, within the supply.
-Vector3 TuningStress::wanted_V(const servo::ServoSample &state, const servo::ServoSample &tuned,
-                               const control::Configuration &now) const {
+Vector3 TuningStress::requested_V(const servo::ServoSample &state, const servo::ServoSample &tuned,
+                                  const control::Configuration &now) const {
     return law_(now, state.contact, tuned.tuning, tuned.global_alpha_rad2_per_m2).command.e_W_V;
 }
 
@@ -174,15 +174,17 @@ void TuningStress::check_step(const servo::ServoSample &sample) {
     const control::Configuration now = configuration(sample);
     expect((now.theta_rate_rad_per_s - sample.theta_rate_rad_per_s).norm() < 1e-6, sample,
            "a velocity that is not the filter's");
-    const Vector3 after_V = within_supply(wanted_V(sample, sample, now) + sample.transfer_offset_V);
+    const Vector3 after_V =
+        within_supply(requested_V(sample, sample, now) + sample.transfer_offset_V);
     Vector3 unchanged_V;
     if (sample.scene_id != before_.scene_id) {
         ++figures_.scenes;
         const control::Configuration then =
             law_.configuration(before_.theta_rad, before_.theta_rate_rad_per_s);
-        unchanged_V = within_supply(wanted_V(before_, before_, then) + before_.transfer_offset_V);
+        unchanged_V =
+            within_supply(requested_V(before_, before_, then) + before_.transfer_offset_V);
     } else {
-        unchanged_V = within_supply(wanted_V(sample, before_, configuration(before_)) +
+        unchanged_V = within_supply(requested_V(sample, before_, configuration(before_)) +
                                     before_.transfer_offset_V);
     }
     const double step_V = (after_V - unchanged_V).cwiseAbs().maxCoeff();

@@ -44,8 +44,9 @@ private:
     void check_set(const servo::ServoSample &sample);
     void check_step(const servo::ServoSample &sample);
     void expect(bool good, const servo::ServoSample &sample, const char *what);
-    [[nodiscard]] Vector3 wanted_V(const servo::ServoSample &state, const servo::ServoSample &tuned,
-                                   const control::Configuration &now) const;
+    [[nodiscard]] Vector3 requested_V(const servo::ServoSample &state,
+                                      const servo::ServoSample &tuned,
+                                      const control::Configuration &now) const;
 
     simulated::SimulatedPhantom device_;
     control::HapticLaw law_;

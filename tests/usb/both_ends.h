@@ -387,17 +387,17 @@ public:
     ~AsynchronousEcho() { end(); }
 
     EchoRun run(std::size_t round_trips) {
-        wanted_ = round_trips;
+        requested_ = round_trips;
         sent_.reserve(round_trips);
         times_us_.reserve(round_trips);
         const std::size_t in_flight = lane_.size() / 2;
         const EchoClock::time_point begin = EchoClock::now();
         for (std::size_t i = 0; i < in_flight; ++i) {
             submit(lane_[i]);
-            to_send_ += sent_.size() + to_send_ < wanted_ ? 1 : 0;
+            to_send_ += sent_.size() + to_send_ < requested_ ? 1 : 0;
         }
         send();
-        while (times_us_.size() < wanted_ && failure_.empty()) {
+        while (times_us_.size() < requested_ && failure_.empty()) {
             handle_events();
         }
         const double duration_s = 1e-6 * microseconds_since(begin);
@@ -443,7 +443,7 @@ private:
         }
         self.times_us_.push_back(microseconds_since(self.sent_[number]));
         self.submit(lane);
-        self.to_send_ += self.sent_.size() + self.to_send_ < self.wanted_ ? 1 : 0;
+        self.to_send_ += self.sent_.size() + self.to_send_ < self.requested_ ? 1 : 0;
         self.send();
     }
 
@@ -497,7 +497,7 @@ private:
     libusb_context *context_;
     const HostDevice &device_;
     std::vector<Lane> lane_; ///< as many IN as OUT
-    std::size_t wanted_ = 0;
+    std::size_t requested_ = 0;
     std::size_t to_send_ = 0;
     std::vector<EchoClock::time_point> sent_;
     std::vector<double> times_us_;

@@ -330,7 +330,7 @@ private:
     }
 
     void step(int tick) {
-        if (servo_.board.unplug_wanted() && servo_.port->is_connected()) {
+        if (servo_.board.unplug_requested() && servo_.port->is_connected()) {
             servo_.port->unplug();
         }
         if (!servo_.port->is_connected()) {

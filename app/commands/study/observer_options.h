@@ -3,7 +3,7 @@
 
 #include "app/commands/command.h"
 #include "engine/study/methods/psychometric_function.h"
-#include "engine/study/observers/simulated_sitting.h"
+#include "engine/study/observers/simulated_study_session.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/store/study_contents.h"
 

@@ -3,7 +3,7 @@
 #include "app/commands/output_files.h"
 #include "app/commands/study/opened_study.h"
 #include "app/host/folders.h"
-#include "app/study/sitting/sitting.h"
+#include "app/study/session/study_session.h"
 #include "base/input_error.h"
 #include "base/print.h"
 #include "base/table.h"

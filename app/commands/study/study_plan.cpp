@@ -68,7 +68,7 @@ std::vector<int> possible_trials(const study::Method &method, std::vector<int> t
 }
 
 /// On the scale.
-double wanted_width(double typed, study::Scale scale) {
+double requested_width(double typed, study::Scale scale) {
     const bool are_ratios = scale == study::Scale::logarithmic;
     constexpr double kMinFactor = 1.01; // far below what any participant's patience gives
     constexpr double kMaxFactor = 1000.0;
@@ -88,8 +88,8 @@ struct PrecisionPlan {
     study::PsychometricFunction observer; ///< all simulated ones are alike
     study::PrecisionQuestion question;
     std::vector<study::Precision> rows;
-    std::optional<double> wanted; ///< width, on the scale
-    int usual_trials = 0;         ///< that the protocol takes of such an observer
+    std::optional<double> requested; ///< width, on the scale
+    int usual_trials = 0;            ///< that the protocol takes of such an observer
 };
 
 /// A width on the scale, as it is shown: a factor from end to end on a logarithmic one, else in the
@@ -112,13 +112,13 @@ double shown_error(const PrecisionPlan &plan, double error) {
 }
 
 void write_wanted(std::ostream &out, const study::Protocol &protocol, const PrecisionPlan &plan) {
-    if (!plan.wanted) {
+    if (!plan.requested) {
         return;
     }
     const std::string width =
         fmt::format("{} {:.3g}", are_ratios(plan) ? "a factor of" : "a width of",
-                    shown_width(plan.question.analysis.family.scale, *plan.wanted));
-    const std::optional<double> trials = study::trials_for_width(plan.rows, *plan.wanted);
+                    shown_width(plan.question.analysis.family.scale, *plan.requested));
+    const std::optional<double> trials = study::trials_for_width(plan.rows, *plan.requested);
     if (!trials) {
         print(out,
               "{} takes more than {} trials of a participant in a condition; --trials tries more\n",
@@ -188,9 +188,9 @@ Chart plan_picture(const study::Protocol &protocol, const PrecisionPlan &plan,
                                               : "95 % interval of a threshold, width in " +
                                                     study::level_label(protocol));
     marks.add("usual_trials", plan.usual_trials);
-    marks.add("wanted", plan.wanted ? shown_width(scale, *plan.wanted) : 0.0);
+    marks.add("wanted", plan.requested ? shown_width(scale, *plan.requested) : 0.0);
     const std::optional<double> trials =
-        plan.wanted ? study::trials_for_width(plan.rows, *plan.wanted) : std::nullopt;
+        plan.requested ? study::trials_for_width(plan.rows, *plan.requested) : std::nullopt;
     marks.add("wanted_trials", trials ? std::ceil(*trials) : 0.0);
     return chart_of("study_precision", marks, folder, "precision.csv", "precision.svg");
 }
@@ -203,7 +203,7 @@ void plan_typed(const TypedPlan &typed) {
     plan.question.studies = typed.studies;
     plan.question.trials = possible_trials(protocol.method, typed.trials);
     if (typed.precision) {
-        plan.wanted = wanted_width(*typed.precision, plan.question.analysis.family.scale);
+        plan.requested = requested_width(*typed.precision, plan.question.analysis.family.scale);
     }
     if (const std::string wrong = study::validate(plan.question, protocol.task); !wrong.empty()) {
         throw InputError("study plan: " + wrong);

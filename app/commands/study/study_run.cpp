@@ -4,7 +4,7 @@
 #include "app/commands/study/opened_study.h"
 #include "app/commands/study/study_turns.h"
 #include "app/host/process.h"
-#include "app/study/sitting/sitting.h"
+#include "app/study/session/study_session.h"
 #include "base/input_error.h"
 
 #include <fmt/core.h>
@@ -181,7 +181,7 @@ void add_run(Command &study) {
                     "what a simulated observer feels: each presentation simulated, or each "
                     "condition and level simulated once, which is much faster [each]")
         .type_name("HOW:{each,once}");
-    typed->sitting.add_to(command);
+    typed->study_session.add_to(command);
     command.footer(
         "Each trial is on the disk before the next begins. Ctrl+C ends a person's session at once, "
         "and a simulated\nobserver's after the present trial; study resume goes on with the same "
@@ -197,7 +197,7 @@ void add_resume(Command &study) {
     command
         .add_option("--participant", typed->participant, "only this one [all who are not through]")
         .type_name("CODE");
-    typed->nothing_new.sitting.add_to(command);
+    typed->nothing_new.study_session.add_to(command);
     command.callback([typed] { resume_typed(*typed); });
 }
 

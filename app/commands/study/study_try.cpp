@@ -6,7 +6,7 @@
 #include "app/host/folders.h"
 #include "app/host/process.h"
 #include "app/stage/frame_loop.h"
-#include "app/study/sitting/resumable.h"
+#include "app/study/session/resumable.h"
 #include "app/visitors/visits.h"
 #include "base/input_error.h"
 #include "engine/study/protocol/protocol.h"
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 struct TypedTry {
     fs::path protocol; ///< empty: the included one
-    TypedSitting sitting;
+    TypedStudySession study_session;
     std::string observer; ///< empty: a visitor
     TypedObserver made_up;
     bool is_window = false;
@@ -50,13 +50,13 @@ void try_typed(const TypedTry &typed) {
     plan.is_show = !typed.observer.empty();
     note_ending_signals();
     session::Session session =
-        open_session(session_options_of(plan.protocol, folders, typed.sitting));
+        open_session(session_options_of(plan.protocol, folders, typed.study_session));
     plan.has_device = !session.hand().is_simulated();
     if (plan.is_show && plan.has_device) {
         throw InputError("--observer simulated: nobody is there to hold the device on USB; leave "
                          "out one of the two");
     }
-    study_screen::ParticipantWindow::Wish wish = typed.sitting.window.participant;
+    study_screen::ParticipantWindow::Wish wish = typed.study_session.window.participant;
     wish.is_window = typed.is_window;
     if (wish.monitor.empty()) {
         wish.monitor = "1";
@@ -68,8 +68,8 @@ void try_typed(const TypedTry &typed) {
                             [&window](const scene::Scene &scene, const scene::TouchSpot &spot) {
                                 window.show_scene(scene, spot);
                             });
-    study_screen::SittingActivity activity(visits, window);
-    run_frames(activity, session, {.reports = typed.sitting.reports});
+    study_screen::StudySessionActivity activity(visits, window);
+    run_frames(activity, session, {.reports = typed.study_session.reports});
     session.stop();
     std::cerr << fmt::format("springdrive: {} visit{} begun; nothing of them was stored\n",
                              visits.begun(), visits.begun() == 1 ? "" : "s");
@@ -87,8 +87,8 @@ void add_study_try_command(Command &study) {
                     "a protocol of one condition that varies turn_deg [the included "
                     "can_you_feel_it]")
         .type_name("FILE");
-    TypedSitting &sitting = typed->sitting;
-    sitting.add_device_to(command);
+    TypedStudySession &study_session = typed->study_session;
+    study_session.add_device_to(command);
     command
         .add_option("--observer", typed->observer,
                     "made-up visitors only, one after the other, for whoever looks [visitors]")
@@ -96,19 +96,22 @@ void add_study_try_command(Command &study) {
         .one_of({"simulated"}, InHelp::unlisted);
     add_observer_options(command, typed->made_up);
     Option screen =
-        command.add_option("--screen", sitting.window.participant.monitor,
+        command.add_option("--screen", study_session.window.participant.monitor,
                            "the visitors' monitor, by number or a part of its name [the first]");
     screen.type_name("MONITOR");
     command.add_flag("--window", typed->is_window, "a window, not the whole screen")
         .excludes(screen);
-    command.add_option("--width", sitting.window.participant.size.width, "of that window [1280]")
+    command
+        .add_option("--width", study_session.window.participant.size.width, "of that window [1280]")
         .type_name("PIXELS");
-    command.add_option("--height", sitting.window.participant.size.height, "of that window [720]")
+    command
+        .add_option("--height", study_session.window.participant.size.height,
+                    "of that window [720]")
         .type_name("PIXELS");
-    command.add_flag("--lockstep", sitting.is_in_lockstep,
+    command.add_flag("--lockstep", study_session.is_in_lockstep,
                      "run the servo by frame time instead of the clock, which is repeatable; not "
                      "on USB");
-    command.add_flag("--report", sitting.reports,
+    command.add_flag("--report", study_session.reports,
                      "for each line \"report\" on standard input, write what the window shows as a "
                      "line of JSON");
     command.footer("A visitor who is gone for 40 s is followed by the next one. Ctrl+Alt+Q ends "

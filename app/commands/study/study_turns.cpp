@@ -6,8 +6,8 @@
 #include "app/host/folders.h"
 #include "app/host/process.h"
 #include "app/stage/frame_loop.h"
-#include "app/study/sitting/resumable.h"
-#include "app/study/sitting/sitting.h"
+#include "app/study/session/resumable.h"
+#include "app/study/session/study_session.h"
 #include "base/input_error.h"
 #include "base/timing.h"
 #include "engine/session/session.h"
@@ -48,7 +48,7 @@ void say_what_it_is(const session::Session &session) {
 
 } // namespace
 
-void TypedSitting::add_device_to(Command &command) {
+void TypedStudySession::add_device_to(Command &command) {
     add_device_option(command, device);
     command.add_flag("--at-zero", starts_at_zero,
                      "the device on USB is held in its zero pose at the start: upper arm level, "
@@ -58,7 +58,7 @@ void TypedSitting::add_device_to(Command &command) {
         .type_name("N");
 }
 
-void TypedSitting::add_to(Command &command) {
+void TypedStudySession::add_to(Command &command) {
     add_device_to(command);
     command
         .add_option("--participant-screen", window.participant.monitor,
@@ -95,7 +95,7 @@ void TypedSitting::add_to(Command &command) {
 
 session::SessionOptions session_options_of(const study::Protocol &protocol,
                                            const study::ProtocolFolders &folders,
-                                           const TypedSitting &typed) {
+                                           const TypedStudySession &typed) {
     const study::Condition &first = protocol.conditions.front();
     const NamedDevice named = device_named(typed.device);
     if (named.kind != factory::DeviceKind::emulated && !typed.emulation.is_empty()) {
@@ -124,7 +124,7 @@ session::SessionOptions session_options_of(const study::Protocol &protocol,
 
 void run_person_session(study::StudyStore &store, const study::Protocol &protocol,
                         const study::StudySetting &setting, const study::ProtocolFolders &folders,
-                        const std::string &code, const TypedSitting &typed) {
+                        const std::string &code, const TypedStudySession &typed) {
     if (const std::string wrong = study_screen::validate_for_participants(protocol, setting);
         !wrong.empty()) {
         throw InputError(store.file().string() + ": " + wrong);
@@ -134,13 +134,13 @@ void run_person_session(study::StudyStore &store, const study::Protocol &protoco
     study_screen::StudyWindow window(typed.window, session, store, protocol);
     session.start();
     print_new_warnings(session);
-    study_screen::Sitting sitting(
+    study_screen::StudySession study_session(
         store,
         {protocol, setting, folders, code, typed.keeps_records, typed.plays_noise, window.facts()},
         session, [&window](const scene::Scene &scene, const scene::TouchSpot &spot) {
             window.show_scene(scene, spot);
         });
-    study_screen::SittingActivity activity(sitting, window);
+    study_screen::StudySessionActivity activity(study_session, window);
     run_frames(activity, session, {.reports = typed.reports});
     session.stop();
 }
@@ -218,7 +218,7 @@ void StudyTurns::run(const std::string &code) {
                                      store_.file().string(), code));
     } else {
         run_person_session(store_, protocol_, setting_, folders_beside(store_.file()), code,
-                           typed_.sitting);
+                           typed_.study_session);
     }
     tell(code);
 }
@@ -248,7 +248,7 @@ void StudyTurns::run_simulated(const study::Progress &before) {
     study::SimulatedParticipant participant;
     participant.function = observer.function;
     participant.seed = observer.seed;
-    study::SimulatedSitting sitting(protocol_, setting_, participant, observer.felt);
+    study::SimulatedStudySession study_session(protocol_, setting_, participant, observer.felt);
     study::Session session;
     session.participant = before.participant;
     session.started = study::utc_now();
@@ -262,7 +262,9 @@ void StudyTurns::run_simulated(const study::Progress &before) {
     const int most = study::session_length(protocol_).max_trials;
     int trials = before.trials;
     study::Conduct how;
-    how.present = [&](const study::PlannedTrial &planned) { return sitting.present(planned); };
+    how.present = [&](const study::PlannedTrial &planned) {
+        return study_session.present(planned);
+    };
     how.ends = [&] {
         line.show(before.participant, std::min(1.0, 1.0 * trials++ / most));
         return asked_to_end() ? std::optional(study::SessionEnding::stopped) : std::nullopt;

@@ -6,7 +6,7 @@
 #include "app/commands/common_options.h"
 #include "app/commands/study/observer_options.h"
 #include "app/study/experimenter/study_window.h"
-#include "app/study/sitting/sitting.h"
+#include "app/study/session/study_session.h"
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/store/study_store.h"
@@ -19,7 +19,7 @@
 namespace springdrive::app {
 
 /// The options hold references to this: it must stay where it is until the parse is over.
-struct TypedSitting {
+struct TypedStudySession {
     std::string device = "sim";
     TypedEmulation emulation;
     bool starts_at_zero = false;
@@ -38,14 +38,14 @@ struct TypedSitting {
 /// @throw InputError for a device that there is none of, or an option that is not for it
 [[nodiscard]] session::SessionOptions session_options_of(const study::Protocol &protocol,
                                                          const study::ProtocolFolders &folders,
-                                                         const TypedSitting &typed);
+                                                         const TypedStudySession &typed);
 
 /// Runs it from the first word on the screen to the last.
 /// @param code  a participant of the store
-/// @throw InputError if device or windows cannot be opened, or as Sitting::run does
+/// @throw InputError if device or windows cannot be opened, or as StudySession::run does
 void run_person_session(study::StudyStore &store, const study::Protocol &protocol,
                         const study::StudySetting &setting, const study::ProtocolFolders &folders,
-                        const std::string &code, const TypedSitting &typed);
+                        const std::string &code, const TypedStudySession &typed);
 
 struct TypedRun {
     std::filesystem::path file;  ///< a protocol or a study
@@ -57,7 +57,7 @@ struct TypedRun {
     double spread = 0.0;
     std::optional<int> seed; ///< nothing: the protocol's
     study::FeltStimuli felt = study::FeltStimuli::each_simulated;
-    TypedSitting sitting; ///< of a person
+    TypedStudySession study_session; ///< of a person
 
     [[nodiscard]] bool is_simulated() const { return !observer.empty(); }
 };

@@ -24,12 +24,12 @@ constexpr float kStimuliShare = 0.5F;  ///< of the window's height, while they a
 
 constexpr double kMaxThought_s = 8.0; ///< between two keys of a note
 
-bool is_in_trial(SittingStep step) {
-    return step == SittingStep::interval || step == SittingStep::between_intervals ||
-           step == SittingStep::response;
+bool is_in_trial(StudySessionStep step) {
+    return step == StudySessionStep::interval || step == StudySessionStep::between_intervals ||
+           step == StudySessionStep::response;
 }
 
-void show_course(const SittingState &state, bool shows_stimuli) {
+void show_course(const StudySessionState &state, bool shows_stimuli) {
     ui::text(kInk, "{}, session {}", state.participant, state.session);
     ui::wrapped(kFaintInk, "{} {}.", state.participant, description(state.step));
     ui::progress("progress", state.progress,
@@ -51,7 +51,7 @@ void show_course(const SittingState &state, bool shows_stimuli) {
         ui::wrapped(kWarning, "The last is marked{}{}.", shows_stimuli ? ": " : "",
                     shows_stimuli ? state.trials.back().marks.front() : "");
     }
-    if (state.step == SittingStep::in_break) {
+    if (state.step == StudySessionStep::in_break) {
         ui::text(kInk, "{:.0f} s of the break are left", std::max(0.0, state.left_s));
     }
 }
@@ -145,7 +145,8 @@ void take_note(ExperimenterPanelState &panel, std::optional<std::string> &note) 
 
 /// The column of buttons, the course of the session and the notes.
 ExperimenterActs draw_experimenter_panel(ExperimenterPanelState &panel, const Rectangle &place,
-                                         const SittingState &state, const session::Session &session,
+                                         const StudySessionState &state,
+                                         const session::Session &session,
                                          const study::Protocol &protocol) {
     ExperimenterActs acts;
     const ui::Panel window("Session", place);
@@ -239,8 +240,9 @@ void show_last_trial(const study::Trial &trial) {
 }
 
 /// What is presented and answered, or that it is hidden. @param result  null: nothing yet
-void draw_stimuli(ExperimenterPanelState &panel, const Rectangle &place, const SittingState &state,
-                  const study::Protocol &protocol, const study::SeriesResult *result) {
+void draw_stimuli(ExperimenterPanelState &panel, const Rectangle &place,
+                  const StudySessionState &state, const study::Protocol &protocol,
+                  const study::SeriesResult *result) {
     const ui::Panel window("Stimuli", place);
     ui::checkbox("show stimuli and answers", panel.shows_stimuli);
     ui::explain("off, you are as blind as the participant");
@@ -316,11 +318,11 @@ void StudyWindow::give_keys_back() {
     }
 }
 
-void StudyWindow::store_note(const SittingState &state, const std::string &text) {
+void StudyWindow::store_note(const StudySessionState &state, const std::string &text) {
     store_.append(study::Note{study::utc_now(), "note", text, state.participant, state.session});
 }
 
-void StudyWindow::renew_fit(const SittingState &state) {
+void StudyWindow::renew_fit(const StudySessionState &state) {
     if (state.trials.size() != fitted_trials_ && state.trial) {
         fitted_trials_ = state.trials.size();
         const study::StudyContents contents = store_.contents();
@@ -345,7 +347,7 @@ void StudyWindow::draw_view(const Rectangle &place) {
     view_control_.draw(renderer_, state, place, window_);
 }
 
-void StudyWindow::draw_experimenter(const SittingState &state, ExperimenterActs &acts) {
+void StudyWindow::draw_experimenter(const StudySessionState &state, ExperimenterActs &acts) {
     const Window::Size size = window_.size();
     const float line = ImGui::GetFontSize();
     const ImVec2 whole{static_cast<float>(size.width), static_cast<float>(size.height)};
@@ -360,7 +362,8 @@ void StudyWindow::draw_experimenter(const SittingState &state, ExperimenterActs 
 }
 
 /// What the participant sees, for tests: the plates at their places in that window, in its pixels.
-void StudyWindow::report_participant(const SittingState &state, const ParticipantPicture &picture) {
+void StudyWindow::report_participant(const StudySessionState &state,
+                                     const ParticipantPicture &picture) {
     const auto enter = [](const char *name, std::string text, decltype(ShownItem::value) value = {},
                           const Rectangle &box = {}) {
         ui::report().enter({std::string("participant/") + name,
@@ -384,7 +387,8 @@ void StudyWindow::report_participant(const SittingState &state, const Participan
     }
 }
 
-SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingState &state) {
+StudySessionFrame StudyWindow::show(const ParticipantPicture &picture,
+                                    const StudySessionState &state) {
     window_.begin_frame();
     window_.clear();
     static_cast<void>(window_.take_keys());
@@ -407,11 +411,11 @@ SittingFrame StudyWindow::show(const ParticipantPicture &picture, const SittingS
         const std::string error = error_text_of([&] { store_note(state, *acts.note); });
         panel_.notes_of_today.push_back(error.empty() ? *acts.note : "not stored: " + error);
     }
-    SittingFrame frame{participant_window_.take_inputs(session_.servo()), acts.orders};
+    StudySessionFrame frame{participant_window_.take_inputs(session_.servo()), acts.orders};
     frame.orders.stops = frame.orders.stops || window_.is_closing() || asked_to_end();
     const double now_s = steady_clock_s();
     longest_frame_s_ = std::max(longest_frame_s_, now_s - std::exchange(frame_end_s_, now_s));
-    if (ui::report().is_wanted()) {
+    if (ui::report().is_requested()) {
         report_participant(state, picture);
     }
     return frame;

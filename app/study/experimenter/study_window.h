@@ -1,4 +1,4 @@
-// The two windows of a sitting: the experimenter's, with panels and the whole device, and the
+// The two windows of a session: the experimenter's, with panels and the whole device, and the
 // participant's. The stimuli are hidden from the experimenter at first, so that nothing in the
 // experimenter's face or voice can tell of them.
 #pragma once
@@ -6,7 +6,7 @@
 #include "app/stage/frame_loop.h"
 #include "app/stage/view_control.h"
 #include "app/study/participant/participant_window.h"
-#include "app/study/sitting/sitting_state.h"
+#include "app/study/session/study_session_state.h"
 #include "app/view/renderer.h"
 #include "app/view/view_state.h"
 #include "app/widgets/rectangle.h"
@@ -84,7 +84,7 @@ public:
 
     /// Shows this for a frame.
     /// @throw InputError if there are no letters for it
-    SittingFrame show(const ParticipantPicture &picture, const SittingState &state);
+    StudySessionFrame show(const ParticipantPicture &picture, const StudySessionState &state);
     /// See ShowsScene.
     void show_scene(const scene::Scene &scene, const scene::TouchSpot &spot);
 
@@ -96,12 +96,12 @@ public:
     [[nodiscard]] std::vector<study::Setting> facts() const;
 
 private:
-    void draw_experimenter(const SittingState &state, ExperimenterActs &acts);
-    void report_participant(const SittingState &state, const ParticipantPicture &picture);
+    void draw_experimenter(const StudySessionState &state, ExperimenterActs &acts);
+    void report_participant(const StudySessionState &state, const ParticipantPicture &picture);
     void draw_view(const Rectangle &place);
-    void renew_fit(const SittingState &state);
+    void renew_fit(const StudySessionState &state);
     void give_keys_back();
-    void store_note(const SittingState &state, const std::string &text);
+    void store_note(const StudySessionState &state, const std::string &text);
 
     session::Session &session_;
     study::StudyStore &store_;

@@ -233,9 +233,10 @@ std::optional<std::size_t> alternative_of(const study::ResponseWays &ways,
         }
         return is_right_before_left(ways) ? 1 - input.choice : input.choice;
     }
-    const InputSource wanted =
+    const InputSource requested =
         ways.device == study::ResponseDevice::mouse ? InputSource::mouse_button : InputSource::key;
-    const bool is_meant = ways.device != study::ResponseDevice::gesture && input.source == wanted;
+    const bool is_meant =
+        ways.device != study::ResponseDevice::gesture && input.source == requested;
     return is_meant ? index_of(ways, input.name) : std::nullopt;
 }
 

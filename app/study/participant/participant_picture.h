@@ -78,7 +78,7 @@ struct ParticipantPicture {
     std::optional<double> left_share; ///< 0 to 1, of a break or a warm-up: a bar that empties
     std::string left_text;            ///< below that bar
     SceneShown scene = SceneShown::nothing;
-    /// Centre of the ball; where the sitting says, which in contact is not where the tip is.
+    /// Centre of the ball; where the session says, which in contact is not where the tip is.
     std::optional<Vector3> tip_m;
     /// In place of a scene, at the end of a visitor's task; never in a study.
     std::optional<OwnCurve> curve;

@@ -158,7 +158,7 @@ struct MaskingNoise::Output {
     }
     [[nodiscard]] bool is_playing() const {
         constexpr std::chrono::milliseconds kMaxGap{500};
-        const Clock::time_point asked{Clock::duration(last_asked.load())};
+        const Clock::time_point asked{Clock::duration(last_requested.load())};
         return Pa_IsStreamActive(stream) == 1 && Clock::now() - asked < kMaxGap;
     }
     void close_stream() {
@@ -176,7 +176,8 @@ struct MaskingNoise::Output {
         if ((flags & paOutputUnderflow) != 0) {
             output.underruns.fetch_add(1, std::memory_order_relaxed);
         }
-        output.last_asked.store(Clock::now().time_since_epoch().count(), std::memory_order_relaxed);
+        output.last_requested.store(Clock::now().time_since_epoch().count(),
+                                    std::memory_order_relaxed);
         const auto channels = static_cast<std::size_t>(output.channels);
         const std::span<float> samples(static_cast<float *>(to), frames * channels);
         // The same in both ears: filled from the front, then spread from the back.
@@ -194,7 +195,7 @@ struct MaskingNoise::Output {
     int channels;
     FadedNoise noise;
     std::atomic<int> underruns{0};
-    std::atomic<Clock::rep> last_asked{Clock::now().time_since_epoch().count()};
+    std::atomic<Clock::rep> last_requested{Clock::now().time_since_epoch().count()};
     PaStream *stream = nullptr;
 };
 

@@ -114,13 +114,13 @@ CurrentStep spring_drive_step(const MotorParameters &motor, const DriveState &no
 
 CurrentStep current_drive_step(const MotorParameters &motor, const DriveState &now,
                                double commanded_A, double bandwidth_rad_per_s, double step_s) {
-    const double wanted_A =
+    const double requested_A =
         now.limited ? std::clamp(commanded_A, -motor.peak_current_A, motor.peak_current_A)
                     : commanded_A;
     const double x = bandwidth_rad_per_s * step_s;
-    const double gap_A = now.current_A - wanted_A;
-    const double end_A = wanted_A + gap_A * std::exp(-x);
-    const double mean_A = wanted_A - gap_A * std::expm1(-x) / x;
+    const double gap_A = now.current_A - requested_A;
+    const double end_A = requested_A + gap_A * std::exp(-x);
+    const double mean_A = requested_A - gap_A * std::expm1(-x) / x;
     const double e_A_V = now.resistance_Ohm * mean_A +
                          motor.inductance_H * (end_A - now.current_A) / step_s +
                          motor.torque_constant_Nm_per_A * now.rate_rad_per_s;
@@ -156,13 +156,13 @@ CurrentStep current_drive_at_once(const MotorParameters &motor, const DriveState
     if (!now.limited) {
         return {commanded_A, 0.0, commanded_A, 0.0};
     }
-    const double wanted_A = std::clamp(commanded_A, -motor.peak_current_A, motor.peak_current_A);
+    const double requested_A = std::clamp(commanded_A, -motor.peak_current_A, motor.peak_current_A);
     const double e_A_V =
-        now.resistance_Ohm * wanted_A + motor.torque_constant_Nm_per_A * now.rate_rad_per_s;
+        now.resistance_Ohm * requested_A + motor.torque_constant_Nm_per_A * now.rate_rad_per_s;
     if (std::abs(e_A_V) > motor.supply_V) {
         return at_once(motor, {std::copysign(motor.supply_V, e_A_V), now.resistance_Ohm});
     }
-    return {wanted_A, 0.0, wanted_A, 0.0};
+    return {requested_A, 0.0, requested_A, 0.0};
 }
 
 } // namespace springdrive::device

@@ -138,29 +138,29 @@ void UsbDevice::take_calibration(const device::Calibration &calibration) {
 }
 
 void UsbDevice::request_report_rate(double period_s) {
-    const std::uint32_t wanted_us = period_us(period_s);
-    if (wanted_us < capabilities_.shortest_report_period_us ||
-        wanted_us > capabilities_.longest_report_period_us) {
-        const bool is_too_fast = wanted_us < capabilities_.shortest_report_period_us;
+    const std::uint32_t requested_us = period_us(period_s);
+    if (requested_us < capabilities_.shortest_report_period_us ||
+        requested_us > capabilities_.longest_report_period_us) {
+        const bool is_too_fast = requested_us < capabilities_.shortest_report_period_us;
         throw InputError(fmt::format(
             "{}: measures {} every {} us at {}, but a servo at {:.6g} Hz needs every {} us; use a "
             "servo rate of {} Hz",
             name(), is_too_fast ? "at most" : "at least",
             is_too_fast ? capabilities_.shortest_report_period_us
                         : capabilities_.longest_report_period_us,
-            port_->speed(), 1.0 / period_s, wanted_us,
+            port_->speed(), 1.0 / period_s, requested_us,
             1'000'000 / (is_too_fast ? capabilities_.shortest_report_period_us
                                      : capabilities_.longest_report_period_us)));
     }
-    const auto payload = encode(ReportRate{wanted_us});
+    const auto payload = encode(ReportRate{requested_us});
     if (!port_->control_out(Kind::report_rate, 0, payload)) {
         throw InputError(
             fmt::format("{}: refuses a report every {} us, which its capabilities allow; its "
                         "firmware is at fault",
-                        name(), wanted_us));
+                        name(), requested_us));
     }
     watchdog_us_ = static_cast<std::uint16_t>(
-        std::clamp(watchdog_periods_ * wanted_us,
+        std::clamp(watchdog_periods_ * requested_us,
                    static_cast<double>(std::max<std::uint32_t>(capabilities_.shortest_watchdog_us,
                                                                kMinWatchdog_us)),
                    static_cast<double>(std::min<std::uint32_t>(capabilities_.longest_watchdog_us,
@@ -316,25 +316,25 @@ bool UsbDevice::send(Command command, std::uint32_t measured_at_us, bool is_firs
     return true;
 }
 
-void UsbDevice::write(const DeviceCommand &wanted) noexcept {
-    if (wanted.voids_zero) {
+void UsbDevice::write(const DeviceCommand &requested) noexcept {
+    if (requested.voids_zero) {
         is_zeroed_ = false;
     }
     if (!is_open_) {
         return;
     }
     Command command;
-    command.mode = mode_of(wanted.mode);
-    command.resets_faults = wanted.resets_faults && wanted.mode == device::CommandMode::brake;
-    if (wanted.mode == device::CommandMode::drive) {
-        command.e_W_V = triple_of(wanted.e_W_V);
-        command.cancelled_resistance_Ohm.diagonal = triple_of(wanted.cancelled_resistance_Ohm);
+    command.mode = mode_of(requested.mode);
+    command.resets_faults = requested.resets_faults && requested.mode == device::CommandMode::brake;
+    if (requested.mode == device::CommandMode::drive) {
+        command.e_W_V = triple_of(requested.e_W_V);
+        command.cancelled_resistance_Ohm.diagonal = triple_of(requested.cancelled_resistance_Ohm);
     }
     if (pacing_ == Pacing::clock) {
         command.report_after_us = phase_.report_after_us(port_->now_s() - tick_s_, period_s_);
     }
-    send(command, measured_at_us(wanted.number), wanted.number != answered_);
-    answered_ = wanted.number;
+    send(command, measured_at_us(requested.number), requested.number != answered_);
+    answered_ = requested.number;
 }
 
 void UsbDevice::publish() noexcept {

@@ -119,7 +119,7 @@ std::string first_line(const fs::path &file) {
     return line;
 }
 
-std::string find_controller(const std::string &gadget, const std::string &wanted) {
+std::string find_controller(const std::string &gadget, const std::string &requested) {
     std::vector<std::string> controllers;
     std::error_code ignored;
     for (const auto &entry : fs::directory_iterator(kControllerFolder, ignored)) {
@@ -130,14 +130,14 @@ std::string find_controller(const std::string &gadget, const std::string &wanted
         throw gadget_error(gadget, "there is no USB device controller; load dummy_hcd, or connect "
                                    "one");
     }
-    if (wanted.empty()) {
+    if (requested.empty()) {
         return controllers.front();
     }
-    if (!std::ranges::binary_search(controllers, wanted)) {
-        throw gadget_error(gadget, "there is no USB device controller " + wanted + "; there is " +
-                                       controllers.front());
+    if (!std::ranges::binary_search(controllers, requested)) {
+        throw gadget_error(gadget, "there is no USB device controller " + requested +
+                                       "; there is " + controllers.front());
     }
-    return wanted;
+    return requested;
 }
 
 /// FunctionFS' files of this instance, mounted nowhere, so that nothing remains when this process

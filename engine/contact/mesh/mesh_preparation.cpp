@@ -52,9 +52,9 @@ struct Sliver {
 }
 
 [[nodiscard]] FacetSides sides_of(const MeshTriangle &triangle, const MeshComponent &component,
-                                  TouchSides wanted) {
+                                  TouchSides requested) {
     const bool is_one_sided =
-        wanted == TouchSides::one || (wanted == TouchSides::automatic && component.is_closed);
+        requested == TouchSides::one || (requested == TouchSides::automatic && component.is_closed);
     return is_one_sided && !triangle.has_both_windings ? FacetSides::one : FacetSides::two;
 }
 

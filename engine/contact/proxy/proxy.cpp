@@ -222,9 +222,9 @@ void Proxy::search_neighbourhood(const HapticSurface &surface, const Vector3 &ce
     budget.search.effort_left += part.effort_left;
     // Enough facets to make a list worthwhile, and not so many that it overflows: on a surface
     // their number grows with the square of the radius.
-    constexpr double kWanted = 0.35 * Neighbourhood::kCapacity;
+    constexpr double kRequested = 0.35 * Neighbourhood::kCapacity;
     const double seen_m = near_.radius_m() > 0.0 ? near_.radius_m() : 0.5 * search_radius_m_;
-    const double growth = std::sqrt(kWanted / std::max(1, near_.size()));
+    const double growth = std::sqrt(kRequested / std::max(1, near_.size()));
     search_radius_m_ = std::clamp(seen_m * std::clamp(growth, 0.7, 1.5),
                                   reach_m_ + kMinSearchRadius_m, kMaxSearchRadius_m);
 }

@@ -82,8 +82,8 @@ double stiffness_error(const loops::SpringDrive &drive, int points) {
     double sum = 0.0;
     const double ratio = kMaxJudged_Hz / kMinJudged_Hz;
     for (int i = 0; i < points; ++i) {
-        const double asked_Hz = kMinJudged_Hz * std::pow(ratio, i / (points - 1.0));
-        const loops::SweepWindow window = loops::sweep_window(asked_Hz, drive.period_s);
+        const double requested_Hz = kMinJudged_Hz * std::pow(ratio, i / (points - 1.0));
+        const loops::SweepWindow window = loops::sweep_window(requested_Hz, drive.period_s);
         const double omega_rad_per_s = 2.0 * std::numbers::pi * window.frequency_hz(drive.period_s);
         const std::complex<double> truth = loops::analytic_stiffness(drive, omega_rad_per_s);
         sum += std::norm((loops::measured_stiffness(drive, window) - truth) / truth);

@@ -40,9 +40,9 @@ struct HeldMotor {
     double e_W_V = 0.0;
 
     /// Sets R̂ = R(T, θ) − dR (7), as the operator does.
-    void tune(double asked_dR_Ohm) {
+    void tune(double requested_dR_Ohm) {
         R_hat_asked_Ohm =
-            resistance_Ohm() - device::residual_resistance_Ohm(parameters, asked_dR_Ohm);
+            resistance_Ohm() - device::residual_resistance_Ohm(parameters, requested_dR_Ohm);
     }
 
     /// One step with the current at its start.
@@ -60,11 +60,11 @@ struct HeldMotor {
     }
     [[nodiscard]] double dR_Ohm() const { return resistance_Ohm() - R_hat_allowed_Ohm(); }
     /// (11) at rest, with an unlimited supply.
-    [[nodiscard]] double asked_current_A() const { return e_W_V / dR_Ohm(); }
+    [[nodiscard]] double requested_current_A() const { return e_W_V / dR_Ohm(); }
     /// The same, limited to what the supply drives through R.
     [[nodiscard]] double current_A() const {
         const double rail_A = parameters.supply_V / resistance_Ohm();
-        return std::clamp(asked_current_A(), -rail_A, rail_A);
+        return std::clamp(requested_current_A(), -rail_A, rail_A);
     }
     [[nodiscard]] bool is_too_hot() const {
         return guard.max_C() > parameters.thermal.max_winding_C;
@@ -163,7 +163,7 @@ private:
 void HeldDevice::check_currents() const {
     for (std::size_t j = 0; j < motors_.size(); ++j) {
         const device::MotorParameters &motor = motors_[j].parameters;
-        const double current_A = std::abs(motors_[j].asked_current_A());
+        const double current_A = std::abs(motors_[j].requested_current_A());
         const double limit_A =
             std::min(motor.peak_current_A, motor.supply_V / motors_[j].resistance_Ohm());
         if (!(current_A <= limit_A)) {

@@ -190,16 +190,16 @@ ModelError model_error(const ModelRun &run, const ModelRun &fullest, double peri
         return {kInfinity, kInfinity};
     }
     const std::vector<Vector3> felt_N = below(run.force_N, bandwidth_hz, period_s);
-    const std::vector<Vector3> wanted_N = below(fullest.force_N, bandwidth_hz, period_s);
+    const std::vector<Vector3> requested_N = below(fullest.force_N, bandwidth_hz, period_s);
     double force_sum = 0.0;
     double angle_sum = 0.0;
     double with_direction = 0.0;
     for (std::size_t i = 0; i < felt_N.size(); ++i) {
-        force_sum += (felt_N[i] - wanted_N[i]).squaredNorm();
+        force_sum += (felt_N[i] - requested_N[i]).squaredNorm();
         const bool both_touch = run.contacts[i].touching && fullest.contacts[i].touching;
         if (both_touch &&
-            std::min(felt_N[i].norm(), wanted_N[i].norm()) >= kMinForceWithDirection_N) {
-            const double angle_rad = control::direction_error_rad(felt_N[i], wanted_N[i]);
+            std::min(felt_N[i].norm(), requested_N[i].norm()) >= kMinForceWithDirection_N) {
+            const double angle_rad = control::direction_error_rad(felt_N[i], requested_N[i]);
             angle_sum += angle_rad * angle_rad;
             ++with_direction;
         }

@@ -32,8 +32,8 @@ Vector3 holding_N(const device::DeviceDescription &device, const Vector3 &q_rad)
 }
 
 /// Down to where the hand's spring presses as hard as the condition asks.
-HandCourse press_course(const StudySetting &setting, const Presented &presented,
-                        const Stimulus &stimulus, const HandDeviation &hand) {
+HandTrajectory press_trajectory(const StudySetting &setting, const Presented &presented,
+                                const Stimulus &stimulus, const HandDeviation &hand) {
     const scene::TouchSpot &spot = setting.conditions[presented.condition].spot;
     const PredictedPress press =
         predicted_press(setting, presented, stimulus.form).value_or(PredictedPress{});
@@ -47,7 +47,7 @@ HandCourse press_course(const StudySetting &setting, const Presented &presented,
     const Vector3 pressing_m = at_m - deep_m * spot.normal;
     const Vector3 touching_m = at_m - std::min(deep_m, kTouch_m) * spot.normal;
     const double start_s = kServoStart_s + stimulus.rest_s;
-    HandCourse course;
+    HandTrajectory course;
     course.from_s = start_s + kDown_s + kSettle_s;
     course.until_s = course.from_s + stimulus.presentation_s + kLater_s + glide_back_s(stimulus);
     course.is_held = true;
@@ -61,12 +61,12 @@ HandCourse press_course(const StudySetting &setting, const Presented &presented,
 }
 
 /// At constant speed through the surface.
-HandCourse blow_course(const StudySetting &setting, const Presented &presented,
-                       const Stimulus &stimulus, const HandDeviation &hand) {
+HandTrajectory blow_trajectory(const StudySetting &setting, const Presented &presented,
+                               const Stimulus &stimulus, const HandDeviation &hand) {
     const scene::TouchSpot &spot = setting.conditions[presented.condition].spot;
     const Vector3 above_m = stimulus.start_m + hand.aside_m;
     const Vector3 below_m = spot.point_m + hand.aside_m - kFollowThrough_m * spot.normal;
-    HandCourse course;
+    HandTrajectory course;
     course.from_s = kServoStart_s + stimulus.rest_s;
     const double arrived_s = course.from_s + (kApproach_m + kFollowThrough_m) /
                                                  (hand.share * presented.parameters.speed_m_per_s);
@@ -96,9 +96,9 @@ std::vector<simulated::HandPath::Point> stroke_points(const Vector3 &about_m, do
     return points;
 }
 
-HandCourse stroke_course(const Presented &presented, const Stimulus &stimulus,
-                         const HandDeviation &hand) {
-    HandCourse course;
+HandTrajectory stroke_trajectory(const Presented &presented, const Stimulus &stimulus,
+                                 const HandDeviation &hand) {
+    HandTrajectory course;
     course.from_s = kServoStart_s + stimulus.rest_s;
     course.until_s = course.from_s + stimulus.presentation_s + kLater_s;
     course.points = stroke_points(stimulus.start_m, course.from_s, course.until_s - course.from_s,
@@ -156,18 +156,18 @@ MotorTemperatures sum(const MotorTemperatures &a, const MotorTemperatures &b, do
 
 } // namespace
 
-HandCourse hand_course(const StudySetting &setting, const Presented &presented,
-                       const Stimulus &stimulus, const HandDeviation &hand) {
+HandTrajectory hand_trajectory(const StudySetting &setting, const Presented &presented,
+                               const Stimulus &stimulus, const HandDeviation &hand) {
     switch (stimulus.form) {
     case StimulusForm::blow:
-        return blow_course(setting, presented, stimulus, hand);
+        return blow_trajectory(setting, presented, stimulus, hand);
     case StimulusForm::stroke:
-        return stroke_course(presented, stimulus, hand);
+        return stroke_trajectory(presented, stimulus, hand);
     case StimulusForm::press:
     case StimulusForm::pulse:
         break;
     }
-    return press_course(setting, presented, stimulus, hand);
+    return press_trajectory(setting, presented, stimulus, hand);
 }
 
 StimulusTrial try_stimulus(const Protocol &protocol, const StudySetting &setting,
@@ -176,7 +176,7 @@ StimulusTrial try_stimulus(const Protocol &protocol, const StudySetting &setting
     StimulusTrial seen;
     seen.name = name_of(protocol, presented);
     seen.stimulus = cut(stimulus_of(protocol, setting, presented), condition);
-    HandCourse course = hand_course(setting, presented, seen.stimulus, circumstances.hand);
+    HandTrajectory course = hand_trajectory(setting, presented, seen.stimulus, circumstances.hand);
     if (circumstances.strokes_after_s > 0.0) {
         const simulated::HandPath::Point last = course.points.back();
         const std::vector<simulated::HandPath::Point> strokes =

@@ -24,7 +24,7 @@ struct HandDeviation {
 };
 
 /// The hand's path, and when it is where the stimulus wants it.
-struct HandCourse {
+struct HandTrajectory {
     std::vector<simulated::HandPath::Point> points;
     double from_s = 0.0;
     double until_s = 0.0;
@@ -39,8 +39,9 @@ inline constexpr double kServoStart_s = 1.25;
 /// for the time that the stimulus wants, does what the form asks for, and goes back. Where it
 /// presses it makes up for the weight of the linkage, so that the device pushes back as hard as the
 /// condition says. It does not make up for a force along the surface, and yields to it.
-[[nodiscard]] HandCourse hand_course(const StudySetting &setting, const Presented &presented,
-                                     const Stimulus &stimulus, const HandDeviation &hand);
+[[nodiscard]] HandTrajectory hand_trajectory(const StudySetting &setting,
+                                             const Presented &presented, const Stimulus &stimulus,
+                                             const HandDeviation &hand);
 
 // A stimulus presented to a simulated hand: the whole servo in closed loop with the simulated
 // device, its limiter and its safety monitor included.

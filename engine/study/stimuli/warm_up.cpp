@@ -118,15 +118,15 @@ double WarmUp::heat_share(Eigen::Index motor, const servo::ServoSample &last) co
     return std::clamp(std::min(below_ceiling_K, below_limit_K) / kSoft_K, 0.0, 1.0);
 }
 
-Vector3 WarmUp::wanted_A(const servo::ServoSample &last, const Vector3 &most_A,
-                         bool is_allowed) const noexcept {
-    Vector3 wanted_A = Vector3::Zero();
+Vector3 WarmUp::requested_A(const servo::ServoSample &last, const Vector3 &most_A,
+                            bool is_allowed) const noexcept {
+    Vector3 requested_A = Vector3::Zero();
     for (Eigen::Index j = 0; j < 3 && is_allowed; ++j) {
         if (!has_warmed_[static_cast<std::size_t>(j)]) {
-            wanted_A[j] = std::sqrt(heat_share(j, last)) * most_A[j];
+            requested_A[j] = std::sqrt(heat_share(j, last)) * most_A[j];
         }
     }
-    return wanted_A;
+    return requested_A;
 }
 
 void WarmUp::proceed(const servo::ServoSample &last) noexcept {
@@ -177,7 +177,7 @@ void WarmUp::update(const servo::ServoSample &last, servo::LawInputs &inputs) no
         return;
     }
     if (!dR_before_Ohm_) {
-        dR_before_Ohm_ = asked_dR_Ohm_ = inputs.tuning.dR_Ohm;
+        dR_before_Ohm_ = requested_dR_Ohm_ = inputs.tuning.dR_Ohm;
     }
     elapsed_s_ += period_s_;
     proceed(last);
@@ -194,10 +194,11 @@ void WarmUp::update(const servo::ServoSample &last, servo::LawInputs &inputs) no
     const bool is_allowed = is_heating && !last.contact.touching &&
                             last.safety.state == servo::SafetyState::running && has_asked_dR(last);
     amplitude_A_ = is_over() ? Vector3(Vector3::Zero())
-                             : towards(amplitude_A_, wanted_A(last, most_A, is_allowed),
+                             : towards(amplitude_A_, requested_A(last, most_A, is_allowed),
                                        most_A.maxCoeff() * period_s_ / kRamp_s);
-    asked_dR_Ohm_ = is_heating || !amplitude_A_.isZero(0.0) ? max_dR_Ohm(device_) : *dR_before_Ohm_;
-    inputs.tuning.dR_Ohm = asked_dR_Ohm_;
+    requested_dR_Ohm_ =
+        is_heating || !amplitude_A_.isZero(0.0) ? max_dR_Ohm(device_) : *dR_before_Ohm_;
+    inputs.tuning.dR_Ohm = requested_dR_Ohm_;
     inputs.excitation_V = voltage_V(last);
 }
 

@@ -167,11 +167,11 @@ private:
     [[nodiscard]] double lacking_K(Eigen::Index motor, double winding_C) const noexcept;
     [[nodiscard]] double heat_share(Eigen::Index motor,
                                     const servo::ServoSample &last) const noexcept;
-    [[nodiscard]] Vector3 wanted_A(const servo::ServoSample &last, const Vector3 &most_A,
-                                   bool is_allowed) const noexcept;
+    [[nodiscard]] Vector3 requested_A(const servo::ServoSample &last, const Vector3 &most_A,
+                                      bool is_allowed) const noexcept;
     void proceed(const servo::ServoSample &last) noexcept;
     [[nodiscard]] bool has_asked_dR(const servo::ServoSample &last) const noexcept {
-        return last.tuning.dR_Ohm == asked_dR_Ohm_;
+        return last.tuning.dR_Ohm == requested_dR_Ohm_;
     }
     [[nodiscard]] Vector3 voltage_V(const servo::ServoSample &last) noexcept;
 
@@ -184,7 +184,7 @@ private:
     double off_band_K_ = 0.0;
     double sign_ = 1.0; ///< of the last voltage
     std::optional<double> dR_before_Ohm_;
-    double asked_dR_Ohm_ = 0.0; ///< by the last update; the servo glides there
+    double requested_dR_Ohm_ = 0.0; ///< by the last update; the servo glides there
     bool has_housings_ = false;
     Vector3 housing_C_{Vector3::Zero()};
     std::array<bool, 3> has_warmed_{};

@@ -196,7 +196,7 @@ TEST(ExhibitRecovery, WaitsUntilTheHandIsLetGoAndTheTipIsFree) {
     EXPECT_EQ(patient.recovery.condition(), Condition::let_go);
     now.hand_is_held = false;
     EXPECT_NEAR(patient.until_remedy_s(now, 20.0), kRecoveryFrame_s, 1e-6);
-    EXPECT_EQ(patient.last, Remedy::lift_hand);
+    EXPECT_EQ(patient.last, Remedy::retract_hand);
     now.is_touching = false;
     patient.pass(now, TripRecovery::kPause_s - 0.5 * kRecoveryFrame_s);
     EXPECT_EQ(patient.recovery.condition(), Condition::pause);
@@ -268,7 +268,7 @@ TEST(ExhibitRecovery, LiftsATipThatMotorsWaitForUnlessItIsHeld) {
     EXPECT_EQ(patient.recovery.condition(), Condition::lift);
     now.hand_is_held = false;
     EXPECT_NEAR(patient.until_remedy_s(now, 20.0), TripRecovery::kLift_s, 1.5 * kRecoveryFrame_s);
-    EXPECT_EQ(patient.last, Remedy::lift_hand);
+    EXPECT_EQ(patient.last, Remedy::retract_hand);
     now.state = SafetyState::running; // that is what it is there for
     patient.pass(now, 60.0);
     EXPECT_EQ(patient.recovery.condition(), Condition::well);

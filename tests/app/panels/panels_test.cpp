@@ -210,18 +210,18 @@ TEST(TuningEditor, TheLockLetsEveryStableTuningPassAndNoOther) {
     int held = 0;
     int passed = 0;
     for (int i = 0; i < 300; ++i) {
-        const Tuning wanted = random_tuning(random);
+        const Tuning requested = random_tuning(random);
         rig.editor.replace(start, "start");
-        rig.editor.drag(wanted, 1);
+        rig.editor.drag(requested, 1);
         rig.session.tuning().let_go();
         EXPECT_EQ(rig.session.servo().inputs().tuning, rig.session.tuning().now());
         EXPECT_TRUE(is_stable(rig.session, rig.session.tuning().now(), 1.0));
-        if (is_stable(rig.session, wanted, 1.021)) {
-            EXPECT_EQ(rig.session.tuning().now(), wanted);
+        if (is_stable(rig.session, requested, 1.021)) {
+            EXPECT_EQ(rig.session.tuning().now(), requested);
             EXPECT_TRUE(rig.editor.error().empty());
             ++passed;
-        } else if (!is_stable(rig.session, wanted, 1.02)) {
-            EXPECT_NE(rig.session.tuning().now(), wanted);
+        } else if (!is_stable(rig.session, requested, 1.02)) {
+            EXPECT_NE(rig.session.tuning().now(), requested);
             EXPECT_FALSE(rig.editor.error().empty());
             ++held;
         }
@@ -232,9 +232,9 @@ TEST(TuningEditor, TheLockLetsEveryStableTuningPassAndNoOther) {
 
 TEST(TuningEditor, ADragEndsAtTheLimit) {
     Rig rig;
-    Tuning wanted = rig.session.tuning().now();
-    wanted.K_P_V_per_rad = 400.0;
-    rig.editor.drag(wanted, 1);
+    Tuning requested = rig.session.tuning().now();
+    requested.K_P_V_per_rad = 400.0;
+    rig.editor.drag(requested, 1);
     const Tuning reached = rig.session.tuning().now();
     EXPECT_GT(reached.K_P_V_per_rad, 6.0);
     EXPECT_TRUE(is_stable(rig.session, reached, 1.0));
@@ -245,16 +245,16 @@ TEST(TuningEditor, ADragEndsAtTheLimit) {
 TEST(TuningEditor, UnlockedEveryTuningPassesAndTheIndicatorFollows) {
     Rig rig;
     rig.editor.is_unlocked = true;
-    Tuning wanted = rig.session.tuning().now();
-    wanted.K_P_V_per_rad = 400.0;
-    rig.editor.drag(wanted, 1);
-    EXPECT_EQ(rig.session.tuning().now(), wanted);
+    Tuning requested = rig.session.tuning().now();
+    requested.K_P_V_per_rad = 400.0;
+    rig.editor.drag(requested, 1);
+    EXPECT_EQ(rig.session.tuning().now(), requested);
     EXPECT_FALSE(rig.editor.indicator().is_stable());
     // Locked again, every way is open from there.
     rig.editor.is_unlocked = false;
-    wanted.K_P_V_per_rad = 300.0;
-    rig.editor.drag(wanted, 1);
-    EXPECT_EQ(rig.session.tuning().now(), wanted);
+    requested.K_P_V_per_rad = 300.0;
+    rig.editor.drag(requested, 1);
+    EXPECT_EQ(rig.session.tuning().now(), requested);
 }
 
 TEST(TuningEditor, TheIndicatorIsThatOfTheChosenHand) {

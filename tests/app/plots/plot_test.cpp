@@ -370,11 +370,11 @@ TEST_F(PlotTest, APolarPlotShowsTheRangeThatItIsZoomedTo) {
 /// What is drawn in the colour of a channel, apart from its colour: widths of lines, their dashes,
 /// and their numbers of points.
 std::set<std::string> looks(const std::vector<LineCanvas::Line> &lines, std::size_t of) {
-    const ImVec4 &wanted = look_of(of).stroke.colour;
+    const ImVec4 &requested = look_of(of).stroke.colour;
     std::set<std::string> found;
     for (const auto &[points, stroke] : lines) {
         const ImVec4 &colour = stroke.colour;
-        if (colour.x == wanted.x && colour.y == wanted.y && colour.z == wanted.z) {
+        if (colour.x == requested.x && colour.y == requested.y && colour.z == requested.z) {
             found.insert(fmt::format("{:.1f} {} {}", stroke.width, static_cast<int>(stroke.dash),
                                      std::min<std::size_t>(points.size(), 6)));
         }

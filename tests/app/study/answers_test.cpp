@@ -1,12 +1,12 @@
 // Covers how participants answer. app/study/participant/answers.cpp, and
-// app/study/sitting/person_checks.cpp: what is drawn of the ways to answer is what they do, and
+// app/study/session/person_checks.cpp: what is drawn of the ways to answer is what they do, and
 // what keeps persons out of a protocol. app/study/experimenter/live_charts.cpp: what the
-// experimenter sees of the answers so far. app/study/sitting/{sitting,interludes}.cpp: sessions
+// experimenter sees of the answers so far. app/study/session/{session,interludes}.cpp: sessions
 // with a questionnaire, by method of adjustment, and with masking noise, on a sound output that is
 // a file, or on none.
 #include "app/study/experimenter/study_window.h"
 #include "app/study/participant/answers.h"
-#include "app/study/sitting/sitting.h"
+#include "app/study/session/study_session.h"
 #include "app/widgets/widgets.h"
 #include "base/input_error.h"
 #include "tests/app/study/headless_study.h"
@@ -315,7 +315,7 @@ using study::Trial;
 
 /// Each answer is on the disk when the next one is asked; what is missing is asked in a session of
 /// its own, for which questions alone need no noise.
-TEST_F(StudySitting, AsksItsQuestionsAndOnceIfTheyWereAnswered) {
+TEST_F(StudySessionTest, AsksItsQuestionsAndOnceIfTheyWereAnswered) {
     using study::QuestionnaireKind;
     using study::QuestionnaireTime;
     study::QuestionnaireItem hand{"hand", QuestionnaireTime::before, "Which hand?",
@@ -340,9 +340,10 @@ TEST_F(StudySitting, AsksItsQuestionsAndOnceIfTheyWereAnswered) {
             ParticipantInput click{.source = InputSource::choice, .name = ""};
             click.choice = now.picture.choices.size() - 1;
             const std::string &text = now.picture.text;
-            now.port.orders.stops = text == stops_at || (stops_at == "interval" &&
-                                                         now.state.step == SittingStep::interval);
-            if (now.state.step != SittingStep::questionnaire) {
+            now.port.orders.stops =
+                text == stops_at ||
+                (stops_at == "interval" && now.state.step == StudySessionStep::interval);
+            if (now.state.step != StudySessionStep::questionnaire) {
                 return;
             }
             asked += last == text ? "" : text + " ";
@@ -359,8 +360,8 @@ TEST_F(StudySitting, AsksItsQuestionsAndOnceIfTheyWereAnswered) {
                                    MadeUpPort::key("enter", 0.0)};
             }
         });
-        for (const SittingStep step :
-             {SittingStep::instructions, SittingStep::interval, SittingStep::over}) {
+        for (const StudySessionStep step :
+             {StudySessionStep::instructions, StudySessionStep::interval, StudySessionStep::over}) {
             asked += steps_.contains(step) ? std::string(description(step)) + ", " : "";
         }
         return asked + std::string(name_of(ending));
@@ -393,7 +394,7 @@ TEST_F(StudySitting, AsksItsQuestionsAndOnceIfTheyWereAnswered) {
 
 /// Eta of the plate, from a drawn start, after the standard and by itself. In the first trial some
 /// steps down, in the others more up than there are; one that is not ended comes again.
-TEST_F(StudySitting, AnAdjustmentIsStoredAsItWasSet) {
+TEST_F(StudySessionTest, AnAdjustmentIsStoredAsItWasSet) {
     protocol_ = short_protocol("stiffness");
     study::Adjustment method;
     method.scale = study::Scale::logarithmic;
@@ -419,7 +420,7 @@ TEST_F(StudySitting, AnAdjustmentIsStoredAsItWasSet) {
         int pressed = 0;
         std::set<std::string> headings;
         const SessionEnding ending = run([&](const Moment &now) {
-            if (now.state.step != SittingStep::interval || !now.state.trial) {
+            if (now.state.step != StudySessionStep::interval || !now.state.trial) {
                 pressed = 0;
                 return;
             }
@@ -452,20 +453,21 @@ TEST_F(StudySitting, AnAdjustmentIsStoredAsItWasSet) {
                 continue;
             }
             ASSERT_TRUE(std::holds_alternative<study::Adjusted>(trial.response));
-            const double wanted =
+            const double requested =
                 trial.place.position == 1 ? *trial.level * std::exp(-kSteps * step) : 0.35;
-            EXPECT_NEAR(std::get<study::Adjusted>(trial.response).level, wanted, 1e-9 * wanted);
+            EXPECT_NEAR(std::get<study::Adjusted>(trial.response).level, requested,
+                        1e-9 * requested);
             EXPECT_TRUE(trial.marks.empty()) << trial.marks.front();
             const auto eta = std::ranges::find(trial.tuning, "eta", &study::Setting::name);
             ASSERT_NE(eta, trial.tuning.end());
             // What was felt at the end.
-            EXPECT_NEAR(std::get<double>(eta->value), 0.5 + wanted, 1e-9);
+            EXPECT_NEAR(std::get<double>(eta->value), 0.5 + requested, 1e-9);
         }
     }
 }
 
 /// What is played goes to a reader who stalls for a while, as an output that hangs does.
-TEST_F(StudySitting, TheNoiseIsCheckedStoredAndBegunAgainWhenItHasStopped) {
+TEST_F(StudySessionTest, TheNoiseIsCheckedStoredAndBegunAgainWhenItHasStopped) {
     const char *const systems = "/usr/share/alsa/alsa.conf"; // of the package libasound2-data
     if (!fs::exists(systems)) {
         GTEST_SKIP() << systems << " is not there";
@@ -501,9 +503,9 @@ TEST_F(StudySitting, TheNoiseIsCheckedStoredAndBegunAgainWhenItHasStopped) {
             bool was_checked = false;
             const SessionEnding ending = run([&](const Moment &now) {
                 was_checked =
-                    was_checked || (now.state.step == SittingStep::noise_check &&
+                    was_checked || (now.state.step == StudySessionStep::noise_check &&
                                     now.picture.text.starts_with(protocol_.texts.noise_check));
-                if (now.state.step == SittingStep::after_response && !later.joinable()) {
+                if (now.state.step == StudySessionStep::after_response && !later.joinable()) {
                     listens = false;
                     std::this_thread::sleep_for(std::chrono::milliseconds(800));
                     later = std::thread([&listens] {
@@ -529,7 +531,7 @@ TEST_F(StudySitting, TheNoiseIsCheckedStoredAndBegunAgainWhenItHasStopped) {
     EXPECT_EQ(std::ranges::count(facts, study::Setting{"noise_output", std::string("default")}), 1);
 }
 
-TEST_F(StudySitting, WithoutASoundOutputThereIsNoSession) {
+TEST_F(StudySessionTest, WithoutASoundOutputThereIsNoSession) {
     protocol_.noise = study::MaskingNoise{-80.0};
     plays_noise_ = true;
     const std::string said = testing::said_in_child(

@@ -34,24 +34,25 @@ conducted(const study::Protocol &protocol,
 }
 
 /// All of a trial that follows from the protocol and from what was answered before and in it.
-inline void expect_same_decision(const study::Trial &seen, const study::Trial &wanted) {
-    SCOPED_TRACE(text_of(wanted.place));
-    EXPECT_EQ(seen.place, wanted.place);
-    EXPECT_EQ(seen.condition, wanted.condition);
-    EXPECT_EQ(seen.track, wanted.track);
-    EXPECT_EQ(seen.is_practice, wanted.is_practice);
-    EXPECT_EQ(seen.is_catch, wanted.is_catch);
-    EXPECT_EQ(seen.is_presented_again, wanted.is_presented_again);
-    EXPECT_EQ(seen.seed, wanted.seed);
-    EXPECT_EQ(seen.level_name, wanted.level_name);
-    EXPECT_EQ(seen.level, wanted.level);
-    EXPECT_EQ(seen.target, wanted.target);
-    EXPECT_EQ(seen.response, wanted.response);
-    EXPECT_EQ(seen.is_correct, wanted.is_correct);
-    EXPECT_EQ(seen.repetition_of, wanted.repetition_of);
-    EXPECT_EQ(seen.repeated_by, wanted.repeated_by);
-    if (wanted.safety_events.empty()) { // else what was delivered until a stop may be marked, too
-        EXPECT_EQ(seen.marks, wanted.marks);
+inline void expect_same_decision(const study::Trial &seen, const study::Trial &requested) {
+    SCOPED_TRACE(text_of(requested.place));
+    EXPECT_EQ(seen.place, requested.place);
+    EXPECT_EQ(seen.condition, requested.condition);
+    EXPECT_EQ(seen.track, requested.track);
+    EXPECT_EQ(seen.is_practice, requested.is_practice);
+    EXPECT_EQ(seen.is_catch, requested.is_catch);
+    EXPECT_EQ(seen.is_presented_again, requested.is_presented_again);
+    EXPECT_EQ(seen.seed, requested.seed);
+    EXPECT_EQ(seen.level_name, requested.level_name);
+    EXPECT_EQ(seen.level, requested.level);
+    EXPECT_EQ(seen.target, requested.target);
+    EXPECT_EQ(seen.response, requested.response);
+    EXPECT_EQ(seen.is_correct, requested.is_correct);
+    EXPECT_EQ(seen.repetition_of, requested.repetition_of);
+    EXPECT_EQ(seen.repeated_by, requested.repeated_by);
+    if (requested.safety_events
+            .empty()) { // else what was delivered until a stop may be marked, too
+        EXPECT_EQ(seen.marks, requested.marks);
     }
 }
 

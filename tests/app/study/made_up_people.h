@@ -1,10 +1,10 @@
-// Two people and two windows that are made up, for sittings without a screen: in lockstep, each
+// Two people and two windows that are made up, for sessions without a screen: in lockstep, each
 // frame a sixtieth of a second. And whole sessions of them on the simulated device; the study is in
 // a folder of its own.
 #pragma once
 
 #include "app/study/participant/answers.h"
-#include "app/study/sitting/sitting.h"
+#include "app/study/session/study_session.h"
 #include "device/core/faults.h"
 #include "engine/study/protocol/protocol.h"
 #include "tests/app/study/headless_study.h"
@@ -68,7 +68,7 @@ public:
     MadeUpPort(session::Session &session, const study::Protocol &protocol)
         : session_(session), protocol_(protocol) {}
 
-    SittingFrame show(const ParticipantPicture &picture, const SittingState &state) {
+    StudySessionFrame show(const ParticipantPicture &picture, const StudySessionState &state) {
         session_.advance(kMadeUpFrame_s);
         EXPECT_LT(++frames_, 60 * 600) << "stuck: " << description(state.step); // ten minutes
         if (frames_ >= 60 * 600) {
@@ -78,7 +78,7 @@ public:
         if (on_frame) {
             on_frame(picture, state);
         }
-        SittingFrame frame;
+        StudySessionFrame frame;
         frame.orders = orders;
         frame.inputs = std::exchange(inputs, {});
         if (std::exchange(presses_emergency_stop, false)) {
@@ -87,27 +87,27 @@ public:
         orders.repeats = orders.skips_to_break = orders.resets_device = false;
         const double now_s = session_.servo().now_s();
         switch (state.step) {
-        case SittingStep::response: {
+        case StudySessionStep::response: {
             const Decision decision = decision_of(*state.trial);
-            asked_s_ = asked_s_ < 0.0 ? now_s : asked_s_;
-            if (!is_silent && decision.after_s >= 0.0 && now_s - asked_s_ >= decision.after_s) {
+            requested_s_ = requested_s_ < 0.0 ? now_s : requested_s_;
+            if (!is_silent && decision.after_s >= 0.0 && now_s - requested_s_ >= decision.after_s) {
                 frame.inputs.push_back(key(protocol_.responses.keys[decision.key], now_s));
             }
             break;
         }
-        case SittingStep::practice_ends: // no more of it
+        case StudySessionStep::practice_ends: // no more of it
             frame.inputs.push_back(key(protocol_.responses.keys.at(1), now_s));
             break;
-        case SittingStep::instructions:
-        case SittingStep::noise_check:
-        case SittingStep::practice_begins:
-        case SittingStep::block_begins:
-        case SittingStep::in_break:
-        case SittingStep::over:
+        case StudySessionStep::instructions:
+        case StudySessionStep::noise_check:
+        case StudySessionStep::practice_begins:
+        case StudySessionStep::block_begins:
+        case StudySessionStep::in_break:
+        case StudySessionStep::over:
             frame.inputs.push_back(key(protocol_.responses.keys.front(), now_s));
             break;
         default:
-            asked_s_ = -1.0;
+            requested_s_ = -1.0;
             break;
         }
         return frame;
@@ -132,18 +132,18 @@ public:
     std::vector<ParticipantInput> inputs; ///< of the next frame
     bool presses_emergency_stop = false;  ///< in the next frame
     bool is_silent = false;               ///< answers nothing any more
-    std::function<void(const ParticipantPicture &, const SittingState &)> on_frame;
+    std::function<void(const ParticipantPicture &, const StudySessionState &)> on_frame;
     std::function<void(const scene::Scene &, const scene::TouchSpot &)> on_scene;
-    std::set<SittingStep> steps;
+    std::set<StudySessionStep> steps;
 
 private:
     session::Session &session_;
     const study::Protocol &protocol_;
-    double asked_s_ = -1.0;
+    double requested_s_ = -1.0;
     int frames_ = 0;
 };
 
-/// Shows all of a Sitting, or of what is resumed like one.
+/// Shows all of a StudySession, or of what is resumed like one.
 template <typename Resumed, typename ItsWindow>
 void show_to_end(Resumed &resumed, ItsWindow &window) {
     resumed.start();
@@ -163,7 +163,7 @@ inline void present_alone(const study::Protocol &protocol, const study::Protocol
                           const study::PlannedTrial &planned,
                           const std::function<void(MadeUpPort &)> &prepare,
                           const std::function<void(session::Session &)> &before = {},
-                          const std::function<bool(const SittingState &)> &is_enough = {}) {
+                          const std::function<bool(const StudySessionState &)> &is_enough = {}) {
     session::SessionOptions options;
     options.scene = testing::assets() / "scenes" / "plate.gltf";
     options.device.file = study::device_file_of(protocol, folders);
@@ -171,7 +171,7 @@ inline void present_alone(const study::Protocol &protocol, const study::Protocol
     session::Session session(options);
     MadeUpPort port(session, protocol);
     prepare(port);
-    SittingState state;
+    StudySessionState state;
     const study::StudySetting setting = study::study_setting(protocol, folders);
     std::optional<Frames> frames(std::in_place); // ends before the presenter does
     TrialPresenter presenter(
@@ -229,15 +229,15 @@ struct Moment {
     MadeUpPort &port;
     session::Session &session;
     const ParticipantPicture &picture;
-    const SittingState &state;
+    const StudySessionState &state;
     bool is_new_step; ///< not that of the frame before
 };
 using EachFrame = std::function<void(const Moment &)>;
 
 /// Of force directions, in one block.
-class StudySitting : public ::testing::Test {
+class StudySessionTest : public ::testing::Test {
 protected:
-    StudySitting() {
+    StudySessionTest() {
         protocol_.blocks.resize(1);
         begin_study("sitting");
     }
@@ -265,7 +265,7 @@ protected:
         return options;
     }
 
-    [[nodiscard]] SittingPlan plan() const {
+    [[nodiscard]] StudySessionPlan plan() const {
         return {protocol_,      study::study_setting(protocol_, folders_),
                 folders_,       "P01",
                 keeps_records_, plays_noise_};
@@ -275,18 +275,18 @@ protected:
         study::StudyStore store(file());
         session::Session session(options());
         MadeUpPort port(session, protocol_);
-        std::optional<SittingStep> before;
-        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+        std::optional<StudySessionStep> before;
+        port.on_frame = [&](const ParticipantPicture &picture, const StudySessionState &state) {
             const bool is_new_step = std::exchange(before, state.step) != state.step;
             if (each_frame) {
                 each_frame({port, session, picture, state, is_new_step});
             }
         };
         session.start();
-        Sitting sitting(store, plan(), session, port.scene_shower());
-        show_to_end(sitting, port);
+        StudySession study_session(store, plan(), session, port.scene_shower());
+        show_to_end(study_session, port);
         steps_ = port.steps;
-        return sitting.ending();
+        return study_session.ending();
     }
 
     [[nodiscard]] study::StudyContents contents() const { return study::read_study(file()); }
@@ -312,14 +312,14 @@ protected:
     std::filesystem::path folder_;
     study::Protocol protocol_ = short_protocol("direction");
     study::ProtocolFolders folders_{testing::assets() / "protocols", testing::assets()};
-    std::set<SittingStep> steps_; ///< of the last session
+    std::set<StudySessionStep> steps_; ///< of the last session
 };
 
 inline void expect_same_decisions(const std::vector<study::Trial> &seen,
-                                  const std::vector<study::Trial> &wanted) {
-    ASSERT_EQ(seen.size(), wanted.size());
+                                  const std::vector<study::Trial> &requested) {
+    ASSERT_EQ(seen.size(), requested.size());
     for (std::size_t i = 0; i < seen.size(); ++i) {
-        testing::expect_same_decision(seen[i], wanted[i]);
+        testing::expect_same_decision(seen[i], requested[i]);
     }
 }
 
@@ -328,8 +328,8 @@ class Once {
 public:
     explicit Once(int position) : position_(position) {}
 
-    [[nodiscard]] bool is_now(const SittingState &state) {
-        const bool is_meant = !is_done_ && state.step == SittingStep::interval &&
+    [[nodiscard]] bool is_now(const StudySessionState &state) {
+        const bool is_meant = !is_done_ && state.step == StudySessionStep::interval &&
                               state.phase == study::StimulusPhase::presenting && state.trial &&
                               state.trial->place.block == 1 &&
                               state.trial->place.position == position_;

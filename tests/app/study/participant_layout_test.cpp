@@ -57,7 +57,7 @@ TEST(ParticipantLayout, KeepsTheSceneWhereItIsWhateverIsAroundIt) {
     bare.scene = SceneShown::scene;
     const Rectangle place = laid_out(bare, kScreenSizes[0]).scene;
     ASSERT_FALSE(is_empty(place));
-    for (auto [name, picture] : pictures_of_a_sitting()) {
+    for (auto [name, picture] : pictures_of_a_session()) {
         picture.scene = SceneShown::scene;
         picture.has_text_field = false;
         picture.choices.resize(std::min<std::size_t>(picture.choices.size(), 2));
@@ -286,14 +286,14 @@ TEST(CurveChart, IsReadableWithTheWordsOfAVisitorsResult) {
 }
 
 struct Screen {
-    SittingStep step = SittingStep::over;
+    StudySessionStep step = StudySessionStep::over;
     ParticipantPicture picture;
 };
 
-class StudyScreens : public StudySitting {
+class StudyScreens : public StudySessionTest {
 protected:
     /// Each screen once, whatever time is left, and wherever the ball is.
-    void note(const ParticipantPicture &picture, SittingStep step) {
+    void note(const ParticipantPicture &picture, StudySessionStep step) {
         const auto is_same = [&](const Screen &other) {
             return other.step == step && other.picture.heading == picture.heading &&
                    other.picture.text == picture.text && other.picture.choices == picture.choices &&
@@ -309,7 +309,7 @@ protected:
         begin_study("screens_" + name);
         static_cast<void>(run([&](const Moment &now) {
             note(now.picture, now.state.step);
-            if (now.state.step == SittingStep::questionnaire) {
+            if (now.state.step == StudySessionStep::questionnaire) {
                 answer(now.port, now.picture);
             }
             meanwhile(now);
@@ -354,10 +354,10 @@ TEST_F(StudyScreens, OfTheIncludedProtocolsAreSoundAndReadable) {
         int stopped = 0;
         run_and_note(name, [&](const Moment &now) {
             now.port.presses_emergency_stop = stops.is_now(now.state);
-            paused += now.state.step == SittingStep::paused ? 1 : 0;
+            paused += now.state.step == StudySessionStep::paused ? 1 : 0;
             now.port.orders.is_paused =
                 (now.port.orders.is_paused || pauses.is_now(now.state)) && paused < 20;
-            stopped += now.state.step == SittingStep::device_stopped ? 1 : 0;
+            stopped += now.state.step == StudySessionStep::device_stopped ? 1 : 0;
             now.port.orders.resets_device = stopped == 20;
         });
         EXPECT_TRUE(has(protocol_.texts.end));
@@ -368,19 +368,19 @@ TEST_F(StudyScreens, OfTheIncludedProtocolsAreSoundAndReadable) {
     protocol_ = short_protocol("direction");
     protocol_.windings = {25.0, 10.0, 20.0};
     run_and_note("hot", [](const Moment &now) {
-        now.port.orders.participant_leaves = now.state.step == SittingStep::warming_up;
+        now.port.orders.participant_leaves = now.state.step == StudySessionStep::warming_up;
     });
     EXPECT_TRUE(has(protocol_.texts.cooling_down));
     EXPECT_TRUE(has(protocol_.texts.done_early));
     protocol_.windings = {25.0, 26.0, 60.0};
     run_and_note("cold", [](const Moment &now) {
-        now.port.orders.stops = now.state.step == SittingStep::warming_up;
+        now.port.orders.stops = now.state.step == StudySessionStep::warming_up;
     });
     EXPECT_TRUE(has(protocol_.texts.warming_up));
     kind_ = factory::DeviceKind::emulated;
     starts_at_zero_ = false;
     run_and_note("lost", [](const Moment &now) {
-        now.port.orders.stops = now.state.step == SittingStep::device_lost;
+        now.port.orders.stops = now.state.step == StudySessionStep::device_lost;
     });
     EXPECT_TRUE(has(protocol_.texts.device_lost));
 

@@ -103,7 +103,7 @@ inline void expect_sound(const ParticipantPicture &picture, const ScreenSize &si
     }
 }
 
-inline std::vector<std::pair<std::string, ParticipantPicture>> pictures_of_a_sitting() {
+inline std::vector<std::pair<std::string, ParticipantPicture>> pictures_of_a_session() {
     const std::string stop = "You may stop the device at any time: press the space bar.";
     ParticipantPicture instructions;
     instructions.heading = "Which one is harder?";
@@ -141,8 +141,8 @@ inline std::vector<std::pair<std::string, ParticipantPicture>> pictures_of_a_sit
             {"scene", scene}};
 }
 
-inline ParticipantPicture picture_of_a_sitting(const std::string &name) {
-    for (const auto &[its_name, picture] : pictures_of_a_sitting()) {
+inline ParticipantPicture picture_of_a_session(const std::string &name) {
+    for (const auto &[its_name, picture] : pictures_of_a_session()) {
         if (its_name == name) {
             return picture;
         }

@@ -1,5 +1,5 @@
 // Covers app/study/participant/{participant_view,participant_scene}.cpp; and what a participant
-// sees of a stimulus, by app/study/sitting/{sitting,trial_presenter}.cpp, which must not tell which
+// sees of a stimulus, by app/study/session/{session,trial_presenter}.cpp, which must not tell which
 // it is: as pictures, and as pixels until the response, the same of each condition, level and order
 // of the included protocols, each with its own scene and spot. Software OpenGL draws the same
 // picture twice to the same bytes, so they are compared byte by byte; as many frames are drawn of
@@ -62,13 +62,13 @@ TEST_F(ParticipantPixels, ShowLettersOfEveryAlphabetAndABoxForOthers) {
 
 TEST_F(ParticipantPixels, AreThoseOfThePictureWhateverWasDrawnBefore) {
     ParticipantView used;
-    for (const auto &[name, picture] : pictures_of_a_sitting()) {
+    for (const auto &[name, picture] : pictures_of_a_session()) {
         if (picture.scene == SceneShown::nothing) { // with one see below
             used.draw(picture, 640, 360);
             EXPECT_EQ(used.pixels(), drawn(picture)) << name;
         }
     }
-    ParticipantPicture picture = picture_of_a_sitting("question");
+    ParticipantPicture picture = picture_of_a_session("question");
     used.draw(picture, 1280, 720); // another size, and back
     picture.progress = 0.0;
     used.draw(picture, 640, 360);
@@ -90,7 +90,7 @@ TEST_F(ParticipantPixels, OfTheSceneShowBallAndRingAndAreTheSameEachTime) {
     const Vector3 middle_m = 0.5 * (card.lower_m + card.upper_m);
     const scene::TouchSpot spot{{middle_m.x(), card.upper_m.y(), middle_m.z()}, Vector3::UnitY()};
     const scene::TouchSpot aside{spot.point_m + Vector3(0.01, 0.0, 0.0), Vector3::UnitY()};
-    ParticipantPicture picture = picture_of_a_sitting("scene");
+    ParticipantPicture picture = picture_of_a_session("scene");
     picture.tip_m = spot.point_m + Vector3(0.0, 0.012, 0.0);
     ParticipantPicture without_ball = picture;
     without_ball.tip_m.reset();
@@ -116,8 +116,8 @@ std::vector<ParticipantPicture> pictures_of_first_interval(const study::Protocol
                                                            const PlannedTrial &planned) {
     std::vector<ParticipantPicture> pictures;
     const auto note = [&](MadeUpPort &port) {
-        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
-            if (state.step != SittingStep::interval || state.interval != 0) {
+        port.on_frame = [&](const ParticipantPicture &picture, const StudySessionState &state) {
+            if (state.step != StudySessionStep::interval || state.interval != 0) {
                 return;
             }
             if (state.phase == study::StimulusPhase::leaving) {
@@ -131,8 +131,9 @@ std::vector<ParticipantPicture> pictures_of_first_interval(const study::Protocol
             }
         };
     };
-    present_alone(protocol, folders, planned, note, {}, [](const SittingState &state) {
-        return state.step == SittingStep::between_intervals || state.step == SittingStep::response;
+    present_alone(protocol, folders, planned, note, {}, [](const StudySessionState &state) {
+        return state.step == StudySessionStep::between_intervals ||
+               state.step == StudySessionStep::response;
     });
     return pictures;
 }
@@ -193,11 +194,11 @@ std::vector<Frame> frames_of(const study::Protocol &protocol, const study::Proto
         port.on_scene = [&](const scene::Scene &scene, const scene::TouchSpot &spot) {
             view.set_scene(scene, spot, floor_m);
         };
-        port.on_frame = [&](const ParticipantPicture &picture, const SittingState &state) {
+        port.on_frame = [&](const ParticipantPicture &picture, const StudySessionState &state) {
             const bool is_way_back = state.phase == study::StimulusPhase::leaving;
-            const bool is_first = state.step == SittingStep::interval && state.interval == 0;
-            const bool is_still =
-                state.step == SittingStep::between_intervals || state.step == SittingStep::response;
+            const bool is_first = state.step == StudySessionStep::interval && state.interval == 0;
+            const bool is_still = state.step == StudySessionStep::between_intervals ||
+                                  state.step == StudySessionStep::response;
             if ((is_first && !is_way_back) || ((is_first || is_still) && picture != last)) {
                 const int calls = draw_calls();
                 const std::size_t vertices = view.vertices();

@@ -109,7 +109,7 @@ TEST_F(ParticipantsWindow, ReportsKeysByNameAndStopsByTwoThatAreNoAnswers) {
 }
 
 TEST_F(ParticipantsWindow, ReportsClicksOnChoicesOrMouseButtonsAsThePictureSays) {
-    picture_ = picture_of_a_sitting("question");
+    picture_ = picture_of_a_session("question");
     show(1);
     keys_->click(5, 5, 3);
     show(2);

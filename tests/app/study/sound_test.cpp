@@ -65,12 +65,12 @@ double error_of_mean_square(double time_s) {
 TEST(PinkNoise, HasTheLevelAskedFor) {
     constexpr std::size_t kSeconds = 60;
     for (const double level_dBFS : {-6.0, -30.0, -80.0}) {
-        const double wanted = std::pow(10.0, level_dBFS / 10.0);
+        const double requested = std::pow(10.0, level_dBFS / 10.0);
         const double found =
             mean_square(pink(level_dBFS, kSeconds * static_cast<std::size_t>(kRate_Hz)));
         const double error = error_of_mean_square(static_cast<double>(kSeconds));
         EXPECT_LT(error, 0.011) << "the test can see 0.05 dB";
-        EXPECT_NEAR(found / wanted, 1.0, 4.0 * error) << level_dBFS;
+        EXPECT_NEAR(found / requested, 1.0, 4.0 * error) << level_dBFS;
     }
 }
 
@@ -217,8 +217,8 @@ TEST(FadedNoise, BeginsAndEndsWithoutAClick) {
         noise.fill(plain);
         faded.fill(samples);
         for (std::size_t i = 0; i < count; ++i) {
-            const double wanted = gain(i) * static_cast<double>(plain[i]);
-            ASSERT_NEAR(static_cast<double>(samples[i]), wanted, 1e-6) << i;
+            const double requested = gain(i) * static_cast<double>(plain[i]);
+            ASSERT_NEAR(static_cast<double>(samples[i]), requested, 1e-6) << i;
         }
     };
     const auto risen = [](double share) {

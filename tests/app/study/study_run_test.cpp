@@ -1,4 +1,5 @@
-// Covers app/commands/study/study_run.cpp, study_turns.cpp and study_file_commands.cpp, from outside.
+// Covers app/commands/study/study_run.cpp, study_turns.cpp and study_file_commands.cpp, from
+// outside.
 #include "app/commands/study/study_turns.h"
 #include "engine/study/store/study_store.h"
 #include "tests/app/study/study_program.h"

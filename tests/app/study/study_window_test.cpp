@@ -13,7 +13,7 @@
 // CLOCK_MONOTONIC, 10 to 2000 ms after a presentation, and each response time in the store is held
 // against them. The servo runs by its clock, in real time. The default tests press some keys;
 // `tests/long response-times` 200.
-#include "engine/study/observers/simulated_sitting.h"
+#include "engine/study/observers/simulated_study_session.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/study_setting.h"
 #include "engine/study/store/study_store.h"
@@ -48,7 +48,7 @@
 
 namespace springdrive::testing {
 
-/// A sitting in its two real windows, with somebody at the participant's keyboard and mouse and
+/// A session in its two real windows, with somebody at the participant's keyboard and mouse and
 /// somebody at the experimenter's: on a virtual display, by events of the X server.
 class StudyDesk {
 public:
@@ -360,11 +360,11 @@ private:
 /// without a board.
 std::vector<Trial> without_windows(const fs::path &protocol_file, const Events &events) {
     const study::Protocol protocol = study::read_protocol_file(protocol_file);
-    study::SimulatedSitting sitting(
+    study::SimulatedStudySession study_session(
         protocol, study::study_setting(protocol, {protocol_file.parent_path(), testing::assets()}),
         {{}, 0.6, 0.25, 0.0, 1}, study::FeltStimuli::measured_once);
     const auto present = [&](const PlannedTrial &planned) {
-        std::optional<study::Trial> result = sitting.present(planned);
+        std::optional<study::Trial> result = study_session.present(planned);
         const Decision decision = decision_at(planned.place, protocol.responses.keys.size());
         result->response = study::NoResponse{};
         result->response_time_s.reset();
@@ -387,17 +387,18 @@ std::vector<Trial> without_windows(const fs::path &protocol_file, const Events &
 
 /// Of what is delivered where something is intended, the largest difference from the same on a
 /// device without a board, as a share of it.
-double expect_same(const Trial &seen, const Trial &wanted) {
-    testing::expect_same_decision(seen, wanted);
-    EXPECT_EQ(seen.safety_events.size(), wanted.safety_events.size());
-    EXPECT_EQ(seen.presentations.size(), wanted.presentations.size());
-    if (!wanted.safety_events.empty() || seen.presentations.size() != wanted.presentations.size()) {
+double expect_same(const Trial &seen, const Trial &requested) {
+    testing::expect_same_decision(seen, requested);
+    EXPECT_EQ(seen.safety_events.size(), requested.safety_events.size());
+    EXPECT_EQ(seen.presentations.size(), requested.presentations.size());
+    if (!requested.safety_events.empty() ||
+        seen.presentations.size() != requested.presentations.size()) {
         return 0.0; // broken off when somebody pressed a key
     }
     double worst = 0.0;
     for (std::size_t i = 0; i < seen.presentations.size(); ++i) {
         const std::vector<study::StimulusValue> &a = seen.presentations[i].values;
-        const std::vector<study::StimulusValue> &b = wanted.presentations[i].values;
+        const std::vector<study::StimulusValue> &b = requested.presentations[i].values;
         EXPECT_EQ(a.size(), b.size());
         for (std::size_t j = 0; j < std::min(a.size(), b.size()); ++j) {
             EXPECT_EQ(a[j].name, b[j].name);
@@ -435,15 +436,15 @@ void run_through(const std::string &name, const std::string &text, const Events 
     endings.push_back(SessionEnding::completed);
 
     const study::StudyContents contents = study::read_study(file);
-    const std::vector<Trial> wanted = without_windows(protocol_file, events);
-    ASSERT_EQ(contents.trials.size(), wanted.size());
+    const std::vector<Trial> requested = without_windows(protocol_file, events);
+    ASSERT_EQ(contents.trials.size(), requested.size());
     double worst = 0.0;
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
-        SCOPED_TRACE(text_of(wanted[i].place));
-        worst = std::max(worst, expect_same(contents.trials[i], wanted[i]));
+    for (std::size_t i = 0; i < requested.size(); ++i) {
+        SCOPED_TRACE(text_of(requested[i].place));
+        worst = std::max(worst, expect_same(contents.trials[i], requested[i]));
         const std::optional<double> time_s = contents.trials[i].response_time_s;
         EXPECT_EQ(time_s.has_value(),
-                  !std::holds_alternative<study::NoResponse>(wanted[i].response));
+                  !std::holds_alternative<study::NoResponse>(requested[i].response));
         EXPECT_GE(time_s.value_or(0.0), 0.0);
         EXPECT_LE(time_s.value_or(0.0), protocol.timing.response_s + kHandLeaves_s);
     }
@@ -464,7 +465,7 @@ void run_through(const std::string &name, const std::string &text, const Events 
     }
     std::printf("counts: %s: %zu trials in the windows as without; worst difference of what was "
                 "delivered %.2f %%\n",
-                name.c_str(), wanted.size(), 100.0 * worst);
+                name.c_str(), requested.size(), 100.0 * worst);
 }
 
 /// Short of all that only takes time.

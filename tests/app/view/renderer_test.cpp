@@ -339,10 +339,12 @@ TEST_F(Materials, TheNormalScaleMultipliesTheSlope) {
     scene::VisualMesh scaled = mapped(square(kRight, kUp), false);
     scaled.finish.normal_scale = 0.5F;
     const scene::VisualMesh whole = mapped(square(kRight, kUp), false);
-    const Rgb wanted = draw(scene_of({whole}, {leaning(half, 0.0)})).middle();
-    expect_alike(draw(scene_of({scaled}, {leaning(0.8, 0.0)})).middle(), wanted, kEncoded, "half");
-    EXPECT_GT(std::abs(draw(scene_of({whole}, {leaning(0.8, 0.0)})).middle().green - wanted.green),
-              4 * kEncoded);
+    const Rgb requested = draw(scene_of({whole}, {leaning(half, 0.0)})).middle();
+    expect_alike(draw(scene_of({scaled}, {leaning(0.8, 0.0)})).middle(), requested, kEncoded,
+                 "half");
+    EXPECT_GT(
+        std::abs(draw(scene_of({whole}, {leaning(0.8, 0.0)})).middle().green - requested.green),
+        4 * kEncoded);
 }
 
 scene::VisualMesh finished(scene::VisualMesh mesh, float metallic, float roughness) {

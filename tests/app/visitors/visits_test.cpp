@@ -4,7 +4,7 @@
 #include "app/visitors/visits.h"
 
 #include "device/core/faults.h"
-#include "engine/study/observers/simulated_sitting.h"
+#include "engine/study/observers/simulated_study_session.h"
 #include "engine/study/protocol/protocol.h"
 #include "engine/study/protocol/session_plan.h"
 #include "tests/app/study/headless_study.h"
@@ -32,9 +32,9 @@ namespace fs = std::filesystem;
 
 using study_screen::OwnCurve;
 using study_screen::ParticipantPicture;
-using study_screen::SittingFrame;
-using study_screen::SittingState;
-using study_screen::SittingStep;
+using study_screen::StudySessionFrame;
+using study_screen::StudySessionState;
+using study_screen::StudySessionStep;
 
 study::Protocol shipped(const std::string &name) {
     return study::read_protocol_file(testing::assets() / "protocols" / (name + ".toml"));
@@ -46,7 +46,7 @@ bool is_start(const ParticipantPicture &picture) { return picture.heading == "Ca
 struct Moment {
     session::Session &session;
     const ParticipantPicture &picture;
-    const SittingState &state;
+    const StudySessionState &state;
     int starts;     ///< how often the start was come to
     bool &ends_all; ///< everything ends with this frame
 };
@@ -99,7 +99,7 @@ protected:
             const ParticipantPicture &picture = visits.picture();
             starts += is_start(picture) && !was_start ? 1 : 0;
             was_start = is_start(picture);
-            SittingFrame input;
+            StudySessionFrame input;
             const std::string key = act({session, picture, visits.state(), starts, ends_all});
             if (!key.empty()) {
                 input.inputs.push_back(study_screen::MadeUpPort::key(key, session.servo().now_s()));
@@ -112,7 +112,7 @@ protected:
     }
 
     /// A visitor whose answers are drawn from a known function.
-    [[nodiscard]] std::string answer_to(const SittingState &state) const {
+    [[nodiscard]] std::string answer_to(const StudySessionState &state) const {
         study::SimulatedParticipant visitor;
         visitor.function = plan_.made_up;
         const study::SimulatedAnswer answer =
@@ -127,11 +127,11 @@ protected:
             return "enter";
         }
         switch (now.state.step) {
-        case SittingStep::instructions:
-        case SittingStep::practice_begins:
-        case SittingStep::practice_ends:
+        case StudySessionStep::instructions:
+        case StudySessionStep::practice_begins:
+        case StudySessionStep::practice_ends:
             return "enter";
-        case SittingStep::response:
+        case StudySessionStep::response:
             return answer_to(now.state);
         default:
             return {};
@@ -165,12 +165,12 @@ TEST_F(Visiting, EndsWithTheVisitorsOwnCurveAndLeavesNoFile) {
     int frames_stopped = 0;
     int answers = 0;
     run([&](const Moment &now) -> std::string {
-        if (now.state.step == SittingStep::interval && now.state.trials.size() == 2 &&
+        if (now.state.step == StudySessionStep::interval && now.state.trials.size() == 2 &&
             !std::exchange(was_stopped, true)) {
             EXPECT_EQ(listing(folder), then) << "in the midst of a visit";
             now.session.servo().emergency_stop();
         }
-        if (now.state.step == SittingStep::device_stopped) {
+        if (now.state.step == StudySessionStep::device_stopped) {
             return ++frames_stopped == 300 ? "enter" : ""; // longer than it resets itself
         }
         if (now.picture.curve && now.picture.choices.size() == 1) {
@@ -207,7 +207,7 @@ TEST_F(Visiting, IsOverWhenTheVisitorGoesAndBeginsAfreshForTheNext) {
         }
         asked += now.picture.heading == "Still there?" ? 1 : 0;
         now.ends_all = now.starts == 3;
-        if (now.state.step == SittingStep::interval && !now.ends_all &&
+        if (now.state.step == StudySessionStep::interval && !now.ends_all &&
             first_trials.size() < static_cast<std::size_t>(now.starts)) {
             first_trials.push_back(
                 {now.state.trial->place.position, now.state.trial->seed, now.state.progress});
@@ -241,11 +241,11 @@ TEST_F(Visiting, WhoAnswersStillThereStaysAndDoesNothingElse) {
             was_asked = true;
             return "enter"; // which would leave the instructions, too
         }
-        if (!is_start(now.picture) && now.state.step == SittingStep::instructions) {
+        if (!is_start(now.picture) && now.state.step == StudySessionStep::instructions) {
             read_on += was_asked ? 1 : 0;
             return read_on > 60 * 12 ? "enter" : ""; // it would be over after ten seconds
         }
-        now.ends_all = now.state.step == SittingStep::interval || now.starts == 2;
+        now.ends_all = now.state.step == StudySessionStep::interval || now.starts == 2;
         return willing(now);
     });
     EXPECT_TRUE(was_asked);
@@ -265,7 +265,7 @@ TEST_F(Visiting, AStopByHandOutlastsTheVisit) {
         int frames_stopped = 0; ///< of both visits
         bool ran_again = false;
         run([&, presses = is_pressed](const Moment &now) -> std::string {
-            if (now.state.step == SittingStep::device_stopped) {
+            if (now.state.step == StudySessionStep::device_stopped) {
                 if (now.starts == 1) {
                     ++frames_stopped;
                     if (frames_stopped == 60 && presses) {
@@ -277,7 +277,7 @@ TEST_F(Visiting, AStopByHandOutlastsTheVisit) {
                 EXPECT_NE(now.session.latest().safety.state, servo::SafetyState::running);
                 return ++frames_stopped == 120 + 300 ? "enter" : ""; // five seconds
             }
-            ran_again = now.starts == 2 && now.state.step == SittingStep::interval;
+            ran_again = now.starts == 2 && now.state.step == StudySessionStep::interval;
             now.ends_all = ran_again;
             return willing(now);
         });
@@ -329,10 +329,10 @@ TEST_F(Visiting, ShowsAMadeUpVisitorAndReckonsTheRest) {
             EXPECT_FALSE(has_result);
             return now.picture.curve ? "escape" : "";
         }
-        if (now.state.step == SittingStep::interval && !std::exchange(was_stopped, true)) {
+        if (now.state.step == StudySessionStep::interval && !std::exchange(was_stopped, true)) {
             now.session.servo().emergency_stop();
         }
-        if (now.state.step == SittingStep::device_stopped) {
+        if (now.state.step == StudySessionStep::device_stopped) {
             return ++frames_stopped == kStopped ? "enter" : "";
         }
         shown = std::max(shown, static_cast<int>(now.state.trials.size()));

@@ -114,7 +114,7 @@ TEST_F(AssistantInTheWindow, LeadsAHealthyDeviceToItsFirstTouchAndDoesNotComeAga
         120.0);
     EXPECT_TRUE(tested.shows("Nothing was found")) << tested.texts();
     next();
-    press("calibration/start"); // on a loan of its own thread
+    press("calibration/start"); // on an exclusive use of its own thread
     window().wait_until(
         [](const Report &report) { return is_enabled(report, "calibration/that is enough"); },
         "it is moved by hand", 60.0);

@@ -20,10 +20,10 @@ const Vector3 kStart_m(0.01, 0.02, -0.01);
 const Vector3 kElsewhere_rad(0.3, -0.2, 0.1);
 
 DeviceRequest request() {
-    DeviceRequest asked;
-    asked.description = testing::phantom_1_0();
-    asked.start_tip_m = kStart_m;
-    return asked;
+    DeviceRequest requested;
+    requested.description = testing::phantom_1_0();
+    requested.start_tip_m = kStart_m;
+    return requested;
 }
 
 Vector3 theta_rad(const OpenDevice &open, const device::Measurement &measured) {
@@ -31,9 +31,9 @@ Vector3 theta_rad(const OpenDevice &open, const device::Measurement &measured) {
     return rad_per_count * Vector3(measured.counts[0], measured.counts[1], measured.counts[2]);
 }
 
-std::string error_about(const DeviceRequest &asked) {
+std::string error_about(const DeviceRequest &requested) {
     try {
-        static_cast<void>(open_device(asked));
+        static_cast<void>(open_device(requested));
     } catch (const InputError &error) {
         return error.what();
     }
@@ -43,30 +43,30 @@ std::string error_about(const DeviceRequest &asked) {
 TEST(DeviceFactory, OpensWhatIsPresentByKindAndSerial) {
     ASSERT_EQ(devices_present().front().kind, DeviceKind::simulated);
     EXPECT_EQ(devices_present().front().problem, "");
-    DeviceRequest asked = request();
-    asked.serial = devices_present().front().serial;
-    OpenDevice open = open_device(asked);
+    DeviceRequest requested = request();
+    requested.serial = devices_present().front().serial;
+    OpenDevice open = open_device(requested);
     EXPECT_EQ(open.identity().kind, "simulated");
-    EXPECT_EQ(open.identity().serial, asked.serial);
+    EXPECT_EQ(open.identity().serial, requested.serial);
     EXPECT_EQ(open.state(), DeviceState::zeroed);
     EXPECT_NE(open.world(), nullptr);
     EXPECT_EQ(open.device().read().health, device::DeviceHealth::ok);
 }
 
 TEST(DeviceFactory, ReportsAMissingDeviceInOneLine) {
-    DeviceRequest asked = request();
-    asked.serial = "4711";
-    EXPECT_NE(error_about(asked).find("4711"), std::string::npos);
-    asked = request();
-    asked.kind = DeviceKind::usb;
-    asked.serial = "no such board";
-    EXPECT_NE(error_about(asked).find("USB"), std::string::npos);
-    asked = request();
-    asked.start_tip_m = Vector3(5.0, 0.0, 0.0);
-    EXPECT_NE(error_about(asked), "");
-    asked = request();
-    asked.period_s = -1.0;
-    EXPECT_NE(error_about(asked), "");
+    DeviceRequest requested = request();
+    requested.serial = "4711";
+    EXPECT_NE(error_about(requested).find("4711"), std::string::npos);
+    requested = request();
+    requested.kind = DeviceKind::usb;
+    requested.serial = "no such board";
+    EXPECT_NE(error_about(requested).find("USB"), std::string::npos);
+    requested = request();
+    requested.start_tip_m = Vector3(5.0, 0.0, 0.0);
+    EXPECT_NE(error_about(requested), "");
+    requested = request();
+    requested.period_s = -1.0;
+    EXPECT_NE(error_about(requested), "");
     EXPECT_EQ(device_kind_named("sim"), DeviceKind::simulated);
     EXPECT_EQ(device_kind_named("usb"), DeviceKind::usb);
     EXPECT_FALSE(device_kind_named("serial"));

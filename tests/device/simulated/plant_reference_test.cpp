@@ -1,5 +1,5 @@
-// Covers device/simulated/simulated_phantom.cpp and linkage_step.cpp against independent truth: CVODE,
-// and the balance of energy.
+// Covers device/simulated/simulated_phantom.cpp and linkage_step.cpp against independent truth:
+// CVODE, and the balance of energy.
 #include "device/simulated/simulated_phantom.h"
 
 #include "device/core/phantom/kinematics.h"
@@ -233,8 +233,8 @@ INSTANTIATE_TEST_SUITE_P(Plants, PlantReference,
                                            Plant{device::AmplifierKind::current_drive, true}),
                          [](const auto &instance) { return instance.param.name(); });
 
-// Covers device/simulated/simulated_phantom.cpp, linkage_step.cpp and simulated_phantom.h: without a source
-// the plant never gains energy, and friction holds loads below breakaway.
+// Covers device/simulated/simulated_phantom.cpp, linkage_step.cpp and simulated_phantom.h: without
+// a source the plant never gains energy, and friction holds loads below breakaway.
 
 /// A free tip with a mass `mass_kg`.
 SimulationOptions free_running(double mass_kg) {

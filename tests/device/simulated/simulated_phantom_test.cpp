@@ -1,4 +1,5 @@
-// Covers device/simulated/simulated_phantom.cpp and plant_setup.cpp, and of device/core split_delay.h.
+// Covers device/simulated/simulated_phantom.cpp and plant_setup.cpp, and of device/core
+// split_delay.h.
 #include "device/simulated/simulated_phantom.h"
 
 #include "base/input_error.h"

@@ -264,13 +264,14 @@ TEST(AmplifierLimits, CurrentLimitOnBothSides) {
     for (const double side : {1.0, -1.0}) {
         for (const double emf_V : {0.0, -kFastestEmf_V, kFastestEmf_V}) {
             for (const double R_Ohm : {kColdest_Ohm, kR_Ohm}) {
-                for (const double wanted_A : {0.98 * kLimit_A, 1.02 * kLimit_A, 2.0 * kLimit_A}) {
-                    const double V = side * (R_Ohm * wanted_A + emf_V);
+                for (const double requested_A :
+                     {0.98 * kLimit_A, 1.02 * kLimit_A, 2.0 * kLimit_A}) {
+                    const double V = side * (R_Ohm * requested_A + emf_V);
                     if (std::abs(V) > 12.0) {
                         continue;
                     }
                     EXPECT_NEAR(settled_A(R_Ohm, side * emf_V, static_cast<float>(V)),
-                                side * std::min(wanted_A, kLimit_A), 1e-3)
+                                side * std::min(requested_A, kLimit_A), 1e-3)
                         << R_Ohm << " Ω, " << emf_V << " V, " << V << " V";
                 }
             }

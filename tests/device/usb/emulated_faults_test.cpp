@@ -194,16 +194,16 @@ TEST(DeviceFaults, AreNoticedByTheBoard) {
         std::uint16_t faults = 0;
         BoardState state = BoardState::fault_braking;
     };
-    for (const Case &wanted :
+    for (const Case &requested :
          {Case{"stop", Faults::kStop}, Case{"disable", Faults::kStop},
           Case{"brown-out:12", Faults::kSupply}, Case{"brown-out:20", Faults::kSupply},
           Case{"hot-stage:95", Faults::kTemperature},
           Case{"failed-stage", Faults::kAmplifier, BoardState::fault_open},
           Case{"failed-sensor:2", Faults::kSensor, BoardState::fault_open}}) {
-        const DeviceRun run = device_run(wanted.fault);
-        EXPECT_EQ(run.faults, wanted.faults) << wanted.fault;
-        EXPECT_EQ(run.state, wanted.state) << wanted.fault;
-        EXPECT_EQ(run.report.faults, wanted.faults) << wanted.fault;
+        const DeviceRun run = device_run(requested.fault);
+        EXPECT_EQ(run.faults, requested.faults) << requested.fault;
+        EXPECT_EQ(run.state, requested.state) << requested.fault;
+        EXPECT_EQ(run.report.faults, requested.faults) << requested.fault;
     }
     EXPECT_TRUE(device_run("stop").report.is_stopped);
     EXPECT_FALSE(device_run("disable").report.is_enabled);
@@ -299,13 +299,14 @@ TEST(DeviceFaults, AreFoundByTheSelfTest) {
         std::string fault;
         std::uint16_t finding = 0; ///< of channel 2
     };
-    for (const Case &wanted : {Case{"open-winding:2", ChannelFindings::kOpenWinding},
-                               Case{"reversed-sensor:2", ChannelFindings::kReversedSensor},
-                               Case{"crossed-sensors:2:3", ChannelFindings::kCrossedSensor},
-                               Case{"stuck-encoder:2", ChannelFindings::kNoMotion},
-                               Case{"reversed-encoder:2", ChannelFindings::kReversedEncoder},
-                               Case{"crossed-encoders:2:3", ChannelFindings::kCrossedEncoder}}) {
-        EXPECT_NE(self_test(wanted.fault).channel[1].findings & wanted.finding, 0) << wanted.fault;
+    for (const Case &requested : {Case{"open-winding:2", ChannelFindings::kOpenWinding},
+                                  Case{"reversed-sensor:2", ChannelFindings::kReversedSensor},
+                                  Case{"crossed-sensors:2:3", ChannelFindings::kCrossedSensor},
+                                  Case{"stuck-encoder:2", ChannelFindings::kNoMotion},
+                                  Case{"reversed-encoder:2", ChannelFindings::kReversedEncoder},
+                                  Case{"crossed-encoders:2:3", ChannelFindings::kCrossedEncoder}}) {
+        EXPECT_NE(self_test(requested.fault).channel[1].findings & requested.finding, 0)
+            << requested.fault;
     }
 }
 
@@ -317,12 +318,12 @@ TEST(DeviceFaults, RestartTheBoard) {
         host.exchange(driving({0.2, 0.2, 0.2}), 50);
         EXPECT_EQ(host.state(), BoardState::driving);
         EXPECT_GT(std::abs(host.report.counts[0]), 10);
-        EXPECT_FALSE(host.board.unplug_wanted());
+        EXPECT_FALSE(host.board.unplug_requested());
         const std::uint32_t before_us = host.report.measured_at_us;
         bool was_off = false;
         for (int i = 0; i < 40; ++i) {
             host.exchange(driving({0.2, 0.2, 0.2}));
-            was_off = was_off || host.board.unplug_wanted();
+            was_off = was_off || host.board.unplug_requested();
         }
         EXPECT_EQ(was_off, std::string(fault).starts_with("brown-out"));
         EXPECT_EQ(host.board.restarts(), 1U);
@@ -369,12 +370,12 @@ TEST(DeviceFaults, AskForAnUnplug) {
     Host host(with_fault("unplug@0.05-0.07"));
     host.begin();
     host.exchange(driving({0.1, 0.1, 0.1}), 5);
-    EXPECT_FALSE(host.board.unplug_wanted());
+    EXPECT_FALSE(host.board.unplug_requested());
     host.exchange(driving({0.1, 0.1, 0.1}), 20);
-    EXPECT_TRUE(host.board.unplug_wanted());
+    EXPECT_TRUE(host.board.unplug_requested());
     host.board.detach();
     host.pass_ms(30);
-    EXPECT_FALSE(host.board.unplug_wanted());
+    EXPECT_FALSE(host.board.unplug_requested());
 }
 
 } // namespace

@@ -408,8 +408,8 @@ std::string error_about(const std::function<void(Kind, std::span<std::uint8_t>)>
 
 /// A payload of the board, changed and sealed again.
 template <class Value, class Change> std::string error_with(Kind kind, const Change &change) {
-    return error_about([&](Kind asked, std::span<std::uint8_t> answer) {
-        if (asked == kind) {
+    return error_about([&](Kind requested, std::span<std::uint8_t> answer) {
+        if (requested == kind) {
             Value value;
             ASSERT_EQ(decode(answer.data(), answer.size(), value), FrameStatus::ok);
             change(value);
@@ -436,8 +436,8 @@ TEST(UsbDevice, RefusesABoardThatDoesNotFitInOneLine) {
         Kind::capabilities, [](Capabilities &board) { board.shortest_report_period_us = 2000; });
     EXPECT_NE(slow.find("servo rate of 500 Hz"), std::string::npos) << slow;
 
-    const std::string damaged = error_about([](Kind asked, std::span<std::uint8_t> answer) {
-        if (asked == Kind::capabilities) {
+    const std::string damaged = error_about([](Kind requested, std::span<std::uint8_t> answer) {
+        if (requested == Kind::capabilities) {
             answer[30] ^= 4U;
         }
     });

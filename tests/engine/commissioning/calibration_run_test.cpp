@@ -291,13 +291,13 @@ TEST(CalibrationOfSampledDevices, IsAsGoodAsItsSensorsAllow) {
 /// dR less what was asked for, over a second after the start, at the worst: without any touch.
 double worst_dR_error_Ohm(const device::DeviceDescription &known, std::uint64_t seed,
                           double *largest_stated_Ohm) {
-    constexpr double kWanted_Ohm = 0.5;
+    constexpr double kRequested_Ohm = 0.5;
     simulated::SimulationOptions simulation;
     simulation.device_seed = seed;
     simulated::SimulatedPhantom phantom(known, simulation, Vector3::Zero());
     servo::Servo servo(phantom, CalibrationRun::kRate_hz);
     servo::ServoInputs inputs;
-    inputs.tuning.dR_Ohm = kWanted_Ohm;
+    inputs.tuning.dR_Ohm = kRequested_Ohm;
     inputs.observes_resistance = true;
     servo.publish(inputs);
     const simulated::SampledDevice drawn = simulated::sampled_device(known, seed);
@@ -316,7 +316,7 @@ double worst_dR_error_Ohm(const device::DeviceDescription &known, std::uint64_t 
                 const double seen_Ohm =
                     phantom.truth().resistance_Ohm[i] / drawn.motor[j].sensing.amplifier.gain -
                     sample.command.cancelled_resistance_Ohm[i];
-                worst_Ohm = std::max(worst_Ohm, std::abs(seen_Ohm - kWanted_Ohm));
+                worst_Ohm = std::max(worst_Ohm, std::abs(seen_Ohm - kRequested_Ohm));
                 *largest_stated_Ohm =
                     std::max(*largest_stated_Ohm, control::held_up_dR_Ohm(sample.motor[j]));
             }

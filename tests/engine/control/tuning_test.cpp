@@ -1,5 +1,5 @@
-// Covers engine/control/tuning.cpp and tuning_file.cpp, and what of base/strict_toml.cpp may be left
-// out.
+// Covers engine/control/tuning.cpp and tuning_file.cpp, and what of base/strict_toml.cpp may be
+// left out.
 #include "engine/control/tuning.h"
 
 #include "base/input_error.h"

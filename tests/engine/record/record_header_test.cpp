@@ -369,10 +369,10 @@ TEST(TelemetryColumns, HaveValidNamesAndUnits) {
     EXPECT_EQ(names.count("limit_beyond_stops_rad"), 1U);
 }
 
-double value_of(const servo::ServoSample &sample, std::string_view wanted) {
+double value_of(const servo::ServoSample &sample, std::string_view requested) {
     double found = -1e9;
     for_each_column(sample, [&](std::string_view name, std::string_view, const auto &value) {
-        if (name == wanted) {
+        if (name == requested) {
             found = static_cast<double>(value);
         }
     });

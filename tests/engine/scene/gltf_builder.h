@@ -176,8 +176,7 @@ inline Scene load(const GltfBuilder &builder) { return load_bytes(builder.gltf()
 
 /// The message with which loading fails; it is one line and names the file.
 inline std::string failure_of(std::string_view bytes) {
-    const std::string message =
-        error_text_of([&] { static_cast<void>(load_bytes(bytes)); });
+    const std::string message = error_text_of([&] { static_cast<void>(load_bytes(bytes)); });
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
     EXPECT_NE(message.find("scene.gltf: "), std::string::npos)
         << "loaded, or without it: " << message;

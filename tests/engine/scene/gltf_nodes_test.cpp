@@ -225,7 +225,7 @@ TEST(TouchExtras, LeavesWhatCannotBeToOtherPrograms) {
     struct Case {
         std::string key;
         std::vector<std::pair<std::string, std::string>> values; ///< and as they are shown
-        std::string wanted;
+        std::string requested;
     };
     const std::vector<std::pair<std::string, std::string>> no_numbers{
         {"null", "null"},
@@ -258,7 +258,7 @@ TEST(TouchExtras, LeavesWhatCannotBeToOtherPrograms) {
             EXPECT_TRUE(has_warning(scene, "node 'pad': extras." + one.key + " is " + shown +
                                                ": left out as another program's; it would have "
                                                "to be " +
-                                               one.wanted));
+                                               one.requested));
             ASSERT_EQ(scene.surface.materials.size(), 1U);
             EXPECT_EQ(scene.surface.materials[0].eta, 0.0);
             EXPECT_EQ(scene.surface.materials[0].static_friction, 0.0);
@@ -328,7 +328,7 @@ TEST(SceneExtras, LeavesWhatIsOfAnotherKindToOtherPrograms) {
     struct Case {
         std::string key;
         std::vector<std::string> values;
-        std::string wanted;
+        std::string requested;
     };
     for (const Case &one :
          std::vector<Case>{{"tolerance",
@@ -343,7 +343,7 @@ TEST(SceneExtras, LeavesWhatIsOfAnotherKindToOtherPrograms) {
             EXPECT_TRUE(has_warning(scene, "scene: extras." + one.key + " is " + value +
                                                ": left out as another program's; it would have "
                                                "to be " +
-                                               one.wanted))
+                                               one.requested))
                 << value;
             EXPECT_EQ(scene.tolerance.force_N, ModelTolerance{}.force_N);
             EXPECT_FALSE(scene.planar);

@@ -35,8 +35,7 @@ contact::AnalyticShape fitted(ShapeKind kind, const Vector3 &half_size,
 
 void expect_refused(ShapeKind kind, const Vector3 &half_size, const std::string &why,
                     const Eigen::Affine3d &to_device = Eigen::Affine3d::Identity()) {
-    const std::string message =
-        error_text_of([&] { (void)fitted(kind, half_size, to_device); });
+    const std::string message = error_text_of([&] { (void)fitted(kind, half_size, to_device); });
     EXPECT_EQ(message.find("node 'ball': cannot be touched as a " + name_of(kind) + ": "), 0U)
         << half_size.transpose() << ": " << message;
     EXPECT_NE(message.find(why), std::string::npos) << message;

@@ -571,11 +571,11 @@ std::vector<float> corners(const std::vector<VisualMesh> &meshes) {
 
 TEST(VisualPieces, HoldTheSameTrianglesInTheSameOrder) {
     const VisualMesh mesh = random_mesh(1000, 3000);
-    const std::vector<float> wanted = corners({mesh});
+    const std::vector<float> requested = corners({mesh});
     for (const std::size_t maximum : {3U, 4U, 10U, 100U, 999U}) {
         const std::vector<VisualMesh> pieces = in_pieces(mesh, maximum);
         EXPECT_GT(pieces.size(), 1U);
-        EXPECT_EQ(corners(pieces), wanted) << maximum;
+        EXPECT_EQ(corners(pieces), requested) << maximum;
         for (const VisualMesh &piece : pieces) {
             EXPECT_LE(piece.vertices.size(), maximum);
             EXPECT_LE(piece.indices.size(), 6 * maximum);

@@ -25,7 +25,7 @@ namespace {
 struct Case {
     device::DeviceDescription device;
     LimiterInputs inputs;
-    device::DeviceCommand wanted;
+    device::DeviceCommand requested;
 };
 
 double coldest_limit_Ohm(const device::MotorParameters &motor) {
@@ -69,8 +69,8 @@ protected:
         c.inputs.limits.tip_force_N = any(0.5, 10.0);
         c.inputs.ramp = any(0.0, 1.0) < 0.5 ? 1.0 : any(0.0, 1.0);
         c.inputs.R_hat_limit_Ohm.setConstant(coldest_limit_Ohm(device.motor[0]));
-        c.wanted.e_W_V = testing::random_vector(random, any(0.0, 1.0) < 0.5 ? 2.0 : 30.0);
-        c.wanted.cancelled_resistance_Ohm.setConstant(any(-0.5, 3.0));
+        c.requested.e_W_V = testing::random_vector(random, any(0.0, 1.0) < 0.5 ? 2.0 : 30.0);
+        c.requested.cancelled_resistance_Ohm.setConstant(any(-0.5, 3.0));
         return c;
     }
 
@@ -132,7 +132,7 @@ TEST_F(CommandLimiter, SteadyForceAndCurrentsStayWithinTheirLimits) {
     std::array<int, kForceLimitNames.size()> by_limit{};
     for (int run = 0; run < 40'000; ++run) {
         const Case c = any_observed_case(devices[static_cast<std::size_t>(run % 2)]);
-        const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
+        const LimitedCommand result = limited(c.device, c.requested, c.inputs);
         const Vector3 current_A = steady_current_A(c, result.command);
         const double min_A = std::min(c.inputs.limits.current_A, 5.5);
         ASSERT_LE(force_N(c, current_A), kLimiterShare * c.inputs.limits.tip_force_N * (1 + 1e-9))
@@ -165,7 +165,7 @@ TEST_F(CommandLimiter, EqualWindingsStayWithinTheLimitThroughoutTheTransient) {
     // i(t) = i_s + (i₀ − i_s) e^(−t dR/L) from any currents within the limit.
     for (int run = 0; run < 5000; ++run) {
         const Case c = any_case(devices[static_cast<std::size_t>(run % 2)]);
-        const device::DeviceCommand command = limited(c.device, c.wanted, c.inputs).command;
+        const device::DeviceCommand command = limited(c.device, c.requested, c.inputs).command;
         const Vector3 end_A = steady_current_A(c, command);
         const double limit_N = kLimiterShare * c.inputs.limits.tip_force_N;
         Vector3 start_A = testing::random_vector(random, 5.5);
@@ -193,7 +193,7 @@ TEST_F(CommandLimiter, WindingsOfUnequalTemperatureExceedTheShareOnlySlightly) {
         for (double &limit_Ohm : c.inputs.R_hat_limit_Ohm) {
             limit_Ohm += any(0.0, 0.12);
         }
-        const device::DeviceCommand command = limited(c.device, c.wanted, c.inputs).command;
+        const device::DeviceCommand command = limited(c.device, c.requested, c.inputs).command;
         const Vector3 dR_Ohm = residual_Ohm(c.device, command.cancelled_resistance_Ohm);
         const Vector3 end_A = steady_current_A(c, command);
         double maximum = 0.0;
@@ -219,24 +219,25 @@ TEST_F(CommandLimiter, CommandsWithinLimitsPassBitForBit) {
     for (int run = 0; run < 20'000; ++run) {
         Case c = any_case(devices[static_cast<std::size_t>(run % 2)]);
         c.inputs.ramp = 1.0;
-        c.wanted.cancelled_resistance_Ohm = testing::random_vector(random, 1.0).cwiseAbs();
-        const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
-        const Vector3 current_A = steady_current_A(c, c.wanted);
+        c.requested.cancelled_resistance_Ohm = testing::random_vector(random, 1.0).cwiseAbs();
+        const LimitedCommand result = limited(c.device, c.requested, c.inputs);
+        const Vector3 current_A = steady_current_A(c, c.requested);
         const Vector3 q_rad = device::joint_from_motor(c.device.geometry, c.inputs.now.theta_rad);
         const device::JointLimits within = within_edge(c.device);
         const double share = std::max(
             {force_N(c, current_A) / (kLimiterShare * c.inputs.limits.tip_force_N),
              current_A.cwiseAbs().maxCoeff() /
                  (kLimiterShare * std::min(5.5, c.inputs.limits.current_A)),
-             c.wanted.e_W_V.cwiseAbs().maxCoeff() / std::min(12.0, c.inputs.limits.voltage_V)});
+             c.requested.e_W_V.cwiseAbs().maxCoeff() / std::min(12.0, c.inputs.limits.voltage_V)});
         if (!within.allow(q_rad)) {
             continue;
         }
         ASSERT_FALSE(result.active_limits.at_edge);
         if (share < 0.999) {
             ++passed;
-            ASSERT_EQ(result.command.e_W_V, c.wanted.e_W_V);
-            ASSERT_EQ(result.command.cancelled_resistance_Ohm, c.wanted.cancelled_resistance_Ohm);
+            ASSERT_EQ(result.command.e_W_V, c.requested.e_W_V);
+            ASSERT_EQ(result.command.cancelled_resistance_Ohm,
+                      c.requested.cancelled_resistance_Ohm);
             ASSERT_EQ(result.force_share, 1.0);
             ASSERT_FALSE(result.active_limits.holds_force() || result.active_limits.voltage);
         } else if (share > 1.001) {
@@ -252,8 +253,8 @@ TEST_F(CommandLimiter, OffsetsOfTheSensorsMakeNoCurrent) {
     for (int run = 0; run < 5000; ++run) {
         Case c = any_observed_case(devices[static_cast<std::size_t>(run % 2)]);
         c.inputs.limits = limits_of(c.device);
-        c.wanted.e_W_V = testing::random_vector(random, 0.3);
-        const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
+        c.requested.e_W_V = testing::random_vector(random, 0.3);
+        const LimitedCommand result = limited(c.device, c.requested, c.inputs);
         if (result.active_limits.holds_force() || result.active_limits.voltage) {
             continue;
         }
@@ -261,7 +262,7 @@ TEST_F(CommandLimiter, OffsetsOfTheSensorsMakeNoCurrent) {
         for (control::ObservedMotor &motor : ideal.inputs.motors) {
             motor.offset_A = 0.0;
         }
-        const device::DeviceCommand expected = limited(c.device, c.wanted, ideal.inputs).command;
+        const device::DeviceCommand expected = limited(c.device, c.requested, ideal.inputs).command;
         const Vector3 difference_A =
             steady_current_A(c, result.command) - steady_current_A(ideal, expected);
         ASSERT_LT(difference_A.norm(), 1e-12) << run; // round-off of a volt by 0.01 Ω
@@ -274,12 +275,12 @@ TEST_F(CommandLimiter, ALimitedForceKeepsItsDirection) {
     c.inputs.limits = limits_of(c.device);
     c.inputs.limits.tip_force_N = 1.0;
     c.inputs.ramp = 1.0;
-    c.wanted = {Vector3(3.0, -2.0, 4.0), Vector3::Constant(1.6)};
-    const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
+    c.requested = {Vector3(3.0, -2.0, 4.0), Vector3::Constant(1.6)};
+    const LimitedCommand result = limited(c.device, c.requested, c.inputs);
     ASSERT_LT(result.force_share, 1.0);
-    const Vector3 wanted_A = steady_current_A(c, c.wanted);
+    const Vector3 requested_A = steady_current_A(c, c.requested);
     const Vector3 given_A = steady_current_A(c, result.command);
-    EXPECT_LT((given_A - result.force_share * wanted_A).norm(), 1e-12);
+    EXPECT_LT((given_A - result.force_share * requested_A).norm(), 1e-12);
     EXPECT_NEAR(force_N(c, given_A), kLimiterShare, 1e-12);
 }
 
@@ -287,13 +288,13 @@ TEST_F(CommandLimiter, RHatStaysBetweenZeroAndItsLimit) {
     for (int run = 0; run < 5000; ++run) {
         Case c = any_case(devices[0]);
         c.inputs.R_hat_limit_Ohm = testing::random_vector(random, 2.5).cwiseAbs();
-        c.wanted.cancelled_resistance_Ohm = testing::random_vector(random, 3.0);
+        c.requested.cancelled_resistance_Ohm = testing::random_vector(random, 3.0);
         const Vector3 R_hat_Ohm =
-            limited(c.device, c.wanted, c.inputs).command.cancelled_resistance_Ohm;
+            limited(c.device, c.requested, c.inputs).command.cancelled_resistance_Ohm;
         for (Eigen::Index j = 0; j < 3; ++j) {
             ASSERT_GE(R_hat_Ohm[j], 0.0);
             ASSERT_LE(R_hat_Ohm[j], c.inputs.R_hat_limit_Ohm[j]);
-            const double ramped_Ohm = c.inputs.ramp * c.wanted.cancelled_resistance_Ohm[j];
+            const double ramped_Ohm = c.inputs.ramp * c.requested.cancelled_resistance_Ohm[j];
             if (ramped_Ohm >= 0.0 && ramped_Ohm <= c.inputs.R_hat_limit_Ohm[j]) {
                 ASSERT_EQ(R_hat_Ohm[j], ramped_Ohm);
             }
@@ -305,13 +306,13 @@ TEST_F(CommandLimiter, TheRampScalesTheCommand) {
     Case c = any_case(devices[0]);
     c.inputs.now = at(c.device, Vector3(0.1, 0.2, 0.1));
     c.inputs.limits = limits_of(c.device);
-    c.wanted = {Vector3(0.3, -0.2, 0.1), Vector3::Constant(1.5)};
+    c.requested = {Vector3(0.3, -0.2, 0.1), Vector3::Constant(1.5)};
     c.inputs.ramp = 0.0;
-    EXPECT_EQ(limited(c.device, c.wanted, c.inputs).command.e_W_V, Vector3::Zero());
+    EXPECT_EQ(limited(c.device, c.requested, c.inputs).command.e_W_V, Vector3::Zero());
     c.inputs.ramp = 0.5;
-    const device::DeviceCommand half = limited(c.device, c.wanted, c.inputs).command;
-    EXPECT_EQ(half.e_W_V, 0.5 * c.wanted.e_W_V);
-    EXPECT_EQ(half.cancelled_resistance_Ohm, 0.5 * c.wanted.cancelled_resistance_Ohm);
+    const device::DeviceCommand half = limited(c.device, c.requested, c.inputs).command;
+    EXPECT_EQ(half.e_W_V, 0.5 * c.requested.e_W_V);
+    EXPECT_EQ(half.cancelled_resistance_Ohm, 0.5 * c.requested.cancelled_resistance_Ohm);
 }
 
 TEST_F(CommandLimiter, TheEdgeActsWithAnyTuning) {
@@ -325,8 +326,8 @@ TEST_F(CommandLimiter, TheEdgeActsWithAnyTuning) {
         c.inputs.motors = control::motors_of_file(device.motor);
         c.inputs.limits = limits_of(device);
         c.inputs.ramp = 1.0;
-        c.wanted = {Vector3::Zero(), Vector3::Constant(R_hat_Ohm)};
-        const LimitedCommand result = limited(device, c.wanted, c.inputs);
+        c.requested = {Vector3::Zero(), Vector3::Constant(R_hat_Ohm)};
+        const LimitedCommand result = limited(device, c.requested, c.inputs);
         EXPECT_TRUE(result.active_limits.at_edge);
         const Vector3 torque_Nm =
             device.motor[0].torque_constant_Nm_per_A *
@@ -342,8 +343,8 @@ TEST_F(CommandLimiter, ASingularLinkageGetsNoForce) {
     c.inputs.now.J.col(1).setZero();
     c.inputs.now.theta_rate_rad_per_s = Vector3(10.0, -5.0, 2.0);
     c.inputs.ramp = 1.0;
-    c.wanted = {Vector3(1.0, 2.0, -1.0), Vector3::Constant(1.5)};
-    const LimitedCommand result = limited(c.device, c.wanted, c.inputs);
+    c.requested = {Vector3(1.0, 2.0, -1.0), Vector3::Constant(1.5)};
+    const LimitedCommand result = limited(c.device, c.requested, c.inputs);
     EXPECT_EQ(result.force_share, 0.0);
     EXPECT_TRUE(result.command.e_W_V.allFinite());
     EXPECT_LT(steady_current_A(c, result.command).norm(), 1e-12);

@@ -141,7 +141,7 @@ TEST(RealTime, APresentedStimulusAllocatesAndLocksNothing) {
     study::Presented presented = study::all_presented(protocol).front();
     presented.parameters.turn_deg = 30.0;
     const study::Stimulus stimulus = study::stimulus_of(protocol, setting, presented);
-    const study::HandCourse course = study::hand_course(setting, presented, stimulus, {});
+    const study::HandTrajectory course = study::hand_trajectory(setting, presented, stimulus, {});
     simulated::SimulationOptions options;
     options.path.emplace(course.points);
     simulated::SimulatedPhantom phantom(setting.device, options, course.points.front().position_m);

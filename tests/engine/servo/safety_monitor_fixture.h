@@ -31,8 +31,8 @@ protected:
 
     device::DeviceCommand pass(const servo::Observation &seen,
                                const servo::SafetyOrders &orders = {},
-                               const device::DeviceCommand &wanted = little()) {
-        return monitor.pass(wanted, seen, orders);
+                               const device::DeviceCommand &requested = little()) {
+        return monitor.pass(requested, seen, orders);
     }
 
     void pass_calm(int ticks) {

@@ -231,10 +231,10 @@ TEST_F(SafetyMonitorTest, LimitsCancelledResistanceToTheColdestWinding) {
     least.resistance_Ohm *= 0.94;
     const double limit_Ohm = (1.0 - device::kMinResidualShare) *
                              device::min_resistance_Ohm(least, device::kColdestAir_C);
-    device::DeviceCommand wanted = little();
-    wanted.cancelled_resistance_Ohm =
+    device::DeviceCommand requested = little();
+    requested.cancelled_resistance_Ohm =
         Vector3(0.999 * limit_Ohm, 1.001 * limit_Ohm, device.motor[2].resistance_Ohm);
-    const device::DeviceCommand command = pass(calm(), {}, wanted);
+    const device::DeviceCommand command = pass(calm(), {}, requested);
     EXPECT_EQ(command.cancelled_resistance_Ohm, Vector3(0.999 * limit_Ohm, limit_Ohm, limit_Ohm));
     EXPECT_FALSE(monitor.windings()[0].is_limited);
     EXPECT_TRUE(monitor.windings()[1].is_limited);
@@ -244,20 +244,20 @@ TEST_F(SafetyMonitorTest, LimitsCancelledResistanceToTheColdestWinding) {
 TEST_F(SafetyMonitorTest, RHatFollowsACoolingWinding) {
     start_up();
     // On a winding that is certainly warm, R̂ may exceed what 25 °C of the data sheet allows...
-    device::DeviceCommand wanted = little();
-    wanted.cancelled_resistance_Ohm = Vector3::Constant(0.94 * device.motor[0].resistance_Ohm);
+    device::DeviceCommand requested = little();
+    requested.cancelled_resistance_Ohm = Vector3::Constant(0.94 * device.motor[0].resistance_Ohm);
     Observation loaded = calm();
     loaded.current_A = Vector3::Constant(2.0);
     for (int i = 0; i < 30000; ++i) {
-        pass(loaded, {}, wanted);
+        pass(loaded, {}, requested);
     }
     ASSERT_NE(monitor.status().state, SafetyState::tripped);
-    const Vector3 hot_Ohm = pass(loaded, {}, wanted).cancelled_resistance_Ohm;
-    EXPECT_EQ(hot_Ohm, wanted.cancelled_resistance_Ohm);
+    const Vector3 hot_Ohm = pass(loaded, {}, requested).cancelled_resistance_Ohm;
+    EXPECT_EQ(hot_Ohm, requested.cancelled_resistance_Ohm);
     EXPECT_FALSE(monitor.windings()[0].is_limited);
     // ...and decreases as the winding cools, whatever the operator still requests.
     for (int i = 0; i < 60000; ++i) {
-        const double R_hat_Ohm = pass(calm(), {}, wanted).cancelled_resistance_Ohm[0];
+        const double R_hat_Ohm = pass(calm(), {}, requested).cancelled_resistance_Ohm[0];
         ASSERT_LT(R_hat_Ohm,
                   device::min_resistance_Ohm(device.motor[0], monitor.windings()[0].min_C));
     }

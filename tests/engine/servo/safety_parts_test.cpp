@@ -1,5 +1,5 @@
-// Covers what the safety monitor consists of: of safety_monitor.h the energy observer and the detector
-// of rest; safety_limits.cpp and safety_status.cpp.
+// Covers what the safety monitor consists of: of safety_monitor.h the energy observer and the
+// detector of rest; safety_limits.cpp and safety_status.cpp.
 #include "engine/servo/safety_monitor.h"
 
 #include "device/core/haptic_device.h"

@@ -23,7 +23,7 @@ namespace {
 struct Tick {
     Observation seen;
     SafetyOrders orders;
-    device::DeviceCommand wanted;
+    device::DeviceCommand requested;
 };
 
 class SafetyTrips : public testing::SafetyMonitorTest {
@@ -31,7 +31,7 @@ protected:
     [[nodiscard]] Tick fine() const { return {calm(), {}, little()}; }
 
     device::DeviceCommand pass_tick(const Tick &tick) {
-        return pass(tick.seen, tick.orders, tick.wanted);
+        return pass(tick.seen, tick.orders, tick.requested);
     }
 
     void pass_ticks(const Tick &tick, int count) {
@@ -119,7 +119,7 @@ protected:
                  t.seen.tip_force_N[0] = std::max(5.0, t.seen.tip_force_N[0]);
                  t.seen.now.tip_m.x() += 1e-3; // 2.5 mJ with the mean of 0 and 5 N
              }},
-            {TripCause::voltage, [](Tick &t) { t.wanted.e_W_V[0] = 0.4; }}};
+            {TripCause::voltage, [](Tick &t) { t.requested.e_W_V[0] = 0.4; }}};
     }
 };
 
@@ -177,15 +177,16 @@ TEST_F(SafetyTrips, ALostDevice) {
 TEST_F(SafetyTrips, WhateverIsNotFinite) {
     std::vector<std::function<double &(Tick &)>> numbers;
     for (const Eigen::Index j : {0, 1, 2}) {
-        numbers.insert(numbers.end(),
-                       {[j](Tick &t) -> double & { return t.seen.tip_force_N[j]; },
-                        [j](Tick &t) -> double & { return t.seen.current_A[j]; },
-                        [j](Tick &t) -> double & { return t.seen.now.tip_m[j]; },
-                        [j](Tick &t) -> double & { return t.seen.now.theta_rate_rad_per_s[j]; },
-                        [j](Tick &t) -> double & { return t.seen.spring_force_N[j]; },
-                        [j](Tick &t) -> double & { return t.seen.spring_stretch_m[j]; },
-                        [j](Tick &t) -> double & { return t.wanted.e_W_V[j]; },
-                        [j](Tick &t) -> double & { return t.wanted.cancelled_resistance_Ohm[j]; }});
+        numbers.insert(
+            numbers.end(),
+            {[j](Tick &t) -> double & { return t.seen.tip_force_N[j]; },
+             [j](Tick &t) -> double & { return t.seen.current_A[j]; },
+             [j](Tick &t) -> double & { return t.seen.now.tip_m[j]; },
+             [j](Tick &t) -> double & { return t.seen.now.theta_rate_rad_per_s[j]; },
+             [j](Tick &t) -> double & { return t.seen.spring_force_N[j]; },
+             [j](Tick &t) -> double & { return t.seen.spring_stretch_m[j]; },
+             [j](Tick &t) -> double & { return t.requested.e_W_V[j]; },
+             [j](Tick &t) -> double & { return t.requested.cancelled_resistance_Ohm[j]; }});
     }
     start_up();
     for (const auto &number : numbers) {
@@ -340,8 +341,8 @@ TEST_F(SafetyTrips, SustainedVoltage) {
     monitor = SafetyMonitor(device, kPeriod_s);
     Tick within = fine();
     Tick beyond = fine();
-    within.wanted.e_W_V[1] = -0.999 * limit;
-    beyond.wanted.e_W_V[1] = -1.001 * limit;
+    within.requested.e_W_V[1] = -0.999 * limit;
+    beyond.requested.e_W_V[1] = -1.001 * limit;
     start_up();
     const int tolerated = static_cast<int>(std::lround(kVoltageTolerated_s / kPeriod_s));
     for (int times = 0; times < 3; ++times) { // short peaks, with a tick in between

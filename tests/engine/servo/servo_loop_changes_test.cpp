@@ -107,41 +107,41 @@ TEST(BumplessTransfer, HasNoOffsetWhileMotorsAreOff) {
 
 TEST(BumplessTransfer, MovesParametersSmoothlyToTheirTargets) {
     constexpr double kGlide_s = 0.05;
-    LawSettings wanted;
-    wanted.tuning.K_P_V_per_rad = 25.0;
-    wanted.tuning.eta = 0.4;
-    wanted.tuning.map = control::MotionMap::inverse;
-    wanted.global_alpha_rad2_per_m2 = 1234.0;
+    LawSettings requested;
+    requested.tuning.K_P_V_per_rad = 25.0;
+    requested.tuning.eta = 0.4;
+    requested.tuning.map = control::MotionMap::inverse;
+    requested.global_alpha_rad2_per_m2 = 1234.0;
     BumplessTransfer transfer = transfer_at(kPeriod_s);
     const control::Tuning start = transfer.active().tuning;
     for (int tick = 1; tick <= 1500; ++tick) {
-        transfer.approach(wanted, true);
+        transfer.approach(requested, true);
         const control::Tuning &now = transfer.active().tuning;
-        EXPECT_EQ(now.map, wanted.tuning.map); // immediately: the step of e_W is compensated
+        EXPECT_EQ(now.map, requested.tuning.map); // immediately: the step of e_W is compensated
         EXPECT_EQ(transfer.active().global_alpha_rad2_per_m2, 1234.0);
         const double left = std::exp(-tick * kPeriod_s / kGlide_s);
         for (const control::Parameter &parameter : control::kParameters) {
-            const double end = wanted.tuning.*parameter.value;
+            const double end = requested.tuning.*parameter.value;
             const double range = parameter.maximum - parameter.minimum;
             EXPECT_NEAR(now.*parameter.value, end + left * (start.*parameter.value - end),
                         1e-6 * range) // the final step
                 << parameter.name;
         }
     }
-    EXPECT_EQ(transfer.active(), wanted);
+    EXPECT_EQ(transfer.active(), requested);
     EXPECT_FALSE(transfer.has_changed());
 }
 
 TEST(BumplessTransfer, LimitsTheRateOfTheCancelledVoltage) {
     const device::DeviceDescription device = testing::phantom_1_0();
     for (const double period_s : {1e-3, 1e-4}) {
-        LawSettings wanted;
-        wanted.tuning.dR_Ohm = 3.0;
+        LawSettings requested;
+        requested.tuning.dR_Ohm = 3.0;
         BumplessTransfer transfer(device, period_s);
         double before_Ohm = transfer.active().tuning.dR_Ohm;
         double fastest_V_per_s = 0.0;
         for (int tick = 0; tick < 300; ++tick) {
-            transfer.approach(wanted, true);
+            transfer.approach(requested, true);
             const double now_Ohm = transfer.active().tuning.dR_Ohm;
             fastest_V_per_s =
                 std::max(fastest_V_per_s,
@@ -153,15 +153,15 @@ TEST(BumplessTransfer, LimitsTheRateOfTheCancelledVoltage) {
 }
 
 TEST(BumplessTransfer, ChangesImmediatelyWhileMotorsAreOff) {
-    LawSettings wanted;
-    wanted.tuning.K_P_V_per_rad = 25.0;
-    wanted.tuning.dR_Ohm = 3.0;
+    LawSettings requested;
+    requested.tuning.K_P_V_per_rad = 25.0;
+    requested.tuning.dR_Ohm = 3.0;
     BumplessTransfer transfer = transfer_at(1e-3);
-    transfer.approach(wanted, false);
-    EXPECT_EQ(transfer.active(), wanted);
+    transfer.approach(requested, false);
+    EXPECT_EQ(transfer.active(), requested);
     EXPECT_TRUE(transfer.has_changed());
     EXPECT_EQ(transfer.before(), LawSettings{});
-    transfer.approach(wanted, false);
+    transfer.approach(requested, false);
     EXPECT_FALSE(transfer.has_changed());
 }
 

@@ -1,6 +1,6 @@
 // Covers engine/session/session_device.cpp and device/factory/emulated_device.cpp: a session with
-// an emulated board in this process, its cable, and the loan of the device; and servo_run.cpp: a
-// requested stop, by window or switch, and who lets it go.
+// an emulated board in this process, its cable, and the exclusive use of the device; and
+// servo_run.cpp: a requested stop, by window or switch, and who lets it go.
 #include "base/input_error.h"
 #include "device/core/device_file.h"
 #include "device/core/phantom/kinematics.h"
@@ -160,7 +160,7 @@ TEST(LentDevice, IsUsedByNobodyElseAndIsReleasedBefore) {
     ASSERT_TRUE(stands_over_plate(session));
     int ticks = 0;
     bool was_driven = false;
-    session.lend_device([&] {
+    session.acquire_exclusive([&] {
         device::HapticDevice &device = session.device().device();
         static_cast<void>(device.read());
         was_driven =
@@ -168,7 +168,7 @@ TEST(LentDevice, IsUsedByNobodyElseAndIsReleasedBefore) {
         device.write(device::DeviceCommand::braking());
         return ++ticks < 500;
     });
-    EXPECT_TRUE(session.is_lent());
+    EXPECT_TRUE(session.is_acquired());
     ASSERT_TRUE(testing::run_until(
         session, [&] { return ticks > 100; }, 3.0));
     const std::uint64_t tick = session.latest().tick;
@@ -178,10 +178,10 @@ TEST(LentDevice, IsUsedByNobodyElseAndIsReleasedBefore) {
     EXPECT_NE(error_text_of([&] { session.set_servo_rate(2000.0); }), "");
     EXPECT_NE(error_text_of([&] { session.reconnect_device(); }), "");
     EXPECT_NE(error_text_of([&] { session.exchange_device(session.device_choice()); }), "");
-    EXPECT_NE(error_text_of([&] { session.lend_device([] { return false; }); }), "");
+    EXPECT_NE(error_text_of([&] { session.acquire_exclusive([] { return false; }); }), "");
     testing::run(session, 1.0);
-    EXPECT_FALSE(session.is_lent());
-    EXPECT_EQ(session.loan_error(), "");
+    EXPECT_FALSE(session.is_acquired());
+    EXPECT_EQ(session.exclusive_use_error(), "");
     EXPECT_EQ(ticks, 500);
     EXPECT_FALSE(was_driven);
     EXPECT_GT(session.latest().tick, tick);
@@ -195,7 +195,7 @@ TEST(LentDevice, ComesBackAtAnEmergencyStopAndStaysStopped) {
     session.start();
     ASSERT_TRUE(stands_over_plate(session));
     int ticks = 0;
-    session.lend_device([&] {
+    session.acquire_exclusive([&] {
         static_cast<void>(session.device().device().read());
         session.device().device().write(device::DeviceCommand::braking());
         return ++ticks > 0;
@@ -204,9 +204,9 @@ TEST(LentDevice, ComesBackAtAnEmergencyStopAndStaysStopped) {
         session, [&] { return ticks > 10; }, 3.0));
     session.servo().emergency_stop();
     testing::run(session, 0.1);
-    EXPECT_FALSE(session.is_lent());
+    EXPECT_FALSE(session.is_acquired());
     EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
-    EXPECT_NE(error_text_of([&] { session.lend_device([] { return false; }); }), "");
+    EXPECT_NE(error_text_of([&] { session.acquire_exclusive([] { return false; }); }), "");
     session.stop();
 }
 
@@ -217,7 +217,7 @@ TEST(LentDevice, AStopEndsItAndItsPulsesAtOnce) {
         session.start();
         ASSERT_TRUE(stands_over_plate(session));
         std::optional<commissioning::SelfTest> test;
-        session.lend_device([&] {
+        session.acquire_exclusive([&] {
             if (!test) {
                 test.emplace(session.device().device());
             }
@@ -236,7 +236,7 @@ TEST(LentDevice, AStopEndsItAndItsPulsesAtOnce) {
             board.set_fault(loss);
         }
         session.emergency_stop(); // between two frames
-        EXPECT_FALSE(session.is_lent());
+        EXPECT_FALSE(session.is_acquired());
         EXPECT_NE(board.board().loop().state(), usb::BoardState::testing);
         for (int i = 0; i < 600; ++i) {
             session.advance(1e-3);
@@ -250,10 +250,10 @@ TEST(LentDevice, AStopEndsItAndItsPulsesAtOnce) {
 TEST(LentDevice, GivesTheReasonIfItsUserFails) {
     Session session(emulated(true));
     session.start();
-    session.lend_device([]() -> bool { throw InputError("it burns"); });
+    session.acquire_exclusive([]() -> bool { throw InputError("it burns"); });
     testing::run(session, 3.0);
-    EXPECT_FALSE(session.is_lent());
-    EXPECT_EQ(session.loan_error(), "it burns");
+    EXPECT_FALSE(session.is_acquired());
+    EXPECT_EQ(session.exclusive_use_error(), "it burns");
     session.stop();
 }
 
@@ -264,10 +264,10 @@ TEST(LentDevice, PassesASelfTestInTheSimulatedHand) {
     commissioning::SelfTest test(
         session.device().device(), {},
         simulated::stop_tour_of(session.device().hand(), session.description()));
-    session.lend_device([&] { return test.step(); });
+    session.acquire_exclusive([&] { return test.step(); });
     ASSERT_TRUE(testing::run_until(
-        session, [&] { return !session.is_lent(); }, 60.0));
-    EXPECT_EQ(session.loan_error(), "");
+        session, [&] { return !session.is_acquired(); }, 60.0));
+    EXPECT_EQ(session.exclusive_use_error(), "");
     EXPECT_TRUE(test.report().has_passed());
     EXPECT_TRUE(stands_over_plate(session));
     session.stop();
@@ -364,7 +364,7 @@ TEST(CalibratedSession, IsConnectedAgainAfterwards) {
     session.stop();
 }
 
-/// With the servo and the loan on threads of their own.
+/// With the servo and the exclusive use on threads of their own.
 TEST(LentDevice, IsUsedOnAThreadAndComesBack) {
     SessionOptions options = emulated(true);
     options.lockstep = false;
@@ -372,14 +372,14 @@ TEST(LentDevice, IsUsedOnAThreadAndComesBack) {
     session.start();
     std::atomic<int> ticks{0};
     std::thread::id user;
-    session.lend_device([&] {
+    session.acquire_exclusive([&] {
         user = std::this_thread::get_id();
         static_cast<void>(session.device().device().read());
         session.device().device().write(device::DeviceCommand::braking());
         return ++ticks < 50;
     });
     ASSERT_TRUE(testing::run_until(
-        session, [&] { return !session.is_lent(); }, 20.0));
+        session, [&] { return !session.is_acquired(); }, 20.0));
     EXPECT_EQ(ticks, 50);
     EXPECT_NE(user, std::this_thread::get_id());
     const std::uint64_t tick = session.latest().tick;

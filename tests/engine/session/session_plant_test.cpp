@@ -118,11 +118,11 @@ TEST(SessionPlant, AFirmHandGivesWayLess) {
     const auto gap_m = [](double firmness) {
         Session session(held());
         session.start();
-        const loops::Hand wanted = loops::hand_of_firmness(firmness);
+        const loops::Hand requested = loops::hand_of_firmness(firmness);
         device::HandParameters hand = session.simulation().hand;
-        hand.mass_kg = wanted.mass_kg;
-        hand.damping_Ns_per_m = wanted.damping_Ns_per_m;
-        hand.stiffness_N_per_m = wanted.stiffness_N_per_m;
+        hand.mass_kg = requested.mass_kg;
+        hand.damping_Ns_per_m = requested.damping_Ns_per_m;
+        hand.stiffness_N_per_m = requested.stiffness_N_per_m;
         session.set_hand(hand);
         EXPECT_TRUE(testing::press(session));
         run(session, 2.0);

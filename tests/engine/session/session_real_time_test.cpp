@@ -314,7 +314,7 @@ TEST(RealTimeHeaps, NoRealTimeThreadAllocatesWhereAnotherThreadDoes) {
             EXPECT_TRUE(until([&] { return session.scenes().id() == next; })) << scene;
         }
         std::atomic<int> ticks{0};
-        session.lend_device([&] {
+        session.acquire_exclusive([&] {
             allocate();
             return ++ticks < 50;
         });

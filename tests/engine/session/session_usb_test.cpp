@@ -158,13 +158,13 @@ TEST(SessionWindings, TheNextStartKnowsHowHotTheyMayBe) {
     {
         OnBoard on(folder);
         EXPECT_NEAR(on.winding().max_C, limit_C, 0.01);
-        // Of what a loan does, the servo sees nothing.
+        // Of what an exclusive use does, the servo sees nothing.
         testing::run(on.session, 3.0);
         EXPECT_LT(on.winding().max_C, limit_C - 1.0);
-        on.session.lend_device([] { return false; });
+        on.session.acquire_exclusive([] { return false; });
         ASSERT_TRUE(testing::run_until(
             on.session, [&] { return on.winding().max_C > limit_C - 0.2; }, 3.0));
-        EXPECT_FALSE(on.session.is_lent());
+        EXPECT_FALSE(on.session.is_acquired());
         // Nor of a device that is lost.
         on.port->unplug();
         testing::run(on.session, 0.05);

@@ -202,11 +202,11 @@ Experiment proxy_on_a_crack() {
 /// A mesh with added triangles that are a line or a point.
 contact::TriangleSoup with_degenerate(contact::TriangleSoup soup, double share) {
     const std::size_t sound = soup.triangles.size();
-    const auto wanted =
+    const auto requested =
         static_cast<std::size_t>(std::lround(share / (1.0 - share) * static_cast<double>(sound)));
     soup.material_of_triangle.assign(sound, 0);
     soup.materials = {{"rigid"}};
-    for (std::size_t i = 0; i < wanted; ++i) {
+    for (std::size_t i = 0; i < requested; ++i) {
         const auto [a, b, c] = soup.triangles[i % sound];
         const auto middle = static_cast<std::uint32_t>(soup.vertices_m.size());
         const Vector3 between_m = 0.5 * (soup.vertices_m[a] + soup.vertices_m[b]);

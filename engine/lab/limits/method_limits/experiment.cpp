@@ -76,8 +76,8 @@ loops::StabilityCase common(const loops::StabilityCase &which) {
 
 } // namespace
 
-std::vector<Experiment> experiments(const loops::StabilityCase &asked) {
-    const loops::StabilityCase which = common(asked);
+std::vector<Experiment> experiments(const loops::StabilityCase &requested) {
+    const loops::StabilityCase which = common(requested);
     Experiments all;
     for (Experiments group :
          {cancellation_experiments(which.device), drift_experiments(which),

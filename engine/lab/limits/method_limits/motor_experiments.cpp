@@ -129,8 +129,8 @@ bool settles(const MotorParameters &motor, double e_W_V, double rate_rad_per_s) 
     const double settled_A =
         current_after_A(motor, {motor.resistance_Ohm, 0.0, rate_rad_per_s, true}, e_W_V,
                         motor.resistance_Ohm - dR_Ohm, kStep_s, kSteps);
-    const double wanted_A = (e_W_V - motor.torque_constant_Nm_per_A * rate_rad_per_s) / dR_Ohm;
-    return std::abs(settled_A - wanted_A) < kOff_A;
+    const double requested_A = (e_W_V - motor.torque_constant_Nm_per_A * rate_rad_per_s) / dR_Ohm;
+    return std::abs(settled_A - requested_A) < kOff_A;
 }
 
 /// K_P (θ_Sd − θ)/dR reaches the peak current, or what the supply drives through R at standstill.

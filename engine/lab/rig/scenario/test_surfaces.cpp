@@ -43,15 +43,16 @@ struct Divisions {
 };
 
 Divisions divisions_for(std::size_t triangles) {
-    const auto wanted = static_cast<double>(triangles);
+    const auto requested = static_cast<double>(triangles);
     Divisions into{};
-    into.fillet = std::max(2, static_cast<int>(std::lround(std::cbrt(wanted / 4600.0))));
+    into.fillet = std::max(2, static_cast<int>(std::lround(std::cbrt(requested / 4600.0))));
     // Eight corners of n² triangles, twelve edges of 2 n.
-    into.rounding = std::max(2, static_cast<int>(std::sqrt(kBlockShare * wanted / 8.0) - 1.5));
+    into.rounding = std::max(2, static_cast<int>(std::sqrt(kBlockShare * requested / 8.0) - 1.5));
     const double block = 8.0 * (into.rounding * into.rounding + 3 * into.rounding) + 8.0;
     // Two shafts, each a face as far as its foot, two fillets, a cylinder and an end.
     const double per_turn = 2.0 * (1.0 + 4.0 * into.fillet + 2.0 + 1.0);
-    into.turn = std::max(8, 4 * static_cast<int>(std::lround((wanted - block) / (4.0 * per_turn))));
+    into.turn =
+        std::max(8, 4 * static_cast<int>(std::lround((requested - block) / (4.0 * per_turn))));
     return into;
 }
 

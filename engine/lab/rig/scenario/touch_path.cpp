@@ -55,7 +55,7 @@ private:
 class TipPen {
 public:
     /// @pre step_m > 0
-    TipPen(double step_m, std::size_t tips) : step_m_(step_m), wanted_(tips) {
+    TipPen(double step_m, std::size_t tips) : step_m_(step_m), requested_(tips) {
         SPRINGDRIVE_ASSERT(step_m > 0.0);
         tips_m_.reserve(tips);
     }
@@ -80,20 +80,20 @@ public:
         at_m_ = point_m;
     }
 
-    [[nodiscard]] bool is_full() const { return tips_m_.size() >= wanted_; }
+    [[nodiscard]] bool is_full() const { return tips_m_.size() >= requested_; }
     [[nodiscard]] const Vector3 &at_m() const { return at_m_; }
 
     /// The tips; where the path was too short, the last is repeated.
     /// @pre there is at least one
     [[nodiscard]] std::vector<Vector3> take() {
         SPRINGDRIVE_ASSERT(!tips_m_.empty());
-        tips_m_.resize(wanted_, Vector3(tips_m_.back()));
+        tips_m_.resize(requested_, Vector3(tips_m_.back()));
         return std::move(tips_m_);
     }
 
 private:
     double step_m_;
-    std::size_t wanted_;
+    std::size_t requested_;
     std::vector<Vector3> tips_m_;
     Vector3 at_m_{Vector3::Zero()};
     double left_m_ = 0.0; ///< to the next tip

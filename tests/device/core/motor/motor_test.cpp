@@ -302,8 +302,8 @@ TEST(SpringDriveAtOnce, HoldsItsCurrentLimit) {
     MotorParameters m = testing::phantom_motor();
     m.peak_current_A = 2.0;
     const double R_Ohm = m.resistance_Ohm;
-    const auto current_A = [&](double wanted_A) {
-        return spring_drive_at_once(m, {R_Ohm, 0.0, 0.0, true}, 0.5 * wanted_A, R_Ohm - 0.5)
+    const auto current_A = [&](double requested_A) {
+        return spring_drive_at_once(m, {R_Ohm, 0.0, 0.0, true}, 0.5 * requested_A, R_Ohm - 0.5)
             .end_at(0.0);
     };
     EXPECT_NEAR(current_A(1.999), 1.999, kRoundOff_A);

@@ -141,7 +141,7 @@ TEST(WindingGuard, KeepsAColdDeviceWithTooSmallAResidualStable) {
         {0.0, Vector3(0, 0.02, 0)}, {1.2, Vector3(0, 0.02, 0)}, {2.1, Vector3(0.03, 0.05, 0.02)}});
     rig::ServoRig rig(testing::phantom_1_0(), options, Vector3(0, 0.02, 0));
     rig.inputs.tuning.dR_Ohm = 0.02;
-    const double asked_Ohm = testing::phantom_motor().resistance_Ohm - rig.inputs.tuning.dR_Ohm;
+    const double requested_Ohm = testing::phantom_motor().resistance_Ohm - rig.inputs.tuning.dR_Ohm;
     int over_cancelled_without = 0;
     for (int tick = 0; tick < 2100; ++tick) {
         const servo::ServoSample &sample = rig.tick();
@@ -151,7 +151,7 @@ TEST(WindingGuard, KeepsAColdDeviceWithTooSmallAResidualStable) {
         const Vector3 dR_Ohm = R_Ohm - sample.command.cancelled_resistance_Ohm;
         ASSERT_GT(dR_Ohm.minCoeff(), 0.0);
         ASSERT_TRUE(sample.winding[0].is_limited || tick < 1110); // once it has ramped up
-        over_cancelled_without += tick >= 1110 && asked_Ohm > R_Ohm.minCoeff() ? 1 : 0;
+        over_cancelled_without += tick >= 1110 && requested_Ohm > R_Ohm.minCoeff() ? 1 : 0;
     }
     EXPECT_GT(over_cancelled_without, 900);
 }

@@ -1,5 +1,5 @@
-// Covers device/core/phantom/kinematics.cpp and dynamics.cpp, the latter also against CVODE, and its
-// secants, the basis of the plant's exact energy.
+// Covers device/core/phantom/kinematics.cpp and dynamics.cpp, the latter also against CVODE, and
+// its secants, the basis of the plant's exact energy.
 #include "device/core/phantom/kinematics.h"
 
 #include "base/degrees.h"

@@ -141,9 +141,9 @@ protected:
 };
 
 TEST_P(ProxyHunt, NeitherCrossesNorSticks) {
-    const long wanted = testing::cases(100'000, 15'000'000);
+    const long requested = testing::cases(100'000, 15'000'000);
     std::uint64_t seed = 1;
-    for (; checked < wanted; ++seed) {
+    for (; checked < requested; ++seed) {
         hunt(seed);
         if (HasFatalFailure()) {
             return;

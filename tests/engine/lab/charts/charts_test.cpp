@@ -1,5 +1,5 @@
-// Covers engine/lab/charts/charts.h: each chart as a whole, and press_charts.cpp with its press and its
-// solvers, plant_solvers.cpp.
+// Covers engine/lab/charts/charts.h: each chart as a whole, and press_charts.cpp with its press and
+// its solvers, plant_solvers.cpp.
 #include "base/input_error.h"
 #include "device/simulated/simulation_options.h"
 #include "engine/lab/charts/charts.h"

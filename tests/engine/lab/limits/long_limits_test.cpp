@@ -117,8 +117,7 @@ TEST(StabilityAgreement, RandomLoopsWithinTwoPerCent) {
 
 TEST(StabilityAgreement, LoopsWithAnyDelayWithinTwoPerCent) {
     const int count = testing::cases(10, 100);
-    std::printf("worst of %d: %.2f %%\n", count,
-                100.0 * expect_gain_limits_agree(count, 34));
+    std::printf("worst of %d: %.2f %%\n", count, 100.0 * expect_gain_limits_agree(count, 34));
 }
 
 double share_of(const std::vector<double> &values, const std::function<bool(double)> &what) {

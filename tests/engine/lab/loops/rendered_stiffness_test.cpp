@@ -259,8 +259,8 @@ TEST(SimulatedSweep, MeasuresTheShortedWindingWithoutAServo) {
     drive.tuning.K_P_V_per_rad = 0.0;
     drive.tuning.K_D_Vs_per_rad = 0.0;
     drive.tuning.dR_Ohm = drive.motor.resistance_Ohm;
-    for (const double asked_hz : {1.0, 30.0, 400.0}) {
-        const SweepWindow window = sweep_window(asked_hz, drive.period_s);
+    for (const double requested_hz : {1.0, 30.0, 400.0}) {
+        const SweepWindow window = sweep_window(requested_hz, drive.period_s);
         const double omega = 2.0 * pi * window.frequency_hz(drive.period_s);
         const std::complex<double> truth = unmodified_stiffness(drive.motor, omega);
         EXPECT_LT(std::abs(measured_stiffness(drive, window) - truth), 5e-5 * std::abs(truth));
@@ -289,12 +289,12 @@ TEST(SweepWindow, HoldsWholePeriodsAndTicksNearTheRequestedFrequency) {
     for (int i = 0; i < 2000; ++i) {
         const double period_s = 1.0 / std::uniform_real_distribution<double>(250.0, 1e4)(random);
         const double share = std::exp(std::uniform_real_distribution<double>(-10.0, -0.7)(random));
-        const double asked_hz = share / period_s;
-        const SweepWindow window = sweep_window(asked_hz, period_s);
+        const double requested_hz = share / period_s;
+        const SweepWindow window = sweep_window(requested_hz, period_s);
         EXPECT_GE(window.ticks, 1000);
         EXPECT_GE(window.periods, 1);
         EXPECT_LT(2 * window.periods, window.ticks); // below half the servo rate
-        EXPECT_NEAR(window.frequency_hz(period_s), asked_hz, asked_hz / 1999.0);
+        EXPECT_NEAR(window.frequency_hz(period_s), requested_hz, requested_hz / 1999.0);
     }
     // Half the servo rate itself is where sine and alias meet: just below it.
     const SweepWindow half = sweep_window(500.0, 1e-3);

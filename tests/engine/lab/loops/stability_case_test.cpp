@@ -387,16 +387,16 @@ TEST(TuningConstraints, AgreesWithTheCase) {
                 const Eigen::Index size = freedom == Freedom::one_motor ? 1 : 3;
                 // The case's own configuration comes first, with this subdivision of hands.
                 which.hands = hand_family(size == 1 ? 41 : 9);
-                const std::size_t wanted = members(which).size();
+                const std::size_t requested = members(which).size();
                 std::size_t seen = 0;
                 bool all = true;
-                for (std::size_t k = 0; k < loops.count() && seen < wanted; ++k) {
+                for (std::size_t k = 0; k < loops.count() && seen < requested; ++k) {
                     if (loops[k].share.rows() == size && loops[k].eta == eta) {
                         ++seen;
                         all = loops.is_stable(k, gains) && all;
                     }
                 }
-                EXPECT_EQ(seen, wanted);
+                EXPECT_EQ(seen, requested);
                 EXPECT_EQ(all, is_stable(which)) << i << ", η " << eta;
             }
         }

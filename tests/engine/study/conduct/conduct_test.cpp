@@ -424,24 +424,24 @@ TEST_F(StudyConduct, WhatTheExperimenterWantsAgainIsRepeatedEvenThen) {
     };
     StudyStore store = quick_store(new_study("wanted"));
     EXPECT_EQ(run(store, "P01", plain_conduct(protocol_, now_, want)), SessionEnding::completed);
-    int wanted = 0;
+    int requested = 0;
     for (const Trial &trial : store.contents().trials) {
-        const bool is_wanted = trial.place.position == 5 && trial.place.attempt == 1;
+        const bool is_requested = trial.place.position == 5 && trial.place.attempt == 1;
         const bool has_answer = !std::holds_alternative<NoResponse>(trial.response);
-        EXPECT_EQ(trial.is_presented_again, is_wanted || !has_answer);
-        wanted += is_wanted && has_answer ? 1 : 0;
+        EXPECT_EQ(trial.is_presented_again, is_requested || !has_answer);
+        requested += is_requested && has_answer ? 1 : 0;
     }
-    EXPECT_GT(wanted, 0);
+    EXPECT_GT(requested, 0);
 }
 
 TEST_F(StudyConduct, EndsWhereItIsToldAndRefusesToGoOnWithAnotherProtocol) {
     const std::vector<Trial> expected = undisturbed("P01");
-    std::size_t asked = 0;
-    const auto stops_after = [this, &asked](std::size_t trials) {
-        asked = 0;
+    std::size_t requested = 0;
+    const auto stops_after = [this, &requested](std::size_t trials) {
+        requested = 0;
         Conduct stops = plain_conduct(protocol_, now_);
-        stops.ends = [&asked, trials]() -> std::optional<SessionEnding> {
-            return asked++ == trials ? std::optional(SessionEnding::stopped) : std::nullopt;
+        stops.ends = [&requested, trials]() -> std::optional<SessionEnding> {
+            return requested++ == trials ? std::optional(SessionEnding::stopped) : std::nullopt;
         };
         return stops;
     };

@@ -17,7 +17,7 @@
 #include "engine/study/analysis/posterior.h"
 #include "engine/study/conduct/conduct.h"
 #include "engine/study/methods/random_key.h"
-#include "engine/study/observers/simulated_sitting.h"
+#include "engine/study/observers/simulated_study_session.h"
 #include "engine/study/protocol/stimulus_trial.h"
 #include "engine/study/protocol/study_setting.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
@@ -71,9 +71,11 @@ WholeStudy whole_study(const Protocol &protocol, const StudySetting &setting,
     session.started = some_time();
     session.software = "0.1.0";
     session.id = store.begin(session);
-    SimulatedSitting sitting(protocol, setting, participant);
+    SimulatedStudySession study_session(protocol, setting, participant);
     Conduct how;
-    how.present = [&sitting](const PlannedTrial &planned) { return sitting.present(planned); };
+    how.present = [&study_session](const PlannedTrial &planned) {
+        return study_session.present(planned);
+    };
     how.ends = [] { return std::nullopt; };
     how.now = some_time;
     const SessionEnding ending = conduct(store, protocol, session, how);
@@ -171,7 +173,7 @@ TEST(StimuliOfAnHour, AreWithinTheirBandsOrMarkedWhileTheMotorsWarm) {
         parameters.turn_axis_deg = 360.0 * uniform(child(key, 1)) - 180.0;
         const Presented one{0, std::nullopt, parameters, parameters.tuning};
         const Stimulus stimulus = stimulus_of(protocol, setting, one);
-        const HandCourse course = hand_course(setting, one, stimulus, {});
+        const HandTrajectory course = hand_trajectory(setting, one, stimulus, {});
         rig.phantom().follow(simulated::HandPath(course.points));
         StimulusRun run(setting.device, stimulus, options.servo_period_s);
         DeliveryMeter meter(setting.device, stimulus, options.servo_period_s);

@@ -1,6 +1,6 @@
-// Covers engine/study/protocol/stimulus_trial.cpp, stimulus_trial.cpp and what protocol_check.cpp finds
-// in trials: whole presentations on the simulated device, against the statics of the paper and the
-// plant's true state.
+// Covers engine/study/protocol/stimulus_trial.cpp, stimulus_trial.cpp and what protocol_check.cpp
+// finds in trials: whole presentations on the simulated device, against the statics of the paper
+// and the plant's true state.
 #include "engine/study/protocol/protocol_check.h"
 #include "engine/study/protocol/stimulus_trial.h"
 

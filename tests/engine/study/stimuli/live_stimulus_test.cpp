@@ -34,7 +34,7 @@ struct Presentable {
           presented(all_presented(protocol).back()) {
         protocol.timing.presentation_s = 0.6;
         stimulus = stimulus_of(protocol, setting, presented);
-        course = hand_course(setting, presented, stimulus, {});
+        course = hand_trajectory(setting, presented, stimulus, {});
         options.servo_period_s = 1.0 / presented.parameters.servo_hz;
         options.delay_periods = presented.parameters.delay_periods;
         options.ambient_C = protocol.windings.from_C;
@@ -49,7 +49,7 @@ struct Presentable {
     StudySetting setting;
     Presented presented;
     Stimulus stimulus;
-    HandCourse course;
+    HandTrajectory course;
     simulated::SimulationOptions options;
     servo::ServoInputs inputs;
 };
@@ -128,7 +128,7 @@ TEST(LiveStimulus, IsPresentedOnTheServosOwnThread) {
 }
 
 /// Asks for what only the publisher may decide.
-class Greedy final : public servo::InputCourse {
+class Greedy final : public servo::InputTrajectory {
 public:
     void update(const servo::ServoSample &last, servo::LawInputs &next) noexcept override {
         last_tick = last.tick;
@@ -139,7 +139,7 @@ public:
     int updates = 0;
 };
 
-TEST(InputCourse, IsAskedOncePerTickAndPassesTheMonitor) {
+TEST(InputTrajectory, IsAskedOncePerTickAndPassesTheMonitor) {
     Presentable it("stiffness");
     simulated::SimulatedPhantom phantom(it.setting.device, it.options,
                                         it.course.points.front().position_m);
@@ -306,11 +306,11 @@ TEST(LiveWarmUp, IsThatOfARigTickByTick) {
     int heated_ticks = 0;
     for (int tick = 0; !warm_up.is_over() && tick < 60'000; ++tick) {
         warm_up.update(warming.rig.last, warming.rig.inputs);
-        const servo::ServoSample &wanted = warming.rig.tick();
+        const servo::ServoSample &requested = warming.rig.tick();
         servo.advance(1);
         servo.drain([&](const servo::ServoSample &sample) { last = sample; });
-        ASSERT_EQ(last.tick, wanted.tick);
-        ASSERT_EQ(last.command.e_W_V, wanted.command.e_W_V) << "after " << tick << " ticks";
+        ASSERT_EQ(last.tick, requested.tick);
+        ASSERT_EQ(last.command.e_W_V, requested.command.e_W_V) << "after " << tick << " ticks";
         ASSERT_EQ(live.phase(), warm_up.phase());
         heated_ticks += last.command.e_W_V.isZero(0.1) ? 0 : 1;
     }

@@ -450,12 +450,12 @@ TEST(StimulusRun, PushesWithThePulseAtRest) {
         const double since_s = trial.run.presented_s() + 0.5 * kPeriod_s - 0.5;
         const double w = 2.0 * std::numbers::pi * 10.0;
         const bool is_within = since_s >= 0.0 && since_s <= 0.1;
-        const double wanted_N =
+        const double requested_N =
             is_within
                 ? 0.6 * (1.0 - std::cos(w * since_s) + w * L_over_dR_s * std::sin(w * since_s))
                 : 0.0;
         const Vector3 pushed_N = trial.force_of_N(trial.inputs.excitation_V);
-        EXPECT_LT((pushed_N - wanted_N * stimulus.direction).norm(), 1e-9) << since_s;
+        EXPECT_LT((pushed_N - requested_N * stimulus.direction).norm(), 1e-9) << since_s;
     }
 }
 

@@ -236,9 +236,9 @@ TEST(LoopExperiments, TheFilterAndAlphaFailForTheTuningsThatTheirRowsName) {
     loops::StabilityCase three = testing::firm();
     three.freedom = loops::Freedom::three_motors;
     three.tuning.K_P_V_per_rad = 20.0;
-    loops::StabilityCase asked = testing::firm();
-    asked.tuning.K_P_V_per_rad *= 0.5; // each row has a tuning of its own
-    const std::vector<Experiment> all = experiments(asked);
+    loops::StabilityCase requested = testing::firm();
+    requested.tuning.K_P_V_per_rad *= 0.5; // each row has a tuning of its own
+    const std::vector<Experiment> all = experiments(requested);
     for (const Case &one : std::vector<Case>{{"lambda", filtered, false}, {"alpha", three, true}}) {
         SCOPED_TRACE(one.parameter);
         const auto row = std::ranges::find_if(all, [&one](const Experiment &experiment) {

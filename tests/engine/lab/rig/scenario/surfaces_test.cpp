@@ -306,9 +306,9 @@ const TriangleSoup &machined() {
 TEST(MachinedSurface, IsClosedWithAboutAsManyTrianglesAsAsked) {
     for (const std::size_t triangles : {1000U, 1280U, 5000U, 20'000U, 300'000U}) {
         const TriangleSoup soup = machined_surface(triangles);
-        const auto wanted = static_cast<double>(triangles);
-        EXPECT_NEAR(static_cast<double>(soup.triangles.size()), wanted,
-                    triangles < 20'000 ? 0.06 * wanted : 2e-3 * wanted);
+        const auto requested = static_cast<double>(triangles);
+        EXPECT_NEAR(static_cast<double>(soup.triangles.size()), requested,
+                    triangles < 20'000 ? 0.06 * requested : 2e-3 * requested);
         EXPECT_EQ(soup.material_of_triangle.size(), soup.triangles.size());
         expect_closed(soup);
     }

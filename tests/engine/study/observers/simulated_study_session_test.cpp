@@ -1,7 +1,7 @@
 // Covers engine/study/observers: what is perceived, what is answered (frequencies against the
 // function, within the deviations of a binomial), and sessions through the simulated device.
 #include "engine/study/conduct/conduct.h"
-#include "engine/study/observers/simulated_sitting.h"
+#include "engine/study/observers/simulated_study_session.h"
 #include "tests/engine/study/protocol/plain_protocol.h"
 
 #include <gtest/gtest.h>
@@ -211,8 +211,8 @@ Protocol direction_protocol() {
     return protocol;
 }
 
-SimulatedSitting sitting_of(const Protocol &protocol,
-                            FeltStimuli felt = FeltStimuli::each_simulated) {
+SimulatedStudySession study_session_of(const Protocol &protocol,
+                                       FeltStimuli felt = FeltStimuli::each_simulated) {
     SimulatedParticipant participant;
     participant.function.threshold = 20.0;
     participant.function.slope = 3.0;
@@ -233,11 +233,11 @@ std::optional<double> delivered(const Presentation &presentation, const std::str
     return found == presentation.values.end() ? std::nullopt : found->delivered;
 }
 
-TEST(SimulatedSitting, PresentsTheComparisonInItsInterval) {
+TEST(SimulatedStudySession, PresentsTheComparisonInItsInterval) {
     const Protocol protocol = direction_protocol();
-    SimulatedSitting sitting = sitting_of(protocol);
+    SimulatedStudySession study_session = study_session_of(protocol);
     for (const int target : {0, 1}) {
-        const Trial result = sitting.present(trial_at(40.0, target, 1)).value();
+        const Trial result = study_session.present(trial_at(40.0, target, 1)).value();
         ASSERT_EQ(result.presentations.size(), 2U);
         const auto at = static_cast<std::size_t>(target);
         EXPECT_NEAR(delivered(result.presentations[at], "direction_deg").value(), 40.0, 1.0);
@@ -250,10 +250,10 @@ TEST(SimulatedSitting, PresentsTheComparisonInItsInterval) {
     }
 }
 
-TEST(SimulatedSitting, IsTheSameInWhateverOrderAndByWhomeverItIsAsked) {
+TEST(SimulatedStudySession, IsTheSameInWhateverOrderAndByWhomeverItIsAsked) {
     const Protocol protocol = direction_protocol();
-    SimulatedSitting one = sitting_of(protocol);
-    SimulatedSitting resumed = sitting_of(protocol);
+    SimulatedStudySession one = study_session_of(protocol);
+    SimulatedStudySession resumed = study_session_of(protocol);
     const Trial first = one.present(trial_at(20.0, 0, 1)).value();
     const Trial second = one.present(trial_at(5.0, 1, 2)).value();
     const Trial second_again = resumed.present(trial_at(5.0, 1, 2)).value();
@@ -266,55 +266,55 @@ TEST(SimulatedSitting, IsTheSameInWhateverOrderAndByWhomeverItIsAsked) {
         << "hands are different";
 }
 
-TEST(SimulatedSitting, StimuliMeasuredOnceAreTheSameEachTime) {
+TEST(SimulatedStudySession, StimuliMeasuredOnceAreTheSameEachTime) {
     const Protocol protocol = direction_protocol();
-    SimulatedSitting sitting = sitting_of(protocol, FeltStimuli::measured_once);
-    const Trial first = sitting.present(trial_at(20.0, 0, 1)).value();
-    const Trial other = sitting.present(trial_at(20.0, 0, 2)).value();
+    SimulatedStudySession study_session = study_session_of(protocol, FeltStimuli::measured_once);
+    const Trial first = study_session.present(trial_at(20.0, 0, 1)).value();
+    const Trial other = study_session.present(trial_at(20.0, 0, 2)).value();
     EXPECT_EQ(first.presentations, other.presentations);
     EXPECT_NE(first.response_time_s, other.response_time_s);
 }
 
-TEST(SimulatedSitting, OfAForcedChoiceByPlaceThePlaceIsTheDirection) {
+TEST(SimulatedStudySession, OfAForcedChoiceByPlaceThePlaceIsTheDirection) {
     Protocol protocol = direction_protocol();
     protocol.task.kind = TaskKind::forced_choice_by_place;
-    SimulatedSitting sitting = sitting_of(protocol, FeltStimuli::measured_once);
+    SimulatedStudySession study_session = study_session_of(protocol, FeltStimuli::measured_once);
     for (const int target : {0, 1}) {
-        const Trial result = sitting.present(trial_at(40.0, target, 1)).value();
+        const Trial result = study_session.present(trial_at(40.0, target, 1)).value();
         ASSERT_EQ(result.presentations.size(), 1U);
         EXPECT_NEAR(delivered(result.presentations[0], "direction_deg").value(), 40.0, 1.0);
     }
 }
 
-TEST(SimulatedSitting, ShowsTheStandardFirstWhereTheProtocolWantsIt) {
+TEST(SimulatedStudySession, ShowsTheStandardFirstWhereTheProtocolWantsIt) {
     Protocol protocol = direction_protocol();
     protocol.task.kind = TaskKind::yes_no;
-    EXPECT_EQ(sitting_of(protocol).present(trial_at(40.0, 0, 1))->presentations.size(), 1U);
+    EXPECT_EQ(study_session_of(protocol).present(trial_at(40.0, 0, 1))->presentations.size(), 1U);
     protocol.variable.shows_standard = true;
-    const Trial result = sitting_of(protocol).present(trial_at(40.0, 0, 1)).value();
+    const Trial result = study_session_of(protocol).present(trial_at(40.0, 0, 1)).value();
     ASSERT_EQ(result.presentations.size(), 2U);
     EXPECT_NEAR(delivered(result.presentations[0], "direction_deg").value(), 0.0, 1.0);
     EXPECT_NEAR(delivered(result.presentations[1], "direction_deg").value(), 40.0, 1.0);
     EXPECT_TRUE(std::holds_alternative<YesNo>(result.response));
 }
 
-TEST(SimulatedSitting, WarmsTheWindingsFirstAndAgainWhenTheyAreCold) {
+TEST(SimulatedStudySession, WarmsTheWindingsFirstAndAgainWhenTheyAreCold) {
     Protocol protocol = direction_protocol();
-    SimulatedSitting sitting = sitting_of(protocol, FeltStimuli::measured_once);
-    EXPECT_EQ(sitting.warm_up_s(), 0.0);
-    const Trial first = sitting.present(trial_at(20.0, 0, 1)).value();
-    const double once_s = sitting.warm_up_s();
+    SimulatedStudySession study_session = study_session_of(protocol, FeltStimuli::measured_once);
+    EXPECT_EQ(study_session.warm_up_s(), 0.0);
+    const Trial first = study_session.present(trial_at(20.0, 0, 1)).value();
+    const double once_s = study_session.warm_up_s();
     EXPECT_GT(once_s, 10.0);
     for (const std::optional<double> &winding_C : first.windings_degC) {
         EXPECT_GE(winding_C.value(), protocol.windings.from_C);
         EXPECT_LE(winding_C.value(), protocol.windings.to_C);
     }
-    static_cast<void>(sitting.present(trial_at(20.0, 0, 2)).value());
-    EXPECT_EQ(sitting.warm_up_s(), once_s) << "still in the band";
+    static_cast<void>(study_session.present(trial_at(20.0, 0, 2)).value());
+    EXPECT_EQ(study_session.warm_up_s(), once_s) << "still in the band";
 
     // Half an hour between trials: three times the motors' time constant.
     protocol.timing.between_trials_s = 1800.0;
-    SimulatedSitting slow = sitting_of(protocol, FeltStimuli::measured_once);
+    SimulatedStudySession slow = study_session_of(protocol, FeltStimuli::measured_once);
     static_cast<void>(slow.present(trial_at(20.0, 0, 1)).value());
     const Trial later = slow.present(trial_at(20.0, 0, 2)).value();
     EXPECT_GT(slow.warm_up_s(), 1.5 * once_s);
@@ -324,12 +324,12 @@ TEST(SimulatedSitting, WarmsTheWindingsFirstAndAgainWhenTheyAreCold) {
     EXPECT_EQ(later.presentations, first.presentations) << "whatever came before";
 }
 
-TEST(SimulatedSitting, TellsOfATripAsASafetyEvent) {
+TEST(SimulatedStudySession, TellsOfATripAsASafetyEvent) {
     const Protocol protocol = direction_protocol();
     StudySetting setting = study_setting(protocol, testing::folders());
     setting.device.limits.tip_speed_m_per_s = 0.01;
-    SimulatedSitting sitting(protocol, setting, SimulatedParticipant{});
-    const Trial result = sitting.present(trial_at(20.0, 0, 1)).value();
+    SimulatedStudySession study_session(protocol, setting, SimulatedParticipant{});
+    const Trial result = study_session.present(trial_at(20.0, 0, 1)).value();
     ASSERT_FALSE(result.safety_events.empty());
     EXPECT_NE(result.safety_events[0].text.find("tip speed"), std::string::npos);
 }

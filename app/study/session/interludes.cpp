@@ -1,5 +1,5 @@
-// What a sitting shows between its trials: questions, the noise, breaks, the warm-up.
-#include "app/study/sitting/sitting.h"
+// What a session shows between its trials: questions, the noise, breaks, the warm-up.
+#include "app/study/session/study_session.h"
 
 #include "app/study/participant/answers.h"
 #include "base/input_error.h"
@@ -39,8 +39,8 @@ private:
 };
 
 /// A break has a shortest time.
-Resumable<> Sitting::rest(double seconds) {
-    state_.step = SittingStep::in_break;
+Resumable<> StudySession::rest(double seconds) {
+    state_.step = StudySessionStep::in_break;
     since_break_ = 0;
     ParticipantPicture picture;
     picture.heading = plan_.protocol.texts.pause;
@@ -58,11 +58,11 @@ Resumable<> Sitting::rest(double seconds) {
 }
 
 /// Until the participant wants to go on, and not sooner than after so long.
-Resumable<> Sitting::take_break(double seconds, SittingStep step) {
+Resumable<> StudySession::take_break(double seconds, StudySessionStep step) {
     co_await rest(seconds);
     const study::Texts &texts = plan_.protocol.texts;
     ParticipantPicture picture;
-    if (step == SittingStep::block_begins) {
+    if (step == StudySessionStep::block_begins) {
         picture.text = texts.block_begins;
     } else {
         picture.heading = texts.pause;
@@ -71,9 +71,9 @@ Resumable<> Sitting::take_break(double seconds, SittingStep step) {
     co_await show_until_key(step, picture);
 }
 
-Resumable<> Sitting::wait_while_paused() {
+Resumable<> StudySession::wait_while_paused() {
     while (orders_.is_paused) {
-        state_.step = SittingStep::paused;
+        state_.step = StudySessionStep::paused;
         ParticipantPicture picture;
         picture.heading = plan_.protocol.texts.paused;
         static_cast<void>(co_await show(picture));
@@ -81,16 +81,16 @@ Resumable<> Sitting::wait_while_paused() {
 }
 
 /// What is said before a trial.
-Resumable<> Sitting::introduce(const study::PlannedTrial &planned) {
+Resumable<> StudySession::introduce(const study::PlannedTrial &planned) {
     const study::Texts &texts = plan_.protocol.texts;
     const bool is_practice = planned.is_practice;
     ParticipantPicture picture;
     if (has_presented_ && planned.place.block != last_block_) {
-        co_await take_break(plan_.protocol.breaks.between_blocks_s, SittingStep::block_begins);
+        co_await take_break(plan_.protocol.breaks.between_blocks_s, StudySessionStep::block_begins);
     } else if (std::exchange(orders_.skips_to_break, false) ||
                (plan_.protocol.breaks.every_trials > 0 &&
                 since_break_ >= plan_.protocol.breaks.every_trials)) {
-        co_await take_break(plan_.protocol.breaks.break_s, SittingStep::in_break);
+        co_await take_break(plan_.protocol.breaks.break_s, StudySessionStep::in_break);
     }
     if (is_practice && (!was_practising_ || !has_presented_)) {
         if (!was_practising_) {
@@ -98,7 +98,7 @@ Resumable<> Sitting::introduce(const study::PlannedTrial &planned) {
         }
         picture.heading = texts.practice_begins;
         picture.text = texts.ready;
-        co_await show_until_key(SittingStep::practice_begins, picture);
+        co_await show_until_key(StudySessionStep::practice_begins, picture);
     } else if (!is_practice && was_practising_) {
         co_await end_practice();
     }
@@ -107,7 +107,7 @@ Resumable<> Sitting::introduce(const study::PlannedTrial &planned) {
 }
 
 /// With two answer keys the participant may practise again, as often as it takes.
-Resumable<> Sitting::end_practice() {
+Resumable<> StudySession::end_practice() {
     const study::Texts &texts = plan_.protocol.texts;
     const study::ResponseWays &ways = plan_.protocol.responses;
     ParticipantPicture picture;
@@ -115,7 +115,7 @@ Resumable<> Sitting::end_practice() {
     if (!plan_.offers_practice_again || ways.device == study::ResponseDevice::gesture ||
         ways.keys.size() < 2) {
         picture.text = texts.ready;
-        co_await show_until_key(SittingStep::practice_ends, picture);
+        co_await show_until_key(StudySessionStep::practice_ends, picture);
         co_return;
     }
     const bool is_mouse = ways.device == study::ResponseDevice::mouse;
@@ -123,8 +123,8 @@ Resumable<> Sitting::end_practice() {
         study::filled(study::filled(texts.understood, "{again}", shown_key(ways.keys[0], is_mouse)),
                       "{begin}", shown_key(ways.keys[1], is_mouse));
     while (true) {
-        state_.step = SittingStep::practice_ends;
-        const SittingFrame frame = co_await show(picture);
+        state_.step = StudySessionStep::practice_ends;
+        const StudySessionFrame frame = co_await show(picture);
         for (const ParticipantInput &input : frame.inputs) {
             const std::optional<std::size_t> key = alternative_of(ways, input);
             if (key == 0U) {
@@ -140,7 +140,7 @@ Resumable<> Sitting::end_practice() {
 
 /// The same trials as before. They are not of the sequence, and only notes tell of them, and of
 /// stops in them.
-Resumable<> Sitting::practise_again() {
+Resumable<> StudySession::practise_again() {
     presented_again_ = 0;
     for (const study::PlannedTrial &planned : practised_) {
         co_await make_ready(planned);
@@ -157,7 +157,7 @@ Resumable<> Sitting::practise_again() {
 }
 
 /// Whatever has ended it.
-void Sitting::note_practice() {
+void StudySession::note_practice() {
     if (const std::optional<int> count = std::exchange(presented_again_, std::nullopt)) {
         note("practice", fmt::format("practised {} trials again, which are not stored", *count));
     }
@@ -166,7 +166,7 @@ void Sitting::note_practice() {
 /// Before the first trial, and whenever they have cooled below the band. A device that is stopped
 /// or lost meanwhile is for make_ready.
 /// @return whether there was anything to do
-Resumable<bool> Sitting::warm_up() {
+Resumable<bool> StudySession::warm_up() {
     const study::WindingBand &band = plan_.protocol.windings;
     if (!study::WarmUp::is_needed(band, study::estimated_windings_C(session_.latest()))) {
         co_return false;
@@ -180,7 +180,7 @@ Resumable<bool> Sitting::warm_up() {
     {
         const Followed followed(session_.servo(), course);
         while (!course.is_over() && session_.latest().safety.state != servo::SafetyState::tripped) {
-            state_.step = SittingStep::warming_up;
+            state_.step = StudySessionStep::warming_up;
             if (const double left_K = course.off_band_K(); left_K > 0.0) {
                 most_K = std::max(most_K, left_K);
                 picture.left_share = std::min(*picture.left_share, left_K / most_K);
@@ -200,19 +200,19 @@ Resumable<bool> Sitting::warm_up() {
 }
 
 /// Before the first trial of the session.
-Resumable<> Sitting::begin() {
+Resumable<> StudySession::begin() {
     co_await ask_questions(study::QuestionnaireTime::before);
     if (noise_) {
         ParticipantPicture picture;
         picture.text = plan_.protocol.texts.noise_check + '\n' + plan_.protocol.texts.ready;
-        co_await show_until_key(SittingStep::noise_check, picture);
+        co_await show_until_key(StudySessionStep::noise_check, picture);
     }
     const ParticipantPicture instructions = instructions_of(plan_.protocol);
-    co_await show_until_key(SittingStep::instructions, instructions);
+    co_await show_until_key(StudySessionStep::instructions, instructions);
 }
 
 /// The device is not touched any more. @return how the session ends
-Resumable<study::SessionEnding> Sitting::ask_after_last() {
+Resumable<study::SessionEnding> StudySession::ask_after_last() {
     has_trials_left_ = false;
     session_.keep_released(true);
     end_noise();
@@ -226,21 +226,21 @@ Resumable<study::SessionEnding> Sitting::ask_after_last() {
     co_return ending_.value_or(study::SessionEnding::completed);
 }
 
-Resumable<> Sitting::say_goodbye() {
+Resumable<> StudySession::say_goodbye() {
     ParticipantPicture picture;
     picture.heading = plan_.protocol.texts.end;
     state_.progress = 1.0;
-    co_await show_until_key(SittingStep::over, picture);
+    co_await show_until_key(StudySessionStep::over, picture);
 }
 
 /// To a participant who leaves before the end: for some seconds, or until a key.
-Resumable<> Sitting::let_go() {
+Resumable<> StudySession::let_go() {
     ParticipantPicture picture;
     picture.heading = plan_.protocol.texts.done_early;
-    state_.step = SittingStep::over;
+    state_.step = StudySessionStep::over;
     const double until_s = session_.servo().now_s() + kFarewell_s;
     while (session_.servo().now_s() < until_s) {
-        const SittingFrame frame = co_await show(picture);
+        const StudySessionFrame frame = co_await show(picture);
         if (is_answer_key(frame.inputs)) {
             break;
         }
@@ -248,15 +248,16 @@ Resumable<> Sitting::let_go() {
 }
 
 /// A resumed session asks only what is missing.
-std::vector<study::QuestionnaireItem> Sitting::open_questions(study::QuestionnaireTime when) const {
+std::vector<study::QuestionnaireItem>
+StudySession::open_questions(study::QuestionnaireTime when) const {
     return study::open_questions(plan_.protocol, store_.contents(), plan_.participant, when);
 }
 
 /// One after the other; each answer is on the disk before the next question.
-Resumable<> Sitting::ask_questions(study::QuestionnaireTime when) {
+Resumable<> StudySession::ask_questions(study::QuestionnaireTime when) {
     const std::vector<study::QuestionnaireItem> open = open_questions(when);
     for (const study::QuestionnaireItem &item : open) {
-        state_.step = SittingStep::questionnaire;
+        state_.step = StudySessionStep::questionnaire;
         const std::optional<std::string> answer = co_await answer_to(item);
         if (answer) {
             static_cast<void>(store_.add({plan_.participant, state_.session, item.name, item.text,
@@ -266,11 +267,12 @@ Resumable<> Sitting::ask_questions(study::QuestionnaireTime when) {
 }
 
 /// Nothing if the participant would rather not say.
-Resumable<std::optional<std::string>> Sitting::answer_to(const study::QuestionnaireItem &item) {
+Resumable<std::optional<std::string>>
+StudySession::answer_to(const study::QuestionnaireItem &item) {
     const std::vector<QuestionChoice> choices = choices_of(item, plan_.protocol.texts);
     ParticipantPicture picture = picture_of(item, plan_.protocol.texts);
     while (true) {
-        const SittingFrame frame = co_await show(picture);
+        const StudySessionFrame frame = co_await show(picture);
         picture.typed = typed_on(picture.typed, frame.inputs, study::kMaxAnswer);
         for (const ParticipantInput &input : frame.inputs) {
             if (const QuestionChoice *const chosen = chosen_by(choices, input)) {

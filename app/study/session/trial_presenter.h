@@ -7,8 +7,8 @@
 // A hand that is simulated is led by the course of a simulated participant's; a person's is not.
 #pragma once
 
-#include "app/study/sitting/resumable.h"
-#include "app/study/sitting/sitting_state.h"
+#include "app/study/session/resumable.h"
+#include "app/study/session/study_session_state.h"
 #include "engine/scene/scene.h"
 #include "engine/session/session.h"
 #include "engine/study/conduct/conduct.h"
@@ -33,7 +33,7 @@ struct Presenting {
     const study::StudySetting &setting;
     study::ProtocolFolders folders;
     session::Session &session;
-    SittingState &state;
+    StudySessionState &state;
     ShowsScene show_scene;
     /// To be awaited.
     std::function<Frames::Next(ParticipantPicture)> show;
@@ -56,7 +56,7 @@ public:
     [[nodiscard]] Resumable<std::optional<study::Trial>> present();
 
     /// The standard picture of an interval: scene, or nothing.
-    [[nodiscard]] ParticipantPicture picture(SittingStep step) const;
+    [[nodiscard]] ParticipantPicture picture(StudySessionStep step) const;
 
     /// Shows the picture for that time.
     [[nodiscard]] Resumable<> wait(double seconds, const ParticipantPicture &shown);

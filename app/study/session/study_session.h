@@ -6,9 +6,9 @@
 // servo's part of a trial for trial_presenter.h.
 #pragma once
 
-#include "app/study/sitting/resumable.h"
-#include "app/study/sitting/sitting_state.h"
-#include "app/study/sitting/trial_presenter.h"
+#include "app/study/session/resumable.h"
+#include "app/study/session/study_session_state.h"
+#include "app/study/session/trial_presenter.h"
 #include "app/study/sound/masking_noise.h"
 #include "engine/session/session.h"
 #include "engine/study/conduct/conduct.h"
@@ -26,7 +26,7 @@
 
 namespace springdrive::app::study_screen {
 
-/// Stops of the device in a sitting: each is stored with the trial in which it was, or noted; and
+/// Stops of the device in a session: each is stored with the trial in which it was, or noted; and
 /// when the device is reset after one that nobody requested.
 class DeviceStops {
 public:
@@ -70,7 +70,7 @@ private:
     double reset_s_ = 0.0; ///< the last time
 };
 
-struct SittingPlan {
+struct StudySessionPlan {
     study::Protocol protocol;
     study::StudySetting setting;
     study::ProtocolFolders folders;
@@ -82,17 +82,17 @@ struct SittingPlan {
     bool is_attended = true; ///< else a device that can reach a hand starts again by a person alone
 };
 
-class Sitting {
+class StudySession {
 public:
     /// @param session  started; with the protocol's device and the scene of a condition
     /// @throw InputError for ways to answer that this program cannot take, and for a participant
     ///        whose former sessions were on another kind of device
-    Sitting(study::StudyStore &store, SittingPlan plan, session::Session &session,
-            ShowsScene show_scene);
+    StudySession(study::StudyStore &store, StudySessionPlan plan, session::Session &session,
+                 ShowsScene show_scene);
     /// A session that has not come to its end, by an error, is stored as failed.
-    ~Sitting();
-    Sitting(const Sitting &) = delete;
-    Sitting &operator=(const Sitting &) = delete;
+    ~StudySession();
+    StudySession(const StudySession &) = delete;
+    StudySession &operator=(const StudySession &) = delete;
 
     /// Begins the session. @throw InputError if the masking noise cannot be played: there is then
     /// no session; and as `resume` does
@@ -100,11 +100,11 @@ public:
 
     /// What is to be shown for a frame, in which the session is to be advanced.
     [[nodiscard]] const ParticipantPicture &picture() const { return frames_.picture(); }
-    [[nodiscard]] const SittingState &state() const { return state_; }
+    [[nodiscard]] const StudySessionState &state() const { return state_; }
 
     /// Goes on after that frame. @throw InputError from the store, for a scene, or for windings
     ///        that cannot be warmed: it can then not go on
-    void resume(SittingFrame frame);
+    void resume(StudySessionFrame frame);
 
     [[nodiscard]] bool is_over() const { return frames_.is_over(); }
     /// As stored. @pre it is over
@@ -114,7 +114,8 @@ private:
     void require_device_of_before() const;
     void recall_practice();
     [[nodiscard]] Frames::Next show(ParticipantPicture picture);
-    [[nodiscard]] Resumable<> show_until_key(SittingStep step, const ParticipantPicture &picture);
+    [[nodiscard]] Resumable<> show_until_key(StudySessionStep step,
+                                             const ParticipantPicture &picture);
     [[nodiscard]] bool is_answer_key(const std::vector<ParticipantInput> &inputs) const;
 
     [[nodiscard]] Resumable<> whole();
@@ -128,7 +129,7 @@ private:
     void keep_noise();
     void end_noise();
     [[nodiscard]] Resumable<> rest(double seconds);
-    [[nodiscard]] Resumable<> take_break(double seconds, SittingStep step);
+    [[nodiscard]] Resumable<> take_break(double seconds, StudySessionStep step);
     [[nodiscard]] Resumable<> wait_while_paused();
     [[nodiscard]] Resumable<bool> warm_up();
     [[nodiscard]] Resumable<> begin();
@@ -150,10 +151,10 @@ private:
     [[nodiscard]] study::Session begun() const;
 
     study::StudyStore &store_;
-    SittingPlan plan_;
+    StudySessionPlan plan_;
     session::Session &session_;
     study::Session begun_; ///< in the store
-    SittingState state_;
+    StudySessionState state_;
     TrialPresenter presenter_;
     std::optional<study::SessionEnding> ending_; ///< what is shown is over with it
     std::optional<study::SessionEnding> stored_ending_;

@@ -1,4 +1,4 @@
-// Where a sitting is, for the experimenter (the participant sees nothing of it), and what both
+// Where a session is, for the experimenter (the participant sees nothing of it), and what both
 // people did in a frame.
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace springdrive::app::study_screen {
 
-enum class SittingStep : std::uint8_t {
+enum class StudySessionStep : std::uint8_t {
     questionnaire,
     noise_check,
     instructions,
@@ -57,8 +57,8 @@ inline constexpr std::array<std::string_view, 17> kStepDescriptions{
     "has answered",
     "is through",
 };
-static_assert(kStepDescriptions.size() == static_cast<std::size_t>(SittingStep::over) + 1);
-[[nodiscard]] constexpr std::string_view description(SittingStep step) {
+static_assert(kStepDescriptions.size() == static_cast<std::size_t>(StudySessionStep::over) + 1);
+[[nodiscard]] constexpr std::string_view description(StudySessionStep step) {
     return kStepDescriptions[static_cast<std::size_t>(step)];
 }
 
@@ -83,10 +83,10 @@ static_assert(kStepDescriptions.size() == static_cast<std::size_t>(SittingStep::
     return "it is over";
 }
 
-struct SittingState {
+struct StudySessionState {
     std::string participant;
     study::SessionId session = 0;
-    SittingStep step = SittingStep::instructions;
+    StudySessionStep step = StudySessionStep::instructions;
     study::StimulusPhase phase = study::StimulusPhase::waiting; ///< of the present interval
     std::optional<study::PlannedTrial> trial;                   ///< the present one
     std::size_t interval = 0;                                   ///< of it, from 0
@@ -107,7 +107,7 @@ struct ExperimenterOrders {
     bool resets_device = false;  ///< after a stop
 };
 
-struct SittingFrame {
+struct StudySessionFrame {
     std::vector<ParticipantInput> inputs; ///< in order; times by `ServoRun::now_s`
     ExperimenterOrders orders;
 };

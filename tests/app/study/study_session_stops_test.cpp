@@ -1,4 +1,4 @@
-// Covers app/study/sitting/{sitting,trial_presenter,device_stops}.cpp: a device that is stopped or
+// Covers app/study/session/{session,trial_presenter,device_stops}.cpp: a device that is stopped or
 // lost, and a disk that is full.
 #include "base/input_error.h"
 #include "tests/app/study/made_up_people.h"
@@ -24,7 +24,7 @@ constexpr int kLongStop_frames = 300;
 
 /// The experimenter waits before letting the device go on. @return frames for which it was stopped
 int frames_stopped(const Moment &now, int frames) {
-    if (now.state.step == SittingStep::device_stopped) {
+    if (now.state.step == StudySessionStep::device_stopped) {
         ++frames;
         now.port.orders.resets_device = frames == kLongStop_frames;
     }
@@ -33,7 +33,7 @@ int frames_stopped(const Moment &now, int frames) {
 
 /// One while the participant is asked, and one in a presentation, for which nobody lets the device
 /// go on for a while.
-TEST_F(StudySitting, StopsAreStoredAndTheirTrialsComeAgain) {
+TEST_F(StudySessionTest, StopsAreStoredAndTheirTrialsComeAgain) {
     Once once(3);
     bool has_asked = false;
     int stopped = 0; // frames, in both
@@ -41,11 +41,11 @@ TEST_F(StudySitting, StopsAreStoredAndTheirTrialsComeAgain) {
     const SessionEnding ending = run([&](const Moment &now) {
         const study::TrialPlace place =
             now.state.trial ? now.state.trial->place : study::TrialPlace{};
-        const bool is_asked = now.state.step == SittingStep::response && place.block == 1 &&
+        const bool is_asked = now.state.step == StudySessionStep::response && place.block == 1 &&
                               place.position == 2 && !has_asked;
         has_asked = has_asked || is_asked;
         now.port.presses_emergency_stop = is_asked || once.is_now(now.state);
-        if (now.state.step == SittingStep::device_stopped) {
+        if (now.state.step == StudySessionStep::device_stopped) {
             shown = now.picture.text;
             now.port.orders.resets_device = ++stopped == 1 || stopped == 1 + kLongStop_frames;
         }
@@ -77,8 +77,9 @@ TEST_F(StudySitting, StopsAreStoredAndTheirTrialsComeAgain) {
 
 /// "Let the device go on" is of the stop that was there: of none in the frame of a later one, nor
 /// before it.
-TEST_F(StudySitting, AnOrderToGoOnIsNotOfAStopThatIsNewOrLater) {
-    for (const SittingStep ordered_in : {SittingStep::interval, SittingStep::after_response}) {
+TEST_F(StudySessionTest, AnOrderToGoOnIsNotOfAStopThatIsNewOrLater) {
+    for (const StudySessionStep ordered_in :
+         {StudySessionStep::interval, StudySessionStep::after_response}) {
         SCOPED_TRACE(description(ordered_in));
         begin_study("sitting");
         Once once(2);
@@ -87,12 +88,12 @@ TEST_F(StudySitting, AnOrderToGoOnIsNotOfAStopThatIsNewOrLater) {
         run([&](const Moment &now) {
             const int before = stopped;
             now.port.orders.resets_device = now.state.step == ordered_in &&
-                                            ordered_in == SittingStep::after_response &&
+                                            ordered_in == StudySessionStep::after_response &&
                                             !is_pressed;
             stopped = frames_stopped(now, stopped);
             if (once.is_now(now.state)) {
                 now.port.presses_emergency_stop = is_pressed = true;
-                now.port.orders.resets_device = ordered_in == SittingStep::interval;
+                now.port.orders.resets_device = ordered_in == StudySessionStep::interval;
             }
             now.port.orders.stops = before > 0 && before == stopped; // it goes on
         });
@@ -102,7 +103,7 @@ TEST_F(StudySitting, AnOrderToGoOnIsNotOfAStopThatIsNewOrLater) {
 
 /// Of two stops the monitor knows the first; what holds is whether any was wanted by somebody, and
 /// an order to go on is of those before it.
-TEST_F(StudySitting, AStopThatSomebodyWantedHoldsAndOneByTheMonitorGoesOnByItself) {
+TEST_F(StudySessionTest, AStopThatSomebodyWantedHoldsAndOneByTheMonitorGoesOnByItself) {
     kind_ = factory::DeviceKind::emulated;
     struct Case {
         const char *name;
@@ -154,13 +155,13 @@ TEST_F(StudySitting, AStopThatSomebodyWantedHoldsAndOneByTheMonitorGoesOnByItsel
 }
 
 /// Whoever presses it there and then goes: no trial tells of it.
-TEST_F(StudySitting, AStopOutsideOfTrialsIsNotedAtOnce) {
+TEST_F(StudySessionTest, AStopOutsideOfTrialsIsNotedAtOnce) {
     protocol_.practice = {};
     protocol_.breaks.every_trials = 1;
     std::get<study::ConstantStimuli>(protocol_.method).levels = {60.0};
     protocol_.questionnaire = {{"more", study::QuestionnaireTime::after, "Anything else?"}};
-    for (const SittingStep step :
-         {SittingStep::instructions, SittingStep::in_break, SittingStep::questionnaire}) {
+    for (const StudySessionStep step : {StudySessionStep::instructions, StudySessionStep::in_break,
+                                        StudySessionStep::questionnaire}) {
         SCOPED_TRACE(description(step));
         const std::size_t before = contents().notes.size();
         int frames = 0; // since it was pressed
@@ -178,7 +179,7 @@ TEST_F(StudySitting, AStopOutsideOfTrialsIsNotedAtOnce) {
 }
 
 /// On a servo's own thread, whose stops are older than the last frame.
-class DeviceStopsOfAThread : public StudySitting {
+class DeviceStopsOfAThread : public StudySessionTest {
 protected:
     DeviceStopsOfAThread()
         : session_(in_real_time(options())),
@@ -251,19 +252,19 @@ TEST_F(DeviceStopsOfAThread, InATrialAreOneWhicheverWayItEnds) {
     }
 }
 
-TEST_F(StudySitting, StopsInTrialsAndBetweenThemAreOneSum) {
+TEST_F(StudySessionTest, StopsInTrialsAndBetweenThemAreOneSum) {
     protocol_.stopping.max_trips = 2;
     Once in_trial(1);
     int between = 0;
     const SessionEnding ending = run([&](const Moment &now) {
-        const bool is_between = now.state.step == SittingStep::setting_up && now.is_new_step &&
+        const bool is_between = now.state.step == StudySessionStep::setting_up && now.is_new_step &&
                                 !now.state.trials.empty() && between < 2;
         between += is_between ? 1 : 0;
         now.port.presses_emergency_stop = is_between || in_trial.is_now(now.state);
-        now.port.orders.resets_device = now.state.step == SittingStep::device_stopped;
+        now.port.orders.resets_device = now.state.step == StudySessionStep::device_stopped;
     });
     EXPECT_EQ(ending, SessionEnding::safety_trip);
-    EXPECT_TRUE(steps_.contains(SittingStep::over)) << "thanked";
+    EXPECT_TRUE(steps_.contains(StudySessionStep::over)) << "thanked";
     const study::StudyContents stored = contents();
     EXPECT_EQ(std::ranges::count_if(
                   stored.trials, [](const Trial &trial) { return !trial.safety_events.empty(); }),
@@ -271,7 +272,7 @@ TEST_F(StudySitting, StopsInTrialsAndBetweenThemAreOneSum) {
     EXPECT_EQ(std::ranges::count(stored.notes, "safety", &study::Note::kind), 2);
 }
 
-TEST_F(StudySitting, ATrialInWhichTheCableIsPulledBeginsAnew) {
+TEST_F(StudySessionTest, ATrialInWhichTheCableIsPulledBeginsAnew) {
     kind_ = factory::DeviceKind::emulated;
     Once once(3);
     int lost = 0;
@@ -282,7 +283,7 @@ TEST_F(StudySitting, ATrialInWhichTheCableIsPulledBeginsAnew) {
         if (once.is_now(now.state)) {
             set_plugged(now.session, false);
         }
-        if (now.state.step == SittingStep::device_lost && ++lost == 60) {
+        if (now.state.step == StudySessionStep::device_lost && ++lost == 60) {
             set_plugged(now.session, true);
         }
     });
@@ -291,12 +292,12 @@ TEST_F(StudySitting, ATrialInWhichTheCableIsPulledBeginsAnew) {
     expect_same_decisions(contents().trials, headless());
 }
 
-TEST_F(StudySitting, ADeviceThatIsNotZeroedIsNotDriven) {
+TEST_F(StudySessionTest, ADeviceThatIsNotZeroedIsNotDriven) {
     kind_ = factory::DeviceKind::emulated;
     starts_at_zero_ = false;
     int lost = 0;
     const SessionEnding ending = run([&](const Moment &now) {
-        if (now.state.step == SittingStep::device_lost) {
+        if (now.state.step == StudySessionStep::device_lost) {
             EXPECT_FALSE(servo::lets_pass(now.session.latest().safety.state));
             // Four seconds, eight times what a tip must rest for the motors to start.
             if (++lost == 240) {
@@ -314,7 +315,7 @@ TEST_F(StudySitting, ADeviceThatIsNotZeroedIsNotDriven) {
     EXPECT_EQ(contents().trials[0].response, headless().at(0).response);
 }
 
-TEST_F(StudySitting, ARehearsalIsNotGoneOnWithOnAnotherDevice) {
+TEST_F(StudySessionTest, ARehearsalIsNotGoneOnWithOnAnotherDevice) {
     run([](const Moment &now) { now.port.orders.stops = true; });
     kind_ = factory::DeviceKind::emulated;
     const std::string error = error_text_of([this] { run(); });
@@ -326,10 +327,11 @@ TEST_F(StudySitting, ARehearsalIsNotGoneOnWithOnAnotherDevice) {
 
 /// The disk takes a part of a record: the trial is stored with that part, and a note says so. Of a
 /// whole record there is none.
-TEST_F(StudySitting, NotesWhatARecordMisses) {
+TEST_F(StudySessionTest, NotesWhatARecordMisses) {
     keeps_records_ = true;
     const EachFrame one_trial_more = [](const Moment &now) {
-        now.port.orders.stops = now.is_new_step && now.state.step == SittingStep::after_response;
+        now.port.orders.stops =
+            now.is_new_step && now.state.step == StudySessionStep::after_response;
     };
     run(one_trial_more);
     ASSERT_EQ(contents().trials.size(), 1U);

@@ -1,4 +1,4 @@
-#include "app/study/sitting/trial_presenter.h"
+#include "app/study/session/trial_presenter.h"
 
 #include "app/study/participant/answers.h"
 #include "base/input_error.h"
@@ -22,7 +22,7 @@ constexpr double kAdjustingSteps = 60.0; ///< from one end of an adjustment to t
 bool has_scene(const study::Condition &condition) { return condition.scene != study::kNoScene; }
 
 /// From the end of the rest on, which takes as long as it takes.
-simulated::HandPath path_after_rest(const study::HandCourse &course,
+simulated::HandPath path_after_rest(const study::HandTrajectory &course,
                                     const study::Stimulus &stimulus) {
     constexpr double kRoundOff_s = 1e-9;
     std::vector<simulated::HandPath::Point> points{{0.0, stimulus.start_m}};
@@ -78,7 +78,7 @@ bool TrialPresenter::is_device_lost() const {
             latest.safety.cause == servo::TripCause::device_lost);
 }
 
-ParticipantPicture TrialPresenter::picture(SittingStep step) const {
+ParticipantPicture TrialPresenter::picture(StudySessionStep step) const {
     it_.state.step = step;
     ParticipantPicture picture;
     picture.heading = it_.protocol.texts.question;
@@ -103,7 +103,7 @@ Resumable<> TrialPresenter::load(const std::filesystem::path &scene) {
         if (!session.scenes().error().empty()) {
             throw InputError(session.scenes().error());
         }
-        static_cast<void>(co_await it_.show(picture(SittingStep::setting_up)));
+        static_cast<void>(co_await it_.show(picture(StudySessionStep::setting_up)));
     }
 }
 
@@ -158,7 +158,7 @@ void TrialPresenter::lead_to_start() {
 /// The same for every condition and level: from the touch until the hand has left, the ball stays
 /// at the spot, wherever the tip yields to. A stroke is in free space.
 ParticipantPicture TrialPresenter::interval_picture(const study::Presented &presented) const {
-    ParticipantPicture shown = picture(SittingStep::interval);
+    ParticipantPicture shown = picture(StudySessionStep::interval);
     const study::Texts &texts = it_.protocol.texts;
     if (it_.protocol.task.kind == study::TaskKind::forced_choice_by_interval) {
         shown.heading = it_.state.interval == 0   ? texts.first_interval
@@ -223,7 +223,8 @@ Resumable<bool> TrialPresenter::feel(const study::Presented &presented) {
     if (session.hand().is_simulated()) {
         session.follow_path(simulated::HandPath({{0.0, stimulus.start_m}}));
         path = path_after_rest(
-            study::hand_course(it_.setting, presented, stimulus, study::HandDeviation{}), stimulus);
+            study::hand_trajectory(it_.setting, presented, stimulus, study::HandDeviation{}),
+            stimulus);
     }
     session.servo().follow(live_.get());
     const bool adjusts =
@@ -233,7 +234,7 @@ Resumable<bool> TrialPresenter::feel(const study::Presented &presented) {
         if (path && it_.state.phase != study::StimulusPhase::waiting) {
             session.follow_path(*std::exchange(path, std::nullopt));
         }
-        const SittingFrame frame = co_await it_.show(interval_picture(presented));
+        const StudySessionFrame frame = co_await it_.show(interval_picture(presented));
         if (adjusts) {
             adjust(frame.inputs);
         }
@@ -289,7 +290,7 @@ void TrialPresenter::answer(std::size_t alternative, double time_s) {
 
 /// A stop is stored with the trial, unanswered. @return false if the device was lost meanwhile
 Resumable<bool> TrialPresenter::ask() {
-    ParticipantPicture shown = picture(SittingStep::response);
+    ParticipantPicture shown = picture(StudySessionStep::response);
     shown.text = it_.protocol.texts.respond;
     shown.choices = choices_of(it_.protocol);
     std::vector<ParticipantInput> inputs = std::exchange(early_, {});
@@ -336,7 +337,7 @@ Resumable<std::optional<study::Trial>> TrialPresenter::present() {
     for (std::size_t i = 0; i < intervals_.size(); ++i) {
         it_.state.interval = i;
         if (i > 0) {
-            const ParticipantPicture shown = picture(SittingStep::between_intervals);
+            const ParticipantPicture shown = picture(StudySessionStep::between_intervals);
             co_await wait(it_.protocol.timing.pause_s, shown);
         }
         const bool is_felt = co_await feel(intervals_[i]);

@@ -1,4 +1,4 @@
-#include "app/study/sitting/sitting.h"
+#include "app/study/session/study_session.h"
 
 #include "app/study/participant/answers.h"
 #include "base/input_error.h"
@@ -26,8 +26,8 @@ study::DeviceKind kind_of(factory::DeviceKind kind) {
 
 } // namespace
 
-Sitting::Sitting(study::StudyStore &store, SittingPlan plan, session::Session &session,
-                 ShowsScene show_scene)
+StudySession::StudySession(study::StudyStore &store, StudySessionPlan plan,
+                           session::Session &session, ShowsScene show_scene)
     : store_(store), plan_(std::move(plan)), session_(session),
       presenter_({plan_.protocol, plan_.setting, plan_.folders, session_, state_,
                   std::move(show_scene),
@@ -41,14 +41,14 @@ Sitting::Sitting(study::StudyStore &store, SittingPlan plan, session::Session &s
     require_device_of_before();
 }
 
-Sitting::~Sitting() {
+StudySession::~StudySession() {
     if (begun_.id != 0 && !stored_ending_) {
         study::end_as_failed(store_, begun_.id);
     }
 }
 
 /// Trials choose the levels of those after them: a person's must not go on with a rehearsal's.
-void Sitting::require_device_of_before() const {
+void StudySession::require_device_of_before() const {
     const study::DeviceKind now = kind_of(session_.device_choice().kind);
     for (const study::Session &before : store_.contents().sessions) {
         if (before.participant == plan_.participant && before.device != now) {
@@ -60,8 +60,8 @@ void Sitting::require_device_of_before() const {
     }
 }
 
-/// Every frame of a sitting.
-Frames::Next Sitting::show(ParticipantPicture picture) {
+/// Every frame of a session.
+Frames::Next StudySession::show(ParticipantPicture picture) {
     if (!picture.has_text_field) { // where the space bar writes
         picture.footer = plan_.protocol.texts.stop_key;
     }
@@ -69,7 +69,7 @@ Frames::Next Sitting::show(ParticipantPicture picture) {
     return frames_.show(std::move(picture));
 }
 
-bool Sitting::is_answer_key(const std::vector<ParticipantInput> &inputs) const {
+bool StudySession::is_answer_key(const std::vector<ParticipantInput> &inputs) const {
     return std::ranges::any_of(inputs, [this](const ParticipantInput &input) {
         const bool is_gesture = plan_.protocol.responses.device == study::ResponseDevice::gesture;
         return input.is_press &&
@@ -78,20 +78,20 @@ bool Sitting::is_answer_key(const std::vector<ParticipantInput> &inputs) const {
     });
 }
 
-Resumable<> Sitting::show_until_key(SittingStep step, const ParticipantPicture &picture) {
+Resumable<> StudySession::show_until_key(StudySessionStep step, const ParticipantPicture &picture) {
     state_.step = step;
-    SittingFrame frame;
+    StudySessionFrame frame;
     while (!is_answer_key(frame.inputs)) {
         frame = co_await show(picture);
     }
 }
 
-void Sitting::note(const std::string &kind, const std::string &text) {
+void StudySession::note(const std::string &kind, const std::string &text) {
     store_.append(study::Note{study::utc_now(), kind, text, plan_.participant, state_.session});
 }
 
 /// Until the motors run.
-Resumable<> Sitting::make_ready(const study::PlannedTrial &planned) {
+Resumable<> StudySession::make_ready(const study::PlannedTrial &planned) {
     co_await presenter_.set_up(planned);
     presenter_.lead_to_start();
     stops_.begin_calm();
@@ -110,13 +110,13 @@ Resumable<> Sitting::make_ready(const study::PlannedTrial &planned) {
         }
         ParticipantPicture picture;
         if (!is_there) {
-            state_.step = SittingStep::device_lost;
+            state_.step = StudySessionStep::device_lost;
             picture.text = plan_.protocol.texts.device_lost;
             picture.is_calm_stop = true;
             stops_.begin_calm();
             is_lead_lost = true;
         } else if (latest.safety.state == servo::SafetyState::tripped) {
-            state_.step = SittingStep::device_stopped;
+            state_.step = StudySessionStep::device_stopped;
             picture.text = plan_.protocol.texts.device_stopped;
             picture.is_calm_stop = true;
             stops_.reset_when_calm();
@@ -124,7 +124,7 @@ Resumable<> Sitting::make_ready(const study::PlannedTrial &planned) {
             if (std::exchange(is_lead_lost, false)) {
                 presenter_.lead_to_start(); // of a hand that is simulated anew
             }
-            picture = presenter_.picture(SittingStep::setting_up);
+            picture = presenter_.picture(StudySessionStep::setting_up);
             picture.text = latest.contact.touching ? plan_.protocol.texts.please_lift
                                                    : plan_.protocol.texts.rest_at_spot;
             picture.tip_m = latest.tip_m;
@@ -134,7 +134,7 @@ Resumable<> Sitting::make_ready(const study::PlannedTrial &planned) {
 }
 
 /// Feedback, which in the practice tells right from wrong. What is not stored does not come again.
-Resumable<> Sitting::tell_of(const study::Trial &trial, bool is_stored) {
+Resumable<> StudySession::tell_of(const study::Trial &trial, bool is_stored) {
     const study::Texts &texts = plan_.protocol.texts;
     const std::optional<bool> is_right = study::is_correct(plan_.protocol.task, trial);
     state_.marks = trial.marks;
@@ -158,12 +158,12 @@ Resumable<> Sitting::tell_of(const study::Trial &trial, bool is_stored) {
     } else {
         co_return;
     }
-    state_.step = SittingStep::after_response;
+    state_.step = StudySessionStep::after_response;
     co_await presenter_.wait(kFeedback_s, picture);
 }
 
 /// A stop in it is stored with it.
-Resumable<std::optional<study::Trial>> Sitting::present_watched() {
+Resumable<std::optional<study::Trial>> StudySession::present_watched() {
     stops_.begin_trial();
     std::optional<study::Trial> trial = co_await presenter_.present();
     stops_.end_trial(trial && !trial->safety_events.empty());
@@ -171,7 +171,7 @@ Resumable<std::optional<study::Trial>> Sitting::present_watched() {
 }
 
 /// Fills `presented_`.
-Resumable<> Sitting::present(const study::PlannedTrial &planned) {
+Resumable<> StudySession::present(const study::PlannedTrial &planned) {
     co_await introduce(planned);
     std::optional<study::Trial> trial;
     while (!trial) { // if the device is lost, the trial begins anew when it is back
@@ -206,7 +206,7 @@ Resumable<> Sitting::present(const study::PlannedTrial &planned) {
 }
 
 /// A record that a slow disk has left incomplete is linked all the same.
-void Sitting::note_gaps_of_record() {
+void StudySession::note_gaps_of_record() {
     const record::RecorderStatus record = session_.recording().status();
     if (record.error.empty() && record.lost == 0) {
         return;
@@ -216,7 +216,7 @@ void Sitting::note_gaps_of_record() {
     note("record", session_.recording().file().filename().string() + ": " + what);
 }
 
-study::Session Sitting::begun() const {
+study::Session StudySession::begun() const {
     study::Session begun;
     begun.participant = plan_.participant;
     begun.started = study::utc_now();
@@ -235,7 +235,7 @@ study::Session Sitting::begun() const {
 
 /// An output may have been pulled out, or its system restarted.
 /// @throw InputError  there is none any more
-void Sitting::keep_noise() {
+void StudySession::keep_noise() {
     if (noise_ && !noise_->is_playing()) {
         note("noise", "the masking noise had stopped, and was begun again");
         noise_gaps_ += noise_->underruns();
@@ -245,7 +245,7 @@ void Sitting::keep_noise() {
 }
 
 /// It fades out. Gaps in it may have been heard.
-void Sitting::end_noise() {
+void StudySession::end_noise() {
     if (!noise_) {
         return;
     }
@@ -259,25 +259,25 @@ void Sitting::end_noise() {
     noise_.reset();
 }
 
-void Sitting::note_trials() {
+void StudySession::note_trials() {
     state_.trials = study::trials_of(store_.contents(), plan_.participant);
     const double most = std::max(1, study::session_length(plan_.protocol).max_trials);
     state_.progress = std::min(1.0, static_cast<double>(state_.trials.size()) / most);
 }
 
 /// What is shown before the first trial, and between two.
-Resumable<> Sitting::before_next() {
+Resumable<> StudySession::before_next() {
     if (!std::exchange(has_begun_, true)) {
         co_await begin();
     } else if (has_presented_) {
-        state_.step = SittingStep::after_response;
+        state_.step = StudySessionStep::after_response;
         const ParticipantPicture nothing;
         co_await presenter_.wait(plan_.protocol.timing.between_trials_s, nothing);
     }
 }
 
 /// Who was stopped after the practice is asked then whether it was understood.
-void Sitting::recall_practice() {
+void StudySession::recall_practice() {
     const study::StudyContents contents = store_.contents();
     study::Sequence sequence(plan_.protocol,
                              study::participant_of(contents, plan_.participant).number);
@@ -294,7 +294,7 @@ void Sitting::recall_practice() {
     has_trials_left_ = sequence.next().has_value();
 }
 
-void Sitting::start() {
+void StudySession::start() {
     recall_practice();
     if (plan_.protocol.noise && plan_.plays_noise && has_trials_left_) {
         noise_.emplace(plan_.protocol.noise->level_dBFS); // or there is no session
@@ -307,7 +307,7 @@ void Sitting::start() {
 }
 
 /// Until the participant is through, or something ends it. @return how
-Resumable<study::SessionEnding> Sitting::trials() {
+Resumable<study::SessionEnding> StudySession::trials() {
     study::RunningSession running(store_, plan_.protocol, begun_);
     while (const std::optional<study::PlannedTrial> planned = running.next()) {
         if (!ending_) {
@@ -332,7 +332,7 @@ Resumable<study::SessionEnding> Sitting::trials() {
     co_return co_await ask_after_last();
 }
 
-Resumable<> Sitting::whole() {
+Resumable<> StudySession::whole() {
     const study::SessionEnding ending = co_await trials();
     store_.end(begun_.id, ending, study::utc_now());
     stored_ending_ = ending;
@@ -349,9 +349,9 @@ Resumable<> Sitting::whole() {
 }
 
 /// How all that is shown ends now, if it does.
-std::optional<study::SessionEnding> Sitting::ending_after_frame() const {
+std::optional<study::SessionEnding> StudySession::ending_after_frame() const {
     const servo::SafetyStatus &safety = session_.latest().safety;
-    if (state_.step == SittingStep::device_stopped && servo::is_final(safety.cause)) {
+    if (state_.step == StudySessionStep::device_stopped && servo::is_final(safety.cause)) {
         return study::SessionEnding::failed;
     }
     if (stops_.count() > plan_.protocol.stopping.max_trips && has_trials_left_) {
@@ -360,7 +360,7 @@ std::optional<study::SessionEnding> Sitting::ending_after_frame() const {
     return std::nullopt;
 }
 
-void Sitting::resume(SittingFrame frame) {
+void StudySession::resume(StudySessionFrame frame) {
     stops_.watch();
     const ExperimenterOrders &orders = frame.orders;
     orders_.is_paused = orders.is_paused;

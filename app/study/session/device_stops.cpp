@@ -1,4 +1,4 @@
-#include "app/study/sitting/sitting.h"
+#include "app/study/session/study_session.h"
 
 #include "device/core/haptic_device.h"
 #include "engine/servo/safety_status.h"

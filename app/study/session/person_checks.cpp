@@ -1,4 +1,4 @@
-#include "app/study/sitting/sitting.h"
+#include "app/study/session/study_session.h"
 
 #include "app/study/participant/answers.h"
 #include "app/study/participant/participant_layout.h"

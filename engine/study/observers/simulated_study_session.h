@@ -66,16 +66,16 @@ enum class FeltStimuli : std::uint8_t {
     measured_once,  ///< each condition at each level once, by a hand as the protocol says; reused
 };
 
-class SimulatedSitting {
+class SimulatedStudySession {
 public:
     /// Keeps copies of what it is given.
     /// @pre validate(protocol) is empty; the setting is the protocol's
-    SimulatedSitting(const Protocol &protocol, const StudySetting &setting,
-                     const SimulatedParticipant &participant,
-                     FeltStimuli felt = FeltStimuli::each_simulated);
-    ~SimulatedSitting();
-    SimulatedSitting(SimulatedSitting &&) noexcept;
-    SimulatedSitting &operator=(SimulatedSitting &&) noexcept;
+    SimulatedStudySession(const Protocol &protocol, const StudySetting &setting,
+                          const SimulatedParticipant &participant,
+                          FeltStimuli felt = FeltStimuli::each_simulated);
+    ~SimulatedStudySession();
+    SimulatedStudySession(SimulatedStudySession &&) noexcept;
+    SimulatedStudySession &operator=(SimulatedStudySession &&) noexcept;
 
     /// For `Conduct::present`. Times of presentations are within the trial: its start is 0.
     [[nodiscard]] std::optional<Trial> present(const PlannedTrial &planned);

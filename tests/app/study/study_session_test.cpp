@@ -1,4 +1,4 @@
-// Covers app/study/sitting/{sitting,interludes,trial_presenter}.cpp: whole sessions, what an
+// Covers app/study/session/{session,interludes,trial_presenter}.cpp: whole sessions, what an
 // experimenter may do in them, and that they go on; and what a blind experimenter sees of them, by
 // app/study/experimenter/study_window.cpp. See study_window_test.cpp for the real windows.
 #include "app/study/experimenter/study_window.h"
@@ -45,7 +45,7 @@ double spread_of(const std::vector<std::vector<Vector3>> &all) {
 }
 
 /// All blocks of a study whose forces turn by 20 and 60 degrees to either side.
-TEST_F(StudySitting, StoresWhatTheSameDecisionsGiveHeadlessAndHidesThemFromTheExperimenter) {
+TEST_F(StudySessionTest, StoresWhatTheSameDecisionsGiveHeadlessAndHidesThemFromTheExperimenter) {
     protocol_ = short_protocol("direction");
     ASSERT_GT(protocol_.blocks.size(), 1U);
     protocol_.timing.response_s = 0.35; // 0.3 s after the question; the hand leaves for longer
@@ -55,7 +55,7 @@ TEST_F(StudySitting, StoresWhatTheSameDecisionsGiveHeadlessAndHidesThemFromTheEx
     std::vector<std::vector<Vector3>> seeing;
     double blind_force_N = 0.0;
     const SessionEnding ending = run([&](const Moment &now) {
-        if (now.state.step == SittingStep::block_begins) {
+        if (now.state.step == StudySessionStep::block_begins) {
             EXPECT_EQ(now.picture.text, protocol_.texts.block_begins);
             announced_after.insert(now.state.trials.back().place.block);
         }
@@ -69,15 +69,16 @@ TEST_F(StudySitting, StoresWhatTheSameDecisionsGiveHeadlessAndHidesThemFromTheEx
                 ? setting.conditions[study::condition_of(protocol_, *now.state.trial)].spot.point_m
                 : sample.tip_m;
         blind_force_N = std::max(blind_force_N, view(at_m).tip_force_N.norm());
-        if (sample.contact.touching && now.state.step == SittingStep::interval) {
+        if (sample.contact.touching && now.state.step == StudySessionStep::interval) {
             blind.push_back(drawn_of(view(at_m)));
             seeing.push_back(drawn_of(view(std::nullopt)));
         }
     });
     EXPECT_EQ(ending, SessionEnding::completed);
-    for (const SittingStep step :
-         {SittingStep::instructions, SittingStep::practice_begins, SittingStep::practice_ends,
-          SittingStep::in_break, SittingStep::interval, SittingStep::response, SittingStep::over}) {
+    for (const StudySessionStep step :
+         {StudySessionStep::instructions, StudySessionStep::practice_begins,
+          StudySessionStep::practice_ends, StudySessionStep::in_break, StudySessionStep::interval,
+          StudySessionStep::response, StudySessionStep::over}) {
         EXPECT_TRUE(steps_.contains(step)) << description(step);
     }
     EXPECT_EQ(announced_after.size(), protocol_.blocks.size() - 1);
@@ -100,7 +101,7 @@ TEST_F(StudySitting, StoresWhatTheSameDecisionsGiveHeadlessAndHidesThemFromTheEx
     EXPECT_GT(spread_of(seeing), 0.1) << "of forces, in N: there is something to hide";
 }
 
-TEST_F(StudySitting, GoesOnAfterAStopAsIfUndisturbed) {
+TEST_F(StudySessionTest, GoesOnAfterAStopAsIfUndisturbed) {
     for (const int position : {2, 3}) {
         Once once(position);
         EXPECT_EQ(run([&](const Moment &now) { now.port.orders.stops = once.is_now(now.state); }),
@@ -111,7 +112,7 @@ TEST_F(StudySitting, GoesOnAfterAStopAsIfUndisturbed) {
     expect_same_decisions(contents().trials, headless());
 }
 
-TEST_F(StudySitting, PausesBreaksAndRepeatsAsTheExperimenterWants) {
+TEST_F(StudySessionTest, PausesBreaksAndRepeatsAsTheExperimenterWants) {
     Once pauses(2);
     Once repeats(4);
     Once breaks(5);
@@ -121,14 +122,14 @@ TEST_F(StudySitting, PausesBreaksAndRepeatsAsTheExperimenterWants) {
     run([&](const Moment &now) {
         ExperimenterOrders &orders = now.port.orders;
         orders.is_paused = orders.is_paused || pauses.is_now(now.state);
-        if (now.state.step == SittingStep::paused && ++paused == 120) {
+        if (now.state.step == StudySessionStep::paused && ++paused == 120) {
             orders.is_paused = false;
         }
         orders.repeats = orders.repeats || repeats.is_now(now.state);
         if (breaks.is_now(now.state)) {
             orders.skips_to_break = counts_break = true;
         }
-        in_break += counts_break && now.state.step == SittingStep::in_break ? 1 : 0;
+        in_break += counts_break && now.state.step == StudySessionStep::in_break ? 1 : 0;
         orders.stops = now.state.trial && now.state.trial->place.position == 6;
     });
     EXPECT_EQ(paused, 120);
@@ -143,22 +144,22 @@ TEST_F(StudySitting, PausesBreaksAndRepeatsAsTheExperimenterWants) {
 }
 
 /// Every trial is marked, and none repeated but without an answer, or at the experimenter's wish.
-TEST_F(StudySitting, SaysThatATrialComesAgainIfItDoes) {
+TEST_F(StudySessionTest, SaysThatATrialComesAgainIfItDoes) {
     protocol_ = short_protocol("direction");
     protocol_.marking.repeats = false;
     protocol_.marking.direction_deg = 1e-9;
     protocol_.marking.max_marked = 100;
     std::set<study::TrialPlace> announced;
-    std::set<study::TrialPlace> wanted;
+    std::set<study::TrialPlace> requested;
     const SessionEnding ending = run([&](const Moment &now) {
-        if (now.state.step == SittingStep::after_response &&
+        if (now.state.step == StudySessionStep::after_response &&
             now.picture.text == protocol_.texts.repeated) {
             announced.insert(now.state.trial->place);
         }
-        if (now.state.step == SittingStep::response && now.state.trial->place.position % 3 == 0 &&
-            now.state.trial->place.attempt == 1) {
+        if (now.state.step == StudySessionStep::response &&
+            now.state.trial->place.position % 3 == 0 && now.state.trial->place.attempt == 1) {
             now.port.orders.repeats = true;
-            wanted.insert(now.state.trial->place);
+            requested.insert(now.state.trial->place);
         }
     });
     EXPECT_EQ(ending, SessionEnding::completed);
@@ -167,9 +168,9 @@ TEST_F(StudySitting, SaysThatATrialComesAgainIfItDoes) {
     for (const Trial &trial : contents().trials) {
         EXPECT_FALSE(trial.marks.empty());
         EXPECT_EQ(announced.contains(trial.place), !has_answer(trial)) << text_of(trial.place);
-        EXPECT_EQ(trial.is_presented_again, !has_answer(trial) || wanted.contains(trial.place));
+        EXPECT_EQ(trial.is_presented_again, !has_answer(trial) || requested.contains(trial.place));
         once_only += trial.is_presented_again ? 0 : 1;
-        answered_and_wanted += has_answer(trial) && wanted.contains(trial.place) ? 1 : 0;
+        answered_and_wanted += has_answer(trial) && requested.contains(trial.place) ? 1 : 0;
     }
     EXPECT_FALSE(announced.empty());
     EXPECT_GT(once_only, 0);
@@ -179,21 +180,21 @@ TEST_F(StudySitting, SaysThatATrialComesAgainIfItDoes) {
 /// As the included protocol warms them, for a minute and a half: R̂ must follow the heat of a
 /// current whose mean is zero, or dR and stiffness are others than intended. A pause that is wanted
 /// meanwhile begins when the hand is off.
-TEST_F(StudySitting, PresentsWhatIsIntendedAfterAWarmUp) {
+TEST_F(StudySessionTest, PresentsWhatIsIntendedAfterAWarmUp) {
     protocol_.windings =
         study::read_protocol_file(testing::assets() / "protocols/direction.toml").windings;
     constexpr int kPaused = 100; ///< frames
     std::vector<double> left_shares;
     int paused = 0;
     run([&](const Moment &now) {
-        if (now.state.step == SittingStep::warming_up && paused == 0) {
+        if (now.state.step == StudySessionStep::warming_up && paused == 0) {
             left_shares.push_back(now.picture.left_share.value());
         }
-        paused += now.state.step == SittingStep::paused ? 1 : 0;
-        now.port.orders.is_paused =
-            (now.state.step == SittingStep::warming_up || now.state.step == SittingStep::paused) &&
-            paused < kPaused;
-        EXPECT_TRUE(now.state.step != SittingStep::interval || paused == kPaused);
+        paused += now.state.step == StudySessionStep::paused ? 1 : 0;
+        now.port.orders.is_paused = (now.state.step == StudySessionStep::warming_up ||
+                                     now.state.step == StudySessionStep::paused) &&
+                                    paused < kPaused;
+        EXPECT_TRUE(now.state.step != StudySessionStep::interval || paused == kPaused);
         now.port.orders.stops = now.state.trials.size() == 4;
     });
     EXPECT_EQ(paused, kPaused);
@@ -241,16 +242,16 @@ TEST(TrialPresenter, ALedHandSetsOutOnlyWhenItHasRested) {
     }
 }
 
-TEST_F(StudySitting, AnswersAreStoredWhateverEndsTheSessionInTheFeedback) {
+TEST_F(StudySessionTest, AnswersAreStoredWhateverEndsTheSessionInTheFeedback) {
     const SessionEnding ending = run([](const Moment &now) {
-        now.port.orders.stops = now.state.step == SittingStep::after_response &&
+        now.port.orders.stops = now.state.step == StudySessionStep::after_response &&
                                 (!now.picture.heading.empty() || !now.picture.text.empty());
     });
     EXPECT_EQ(ending, SessionEnding::stopped);
     EXPECT_EQ(contents().trials.size(), 1U);
 }
 
-TEST_F(StudySitting, AParticipantWhoLeavesIsThankedAndStoredAsThat) {
+TEST_F(StudySessionTest, AParticipantWhoLeavesIsThankedAndStoredAsThat) {
     Once once(1);
     std::string last;
     const SessionEnding ending = run([&](const Moment &now) {
@@ -262,9 +263,9 @@ TEST_F(StudySitting, AParticipantWhoLeavesIsThankedAndStoredAsThat) {
     EXPECT_TRUE(contents().trials.empty());
 }
 
-TEST_F(StudySitting, AnErrorOfTheWindowEndsItAsFailed) {
+TEST_F(StudySessionTest, AnErrorOfTheWindowEndsItAsFailed) {
     EXPECT_THROW(run([](const Moment &now) {
-                     if (now.state.step == SittingStep::response) {
+                     if (now.state.step == StudySessionStep::response) {
                          throw InputError("no letters");
                      }
                  }),
@@ -273,7 +274,7 @@ TEST_F(StudySitting, AnErrorOfTheWindowEndsItAsFailed) {
 }
 
 /// A hand that has left the surface goes on upwards; only then, from its rest, to the side.
-TEST_F(StudySitting, AGestureIsNoMoreThanWhatFollowsTheLift) {
+TEST_F(StudySessionTest, AGestureIsNoMoreThanWhatFollowsTheLift) {
     protocol_.responses = {study::ResponseDevice::gesture, {"left", "right"}};
     protocol_.timing.response_s = 3.5;
     struct Moves {
@@ -293,11 +294,11 @@ TEST_F(StudySitting, AGestureIsNoMoreThanWhatFollowsTheLift) {
     run([&](const Moment &now) {
         const double now_s = now.session.servo().now_s();
         now.port.is_silent = true;
-        if (now.state.step == SittingStep::practice_ends) {
+        if (now.state.step == StudySessionStep::practice_ends) {
             now.port.inputs = {MadeUpPort::key("enter", now_s)};
         }
-        now.port.orders.stops = asked == all.size() && now.state.step != SittingStep::response;
-        if (now.state.step != SittingStep::response) {
+        now.port.orders.stops = asked == all.size() && now.state.step != StudySessionStep::response;
+        if (now.state.step != StudySessionStep::response) {
             return;
         }
         if (now.is_new_step) {
@@ -320,25 +321,25 @@ TEST_F(StudySitting, AGestureIsNoMoreThanWhatFollowsTheLift) {
 
 /// Who was stopped after the practice is asked again. What is practised again is not of the
 /// sequence: nothing of it comes again later, so that nobody is told so.
-TEST_F(StudySitting, PractisesAgainUntilItIsUnderstood) {
+TEST_F(StudySessionTest, PractisesAgainUntilItIsUnderstood) {
     run([](const Moment &now) {
-        now.port.orders.stops = now.state.step == SittingStep::practice_ends;
+        now.port.orders.stops = now.state.step == StudySessionStep::practice_ends;
     });
     int asked = 0;
     std::vector<int> practised(4); // trials after it was asked for the nth time
     std::vector<std::set<std::string>> said(4);
     const SessionEnding ending = run([&](const Moment &now) {
         const auto after = static_cast<std::size_t>(asked);
-        if (now.state.step == SittingStep::practice_ends && now.is_new_step) {
+        if (now.state.step == StudySessionStep::practice_ends && now.is_new_step) {
             EXPECT_EQ(now.picture.text, "Press 1 to practise again, 2 to begin.");
             if (++asked <= 2) { // twice, the first time without an answer
                 now.port.inputs = {MadeUpPort::key("1", 0.0)};
             }
             now.port.is_silent = asked == 1;
-        } else if (now.state.step == SittingStep::response && now.is_new_step &&
+        } else if (now.state.step == StudySessionStep::response && now.is_new_step &&
                    now.state.trial->is_practice) {
             ++practised.at(after);
-        } else if (now.state.step == SittingStep::after_response) {
+        } else if (now.state.step == StudySessionStep::after_response) {
             said.at(after).insert(now.picture.text + now.picture.heading);
         }
     });

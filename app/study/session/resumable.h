@@ -1,6 +1,7 @@
 // Something that takes many frames, as a coroutine that awaits the next frame:
 //
-//   Resumable<> wait(Frames &frames) { SittingFrame frame = co_await frames.show(picture); ... }
+//   Resumable<> wait(Frames &frames) { StudySessionFrame frame = co_await frames.show(picture); ...
+//   }
 //
 //   what shows frames ──frame──► Frames::resume ──► who awaits it ──► next picture
 //
@@ -12,7 +13,7 @@
 
 #include "app/stage/frame_loop.h"
 #include "app/study/participant/participant_picture.h"
-#include "app/study/sitting/sitting_state.h"
+#include "app/study/session/study_session_state.h"
 #include "base/assertions.h"
 
 #include <coroutine>
@@ -106,7 +107,7 @@ public:
         explicit Next(Frames &frames) : frames_(frames) {}
         static bool await_ready() { return false; }
         void await_suspend(std::coroutine_handle<> waiting) { frames_.waiting_ = waiting; }
-        SittingFrame await_resume() { return std::move(frames_.frame_); }
+        StudySessionFrame await_resume() { return std::move(frames_.frame_); }
 
     private:
         Frames &frames_;
@@ -161,7 +162,7 @@ public:
     [[nodiscard]] bool is_over() const { return whole_.handle().done(); }
 
     /// Goes on to the next picture, or to the end. Throws what is thrown there. @pre it is not over
-    void resume(SittingFrame frame) {
+    void resume(StudySessionFrame frame) {
         frame_ = std::move(frame);
         go_on(waiting_);
     }
@@ -181,19 +182,20 @@ private:
     }
 
     ParticipantPicture picture_;
-    SittingFrame frame_;
+    StudySessionFrame frame_;
     std::coroutine_handle<> waiting_;
     UntilEnd *innermost_ = nullptr;
     Resumable<> whole_;
 };
 
-/// A sitting, or visits, frame by frame in the windows in which they take place.
-/// @tparam Resumed  a Sitting, or what is resumed like one
+/// A session, or visits, frame by frame in the windows in which they take place.
+/// @tparam Resumed  a StudySession, or what is resumed like one
 /// @tparam Windows  such as StudyWindow
-template <typename Resumed, typename Windows> class SittingActivity : public Activity {
+template <typename Resumed, typename Windows> class StudySessionActivity : public Activity {
 public:
     /// Starts it. Both must outlive this.
-    SittingActivity(Resumed &resumed, Windows &windows) : resumed_(resumed), windows_(windows) {
+    StudySessionActivity(Resumed &resumed, Windows &windows)
+        : resumed_(resumed), windows_(windows) {
         resumed.start();
     }
 
@@ -205,7 +207,7 @@ public:
 private:
     Resumed &resumed_;
     Windows &windows_;
-    SittingFrame frame_;
+    StudySessionFrame frame_;
 };
 
 } // namespace springdrive::app::study_screen

@@ -1,4 +1,4 @@
-#include "engine/study/observers/simulated_sitting.h"
+#include "engine/study/observers/simulated_study_session.h"
 
 #include "engine/study/protocol/stimulus_trial.h"
 
@@ -19,8 +19,8 @@ namespace {
 /// Of the delivered to the intended stiffness; 1 where it was not measured.
 double stiffness_share(const FeltPresentation &felt) {
     const std::optional<double> &came = felt.delivered.stiffness_N_per_m;
-    const std::optional<double> &wanted = felt.intended.stiffness_N_per_m;
-    return came && wanted && *came > 0.0 && *wanted > 0.0 ? *came / *wanted : 1.0;
+    const std::optional<double> &requested = felt.intended.stiffness_N_per_m;
+    return came && requested && *came > 0.0 && *requested > 0.0 ? *came / *requested : 1.0;
 }
 
 /// What the participant draws in a trial.
@@ -160,7 +160,7 @@ SimulatedAnswer simulated_answer(const Protocol &protocol, const SimulatedPartic
     return {response_of(protocol, participant, planned, level), time_s};
 }
 
-class SimulatedSitting::Run {
+class SimulatedStudySession::Run {
 public:
     Run(const Protocol &protocol, const StudySetting &setting,
         const SimulatedParticipant &participant, FeltStimuli felt)
@@ -280,16 +280,18 @@ private:
     std::map<Distinct, Felt> measured_;
 };
 
-SimulatedSitting::SimulatedSitting(const Protocol &protocol, const StudySetting &setting,
-                                   const SimulatedParticipant &participant, FeltStimuli felt)
+SimulatedStudySession::SimulatedStudySession(const Protocol &protocol, const StudySetting &setting,
+                                             const SimulatedParticipant &participant,
+                                             FeltStimuli felt)
     : run_(std::make_unique<Run>(protocol, setting, participant, felt)) {}
-SimulatedSitting::~SimulatedSitting() = default;
-SimulatedSitting::SimulatedSitting(SimulatedSitting &&) noexcept = default;
-SimulatedSitting &SimulatedSitting::operator=(SimulatedSitting &&) noexcept = default;
+SimulatedStudySession::~SimulatedStudySession() = default;
+SimulatedStudySession::SimulatedStudySession(SimulatedStudySession &&) noexcept = default;
+SimulatedStudySession &
+SimulatedStudySession::operator=(SimulatedStudySession &&) noexcept = default;
 
-double SimulatedSitting::warm_up_s() const { return run_->warm_up_s(); }
+double SimulatedStudySession::warm_up_s() const { return run_->warm_up_s(); }
 
-std::optional<Trial> SimulatedSitting::present(const PlannedTrial &planned) {
+std::optional<Trial> SimulatedStudySession::present(const PlannedTrial &planned) {
     return run_->present(planned);
 }
 
