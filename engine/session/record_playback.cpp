@@ -349,11 +349,11 @@ void RecordPlayback::drop_answer() {
 }
 
 void RecordPlayback::ask(const control::Tuning &tuning) {
-    if (requested_ == tuning || !control::is_valid(tuning)) {
+    if (asked_ == tuning || !control::is_valid(tuning)) {
         return;
     }
     stop_reporting_failure();
-    requested_ = tuning;
+    asked_ = tuning;
     if (running_completes_) {
         answering_.ask_to_end();
     }
@@ -362,7 +362,7 @@ void RecordPlayback::ask(const control::Tuning &tuning) {
 
 void RecordPlayback::stop_asking() {
     stop_reporting_failure();
-    requested_.reset();
+    asked_.reset();
     answering_.give_up();
     drop_answer();
 }
@@ -397,19 +397,19 @@ RowRange RecordPlayback::rows_to_answer_first() const {
 
 /// Starts the next computation, if one is missing.
 void RecordPlayback::go_on_answering() {
-    if (!is_open() || !requested_ || requested_ == failed_ || answering_.is_busy()) {
+    if (!is_open() || !asked_ || asked_ == failed_ || answering_.is_busy()) {
         return;
     }
-    const bool has_begun = answer_ && answer_->tuning == *requested_;
+    const bool has_begun = answer_ && answer_->tuning == *asked_;
     if (has_begun && answer_->is_complete) {
         return;
     }
     const RowRange all = record_->rows;
     const RowRange rows = has_begun ? all : rows_to_answer_first();
-    running_tuning_ = *requested_;
+    running_tuning_ = *asked_;
     running_completes_ = has_begun;
     const bool is_complete = rows.from == all.from && rows.to == all.to;
-    answering_.start([record = record_, tuning = *requested_, rows, is_complete](BackgroundTalk &) {
+    answering_.start([record = record_, tuning = *asked_, rows, is_complete](BackgroundTalk &) {
         return std::make_unique<Answer>(
             Answer{tuning, is_complete, rows, what_if(*record, tuning, rows)});
     });

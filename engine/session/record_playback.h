@@ -4,7 +4,7 @@
 //   open ──► load_record ──► store ──► playhead ──► sample
 //   ask  ──► what_if ──► answer: first some seconds around the playhead, then all rows
 //
-// Loading and answers are ready some time after they were requested; `advance` takes them over.
+// Loading and answers are ready some time after they were asked; `advance` takes them over.
 #pragma once
 
 #include "base/background.h"
@@ -170,7 +170,7 @@ public:
     void stop_asking();
 
     /// The question; empty if none.
-    [[nodiscard]] const std::optional<control::Tuning> &requested() const { return requested_; }
+    [[nodiscard]] const std::optional<control::Tuning> &asked() const { return asked_; }
     /// Whether the answer is not complete yet.
     [[nodiscard]] bool is_answering() const { return answering_.is_busy(); }
 
@@ -183,7 +183,7 @@ public:
     /// Its tuning. Only with an answer.
     [[nodiscard]] const control::Tuning &answered_tuning() const { return answer_->tuning; }
     /// Whether it is for the present question, not for the one before. Only with an answer.
-    [[nodiscard]] bool is_answer_current() const { return answer_->tuning == requested_; }
+    [[nodiscard]] bool is_answer_current() const { return answer_->tuning == asked_; }
     /// Its row at the playhead; empty if it has none.
     [[nodiscard]] std::optional<servo::ServoSample> answered_sample() const;
 
@@ -213,7 +213,7 @@ private:
     double speed_ = 1.0;
     bool is_playing_ = false;
 
-    std::optional<control::Tuning> requested_;
+    std::optional<control::Tuning> asked_;
     std::optional<control::Tuning> failed_; ///< could not be computed: not tried again
     std::unique_ptr<Answer> answer_;
     control::Tuning running_tuning_; ///< of the running computation

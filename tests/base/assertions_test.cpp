@@ -17,11 +17,11 @@ namespace {
 #pragma push_macro("SPRINGDRIVE_AUDIT")
 #undef SPRINGDRIVE_AUDIT
 #define SPRINGDRIVE_AUDIT 1
-void audit(int &requested, int value) { SPRINGDRIVE_ASSERT_AUDIT(++requested > 0 && value > 0); }
+void audit(int &asked, int value) { SPRINGDRIVE_ASSERT_AUDIT(++asked > 0 && value > 0); }
 #undef SPRINGDRIVE_AUDIT
 #define SPRINGDRIVE_AUDIT 0
-void leave_out(int &requested, int value) {
-    SPRINGDRIVE_ASSERT_AUDIT(++requested > 0 && value > 0);
+void leave_out(int &asked, int value) {
+    SPRINGDRIVE_ASSERT_AUDIT(++asked > 0 && value > 0);
 }
 #pragma pop_macro("SPRINGDRIVE_AUDIT")
 
@@ -40,9 +40,9 @@ void need_pair(std::pair<int, int> pair) { SPRINGDRIVE_ASSERT(pair == std::pair<
 using AssertionsDeathTest = ::testing::Test;
 
 TEST(Assertions, EvaluatesAHoldingConditionOnce) {
-    int requested = 0;
-    SPRINGDRIVE_ASSERT(++requested == 1);
-    EXPECT_EQ(requested, 1);
+    int asked = 0;
+    SPRINGDRIVE_ASSERT(++asked == 1);
+    EXPECT_EQ(asked, 1);
     need_positive(1);
     need_pair({1, 2});
     EXPECT_EQ(half(4), 2);
@@ -57,13 +57,13 @@ TEST_F(AssertionsDeathTest, FailureReportsConditionAndLocationAndAborts) {
 }
 
 TEST_F(AssertionsDeathTest, AuditTierIsEvaluatedOnlyWhereEnabled) {
-    int requested = 0;
-    audit(requested, 1);
-    EXPECT_EQ(requested, 1);
-    EXPECT_DEATH(audit(requested, 0), "failed: \\+\\+asked > 0 && value > 0, tests/base/");
-    leave_out(requested, 1);
-    leave_out(requested, 0);
-    EXPECT_EQ(requested, 1);
+    int asked = 0;
+    audit(asked, 1);
+    EXPECT_EQ(asked, 1);
+    EXPECT_DEATH(audit(asked, 0), "failed: \\+\\+asked > 0 && value > 0, tests/base/");
+    leave_out(asked, 1);
+    leave_out(asked, 0);
+    EXPECT_EQ(asked, 1);
 }
 
 TEST(Assertions, NameFilesRelativeToTheProjectsRoot) {

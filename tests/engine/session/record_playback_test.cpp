@@ -70,7 +70,7 @@ bool wait_until_loaded(RecordPlayback &playback) {
 }
 
 bool has_whole_answer(const RecordPlayback &playback) {
-    return playback.answer() != nullptr && playback.requested() == playback.answered_tuning() &&
+    return playback.answer() != nullptr && playback.asked() == playback.answered_tuning() &&
            playback.answer()->end() == playback.store().end();
 }
 
