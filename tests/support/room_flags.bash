@@ -3,8 +3,8 @@
 # flags_of BUILD_FOLDER ROOM prints the command that compiled a file of the room, without its input,
 # output and precompiled headers.
 flags_of() {
-    awk -v target="/CMakeFiles/$2.dir/" '
-        /^ *"command": / && index("/" $0, target) {
+    awk -v target="[ /]CMakeFiles/$2[.]dir/" '
+        /^ *"command": / && $0 ~ target {
             sub(/^ *"command": "/, "")
             sub(/",$/, "")
             print

@@ -2,6 +2,8 @@
 // rows before the damage or one clear message.
 #include "engine/record/record_file.h"
 
+#include "engine/record/recorder.h"
+
 #include "tests/engine/record/samples.h"
 #include "tests/support/files.h"
 
