@@ -182,7 +182,7 @@ void ServoLoop::observe_motors(const device::Measurement &measured, const Vector
             observers_.distrust(j);
         }
     }
-    observers_.take(measured, theta_rad, is_next, since.missed_periods);
+    observers_.update(measured, theta_rad, is_next, since.missed_periods);
     motors_ = observers_.motors();
 }
 
@@ -307,7 +307,7 @@ ServoSample ServoLoop::hold(const device::Measurement &measured, const ServoInpu
         static_cast<void>(law(then, sample));
     }
     ++held_ticks_;
-    observers_.take_nothing();
+    observers_.skip();
     if (measured.health == device::DeviceHealth::lost) {
         observers_.forget_zero();
     }
@@ -375,7 +375,7 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
     requested.e_W_V += sample.transfer_offset_V;
     command_ = safety_.pass(requested, observation(now, found, unchanged, since, measured, sample),
                             orders());
-    observers_.note(command_);
+    observers_.record(command_);
 
     measured_ = measured;
     contact_ = sample.contact;

@@ -70,7 +70,7 @@ void WindingObservers::restart() noexcept {
     for (control::WindingObserver &observer : observer_) {
         observer.restart();
     }
-    begins_anew_.fill(true);
+    is_restarted_.fill(true);
     has_previous_ = false;
 }
 
@@ -78,13 +78,14 @@ const device::DeviceCommand &WindingObservers::command_before(std::size_t ticks)
     return history_[(newest_ + kHistory - ticks) % kHistory];
 }
 
-void WindingObservers::note(const device::DeviceCommand &command) noexcept {
+void WindingObservers::record(const device::DeviceCommand &command) noexcept {
     newest_ = (newest_ + 1) % kHistory;
     history_[newest_] = command;
     known_commands_ = std::min(known_commands_ + 1, kHistory);
 }
 
-void WindingObservers::pass_over(const Vector3 &current_A, std::uint32_t missed_periods) noexcept {
+void WindingObservers::skip_observers(const Vector3 &current_A,
+                                      std::uint32_t missed_periods) noexcept {
     for (std::size_t j = 0; j < observer_.size(); ++j) {
         observer_[j].skip(current_A[static_cast<Eigen::Index>(j)], missed_periods + 1);
     }
@@ -93,7 +94,7 @@ void WindingObservers::pass_over(const Vector3 &current_A, std::uint32_t missed_
 void WindingObservers::rest(const device::Measurement &measured, const Vector3 &theta_rad,
                             bool is_next, std::uint32_t missed_periods) noexcept {
     static_cast<void>(find_intervals(measured, theta_rad, is_next));
-    pass_over(measured.current_A, missed_periods);
+    skip_observers(measured.current_A, missed_periods);
     const double step_Ohm = max_rate_Ohm_per_s_ * period_s_;
     for (std::size_t j = 0; j < observer_.size(); ++j) {
         control::ObservedMotor &used = used_[j];
@@ -114,8 +115,8 @@ void WindingObservers::rest(const device::Measurement &measured, const Vector3 &
     }
 }
 
-void WindingObservers::take(const device::Measurement &measured, const Vector3 &theta_rad,
-                            bool is_next, std::uint32_t missed_periods) noexcept {
+void WindingObservers::update(const device::Measurement &measured, const Vector3 &theta_rad,
+                              bool is_next, std::uint32_t missed_periods) noexcept {
     Vector3 before_Ohm;
     Vector3 mean_before_Ohm;
     for (std::size_t j = 0; j < observer_.size(); ++j) {
@@ -132,13 +133,13 @@ void WindingObservers::take(const device::Measurement &measured, const Vector3 &
             }
         }
     } else {
-        pass_over(measured.current_A, missed_periods);
+        skip_observers(measured.current_A, missed_periods);
     }
     approach(theta_rad, before_Ohm, mean_before_Ohm);
 }
 
 /// With the commands that acted in the last period: the older one until a fraction of it. The
-/// newest of them was noted after the last measurement.
+/// newest of them was recorded after the last measurement.
 bool WindingObservers::find_intervals(const device::Measurement &measured, const Vector3 &theta_rad,
                                       bool is_next) noexcept {
     interval_.fill(std::nullopt);
@@ -206,8 +207,8 @@ void WindingObservers::approach(const Vector3 &theta_rad, const Vector3 &before_
         const auto index = static_cast<Eigen::Index>(j);
         const control::ObservedMotor now = observer_[j].motor(theta_rad[index]);
         control::ObservedMotor &used = used_[j];
-        if (!used.is_observed || begins_anew_[j]) {
-            begins_anew_[j] = false;
+        if (!used.is_observed || is_restarted_[j]) {
+            is_restarted_[j] = false;
             transfer_offset_here_Ohm_[index] = used.here.resistance_Ohm - now.here.resistance_Ohm;
             transfer_offset_mean_Ohm_[index] = used.mean.resistance_Ohm - now.mean.resistance_Ohm;
         } else {

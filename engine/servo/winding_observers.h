@@ -1,5 +1,6 @@
-// Observes a device's motors, tick by tick, from what was measured and the commands that acted in
-// between.
+// Estimates R, k_T and the current's offset of each motor while the servo runs, from measurements
+// and the commands that acted between them, and moves the values in use towards them without a
+// step.
 #pragma once
 
 #include "device/core/haptic_device.h"
@@ -13,43 +14,46 @@
 
 namespace springdrive::servo {
 
-/// What is known of a motor when a servo starts, as it is used: until observations have agreed for
-/// a while, no less than a share of R counts as its deviation.
+/// The parameters of a motor that the servo uses at its start: those of `known_at_start`, where the
+/// mean R deviates by no less than that of an observation that is not settled.
 [[nodiscard]] control::ObservedMotor used_at_start(const device::DeviceDescription &device,
                                                    std::size_t motor);
 
-/// RT-safe after construction.
+/// One WindingObserver per motor, and the values in use. RT-safe after construction.
 class WindingObservers {
 public:
-    /// @param delay_periods  d; with more than kMaxDelay nothing is ever learned
+    /// @param delay_periods  d, from a measurement to the command computed from it; above kMaxDelay
+    ///                       no interval is known, and nothing is observed
     WindingObservers(const device::DeviceDescription &device, double delay_periods,
                      double period_s);
 
     /// Keeps the estimates. RT-safe.
     void set_timing(double delay_periods, double period_s) noexcept;
 
-    /// Once a tick, before its command: what was measured.
-    /// @param theta_rad  angles of its counts
-    /// @param is_next    whether it follows the one before by one period, which teaches something
-    void take(const device::Measurement &measured, const Vector3 &theta_rad, bool is_next,
+    // Once a tick `update` or `rest`, then `record`; without a new measurement `skip` alone.
+
+    /// Observes the motors.
+    /// @param theta_rad  motor angles of the measured counts
+    /// @param is_next    whether the measurement follows the previous one by one period; otherwise
+    ///                   only the windings' temperatures are updated
+    void update(const device::Measurement &measured, const Vector3 &theta_rad, bool is_next,
+                std::uint32_t missed_periods) noexcept;
+
+    /// Observes nothing: only the windings' temperatures are updated, and the values in use
+    /// approach those of the device file. Parameters as for `update`.
+    void rest(const device::Measurement &measured, const Vector3 &theta_rad, bool is_next,
               std::uint32_t missed_periods) noexcept;
 
-    /// A tick without a new measurement.
-    void take_nothing() noexcept {
+    /// A tick without a new measurement makes the next interval unknown.
+    void skip() noexcept {
         known_commands_ = 0;
         has_previous_ = false;
     }
 
-    /// What happened to a motor between the last two measurements, if that is known: also where
-    /// nothing is observed. Empty near the limits of its amplifier.
-    [[nodiscard]] const std::optional<control::DrivenInterval> &interval(std::size_t motor) const {
-        return interval_[motor];
-    }
+    /// Records the command that is sent in this tick.
+    void record(const device::DeviceCommand &command) noexcept;
 
-    /// Once a tick, after `take`: the command that was sent.
-    void note(const device::DeviceCommand &command) noexcept;
-
-    /// From the next `restart` on, the counts' zero is taken to be found by eye, as after a
+    /// From the next `restart` on, the zero of the counts is taken to be found by eye, as after a
     /// connection was lost.
     void forget_zero() noexcept {
         for (control::WindingObserver &observer : observer_) {
@@ -57,28 +61,31 @@ public:
         }
     }
 
-    /// Forgets everything but the windings' temperatures; what is used follows without a step.
+    /// Forgets everything but the windings' temperatures; the values in use follow without a step.
     void restart() noexcept;
 
-    /// Forgets what was observed of a motor, and observes it no more until `restart`.
+    /// Forgets what was observed of a motor, and does not observe it until `restart`.
     void distrust(std::size_t motor) noexcept {
         observer_[motor].distrust();
-        begins_anew_[motor] = true;
+        is_restarted_[motor] = true;
     }
 
-    /// While nothing is observed: the windings' temperatures follow, and what is used approaches
-    /// the device file without a step.
-    void rest(const device::Measurement &measured, const Vector3 &theta_rad, bool is_next,
-              std::uint32_t missed_periods) noexcept;
-
-    /// At the angles last taken. They approach what was last learned without a step.
+    /// The values in use, at the motor angles of the last measurement.
     [[nodiscard]] const control::ObservedMotors &motors() const { return used_; }
+
+    /// How a motor was driven between the last two measurements, after `rest` too. Empty if one of
+    /// them or a command is missing, if the amplifier was open or reported a fault, and near its
+    /// peak current.
+    [[nodiscard]] const std::optional<control::DrivenInterval> &interval(std::size_t motor) const {
+        return interval_[motor];
+    }
 
     [[nodiscard]] const control::WindingObserver &observer(std::size_t motor) const {
         return observer_[motor];
     }
 
-    /// What can be relied on of a winding as warm as the air; its deviation is infinite if nothing.
+    /// The mean R of a winding as warm as the air; its deviation is infinite until the observation
+    /// is settled.
     [[nodiscard]] control::ResistanceEstimate unheated(std::size_t motor) const noexcept {
         const control::ResistanceEstimate R = observer_[motor].unheated();
         return observer_[motor].is_settled()
@@ -95,30 +102,31 @@ private:
     [[nodiscard]] const device::DeviceCommand &command_before(std::size_t ticks) const noexcept;
     [[nodiscard]] bool find_intervals(const device::Measurement &measured, const Vector3 &theta_rad,
                                       bool is_next) noexcept;
-    void pass_over(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
+    void skip_observers(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
     void approach_constants(const control::ObservedMotor &known,
                             control::ObservedMotor &used) const noexcept;
     void approach(const Vector3 &theta_rad, const Vector3 &before_Ohm,
                   const Vector3 &mean_before_Ohm) noexcept;
 
     double period_s_;
-    double max_rate_Ohm_per_s_; ///< of the resistances used, and of their deviations
+    double max_rate_Ohm_per_s_; ///< fastest change of a resistance in use, and of its deviation
     std::size_t whole_delay_;
     double delay_fraction_;
     std::array<control::WindingObserver, 3> observer_;
     std::array<device::MotorParameters, 3> motor_;
     control::ObservedMotors used_;
-    std::array<bool, 3> begins_anew_{}; ///< its estimates have nothing to do with those before
-    Vector3 transfer_offset_here_Ohm_{Vector3::Zero()}; ///< steps of the estimates that are left
+    std::array<bool, 3> is_restarted_{}; ///< the next estimates are unrelated to the previous ones
+    /// The value in use less the estimate; decays to zero.
+    Vector3 transfer_offset_here_Ohm_{Vector3::Zero()};
     Vector3 transfer_offset_mean_Ohm_{Vector3::Zero()};
 
     std::array<device::DeviceCommand, kHistory> history_{};
-    std::size_t newest_ = 0;
-    std::size_t known_commands_ = 0; ///< so many ticks in a row were without a gap
-    bool has_previous_ = false;      ///< the next two are of the last tick
-    std::array<std::optional<control::DrivenInterval>, 3> interval_;
+    std::size_t newest_ = 0;         ///< index into history_
+    std::size_t known_commands_ = 0; ///< recorded since the last gap
+    bool has_previous_ = false;      ///< current_A_ and theta_rad_ are those of the last tick
     Vector3 current_A_{Vector3::Zero()};
     Vector3 theta_rad_{Vector3::Zero()};
+    std::array<std::optional<control::DrivenInterval>, 3> interval_;
 };
 
 } // namespace springdrive::servo

@@ -220,7 +220,7 @@ Warmth warmed(const Waveform &waveform, double residual_Ohm, double amplitude_A,
     for (int tick = 0; tick < 8'000; ++tick) {
         const device::Measurement measured = phantom.advance(command);
         const Vector3 theta_rad = HapticLaw(device).theta_rad(measured.counts);
-        observers.take(measured, theta_rad, tick > 0, 0);
+        observers.update(measured, theta_rad, tick > 0, 0);
         command.mode = device::CommandMode::drive;
         for (std::size_t motor = 0; motor < 3; ++motor) {
             const auto j = static_cast<Eigen::Index>(motor);
@@ -228,7 +228,7 @@ Warmth warmed(const Waveform &waveform, double residual_Ohm, double amplitude_A,
             command.cancelled_resistance_Ohm[j] = R_Ohm - residual_Ohm;
             command.e_W_V[j] = residual_Ohm * amplitude_A * waveform.at(tick);
         }
-        observers.note(command);
+        observers.record(command);
     }
     Warmth warmth;
     for (std::size_t motor = 0; motor < 3; ++motor) {
