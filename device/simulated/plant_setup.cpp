@@ -84,7 +84,7 @@ std::array<device::MotorParameters, 3> true_motors(const device::DeviceDescripti
                                                    const SampledDevice &drawn) {
     std::array<device::MotorParameters, 3> motors = description.motor;
     for (std::size_t j = 0; j < motors.size(); ++j) {
-        const DrawnMotor &own = drawn.motor[j];
+        const SampledMotor &own = drawn.motor[j];
         motors[j].resistance_Ohm *= options.resistance_share[static_cast<Eigen::Index>(j)];
         if (options.effects.motor_tolerances) {
             motors[j].resistance_Ohm *= own.resistance_share;
@@ -127,7 +127,7 @@ SampledDevice sampled_device(const device::DeviceDescription &description, std::
     const device::CurrentSensing &sensing = description.current_sensing;
     for (std::size_t j = 0; j < drawn.motor.size(); ++j) {
         const device::MotorParameters &motor = description.motor[j];
-        DrawnMotor &own = drawn.motor[j];
+        SampledMotor &own = drawn.motor[j];
         own.resistance_share = 1.0 + motor.resistance_tolerance * either_way(random);
         own.torque_constant_share = 1.0 + motor.torque_constant_tolerance * either_way(random);
         own.commutator_phase_rad = std::numbers::pi * either_way(random);
@@ -174,8 +174,8 @@ void check_options(const device::DeviceDescription &description, const Simulatio
     check_coupling(options);
 }
 
-Vector3 start_angles(const device::DeviceDescription &description, const SimulationOptions &options,
-                     const Vector3 &start_tip_m) {
+Vector3 start_angles_rad(const device::DeviceDescription &description,
+                         const SimulationOptions &options, const Vector3 &start_tip_m) {
     const std::optional<Vector3> q_rad =
         device::joint_angles_rad(description.geometry, start_tip_m);
     if (!q_rad || (options.effects.joint_limits && !description.joint_limits.allow(*q_rad))) {

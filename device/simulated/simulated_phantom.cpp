@@ -32,7 +32,7 @@ SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
                                                    CurrentConverter(3 * options.device_seed + 1),
                                                    CurrentConverter(3 * options.device_seed + 2)} {
     requested_ = options_;
-    linkage_.q_rad = start_angles(description, options, start_tip_m);
+    linkage_.q_rad = start_angles_rad(description, options, start_tip_m);
     truth_.tip_m = start_tip_m;
     truth_.hand_target_m = start_tip_m;
     hand_.position_m = start_tip_m;

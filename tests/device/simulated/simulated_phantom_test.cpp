@@ -79,7 +79,7 @@ TEST(SimulatedPhantom, ASampledDeviceHasItsOwnMotorsAndSensors) {
             for (Eigen::Index j = 0; j < 3; ++j) {
                 const device::MotorParameters &motor =
                     description.motor[static_cast<std::size_t>(j)];
-                const DrawnMotor &deviation = own.motor[static_cast<std::size_t>(j)];
+                const SampledMotor &deviation = own.motor[static_cast<std::size_t>(j)];
                 const double R_Ohm =
                     deviation.resistance_share * motor.resistance_Ohm *
                     (1.0 + motor.commutation_ripple *
@@ -389,7 +389,7 @@ std::vector<double> deviations(const device::DeviceDescription &device, std::uin
     std::vector<double> found;
     const SampledDevice drawn = sampled_device(device, seed);
     for (std::size_t j = 0; j < 3; ++j) {
-        const DrawnMotor &own = drawn.motor[j];
+        const SampledMotor &own = drawn.motor[j];
         const device::MotorParameters &motor = device.motor[j];
         found.push_back((own.resistance_share - 1.0) / motor.resistance_tolerance);
         found.push_back((own.torque_constant_share - 1.0) / motor.torque_constant_tolerance);
@@ -404,7 +404,7 @@ std::vector<double> deviations(const device::DeviceDescription &device, std::uin
 
 TEST(SampledDevice, IsThatOfTheFileForSeedZero) {
     const SampledDevice drawn = sampled_device(testing::phantom_1_0(), 0);
-    for (const DrawnMotor &own : drawn.motor) {
+    for (const SampledMotor &own : drawn.motor) {
         EXPECT_EQ(own.resistance_share, 1.0);
         EXPECT_EQ(own.torque_constant_share, 1.0);
         EXPECT_EQ(own.commutator_phase_rad, 0.0);

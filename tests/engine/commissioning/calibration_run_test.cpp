@@ -103,7 +103,7 @@ struct TrueMotor {
 
 TrueMotor true_motor(const device::DeviceDescription &file, std::uint64_t seed, std::size_t motor,
                      double zero_rad) {
-    const simulated::DrawnMotor drawn = simulated::sampled_device(file, seed).motor[motor];
+    const simulated::SampledMotor drawn = simulated::sampled_device(file, seed).motor[motor];
     TrueMotor truth;
     truth.resistance_Ohm =
         drawn.resistance_share * file.motor[motor].resistance_Ohm / drawn.sensing.amplifier.gain;
