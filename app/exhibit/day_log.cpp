@@ -36,8 +36,8 @@ std::string summary_of(const DayFigures &figures) {
     std::string text =
         fmt::format("{}, {}; {}", counted(figures.visitors, "visitor"),
                     counted(figures.scenes, "scene"), counted(figures.trips, "stop"));
-    if (figures.trips_while_recovery > 0) {
-        text += fmt::format(" ({} while healing)", figures.trips_while_recovery);
+    if (figures.trips_during_recovery > 0) {
+        text += fmt::format(" ({} while healing)", figures.trips_during_recovery);
     }
     text += fmt::format(", {} healed", figures.recovered);
     if (figures.recovered > 0) {
@@ -54,7 +54,7 @@ std::filesystem::path usual_day_log() {
     return state.empty() ? state : state / "kiosk" / (local_time("%F") + ".log");
 }
 
-void DayLog::note(std::string_view event, std::chrono::system_clock::time_point when) {
+void DayLog::record(std::string_view event, std::chrono::system_clock::time_point when) {
     if (file_.empty()) {
         return;
     }
@@ -103,7 +103,7 @@ void DayWatch::watch_safety(const servo::SafetyStatus &safety, double time_s, Da
         ++figures.trips;
         events.push_back("stopped: " + servo::description(safety));
         if (std::exchange(is_stopped_, true)) {
-            ++figures.trips_while_recovery;
+            ++figures.trips_during_recovery;
         } else {
             stopped_s_ = time_s;
         }

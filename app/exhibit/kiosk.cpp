@@ -51,7 +51,7 @@ std::string start_text(const session::Session &session) {
 Kiosk::Kiosk(session::Session &session, std::filesystem::path log)
     : script_(session), log_(std::move(log)) {
     session.servo().lower_limits(servo::lowered(session.servo().inputs().limits, kiosk_limits()));
-    log_.note(start_text(session));
+    log_.record(start_text(session));
 }
 
 void Kiosk::obey(const KeyPress &key) {
@@ -76,23 +76,23 @@ void Kiosk::update(const KioskParts &parts, const Rectangle &view, const Window:
     if (answer.go_on) {
         session.servo().let_go_on();
         recovery_.begin_anew();
-        log_.note("a person lets it go on");
+        log_.record("a person lets it go on");
     }
     note_visitor(parts, answer);
     for (const std::string &event : watch_.update(session, figures_)) {
-        log_.note(event);
+        log_.record(event);
     }
     if (parts.frame_s < Course::kGap_s) {
         figures_.longest_frame_s = std::max(figures_.longest_frame_s, parts.frame_s);
     }
     if (const std::string &error = session.scenes().error(); error != error_) {
         error_ = error;
-        log_.note(error);
+        log_.record(error);
     }
     recover(parts);
     carry_out(course_.update(now_), parts);
     if (const std::string error = script_.take_error(); !error.empty()) {
-        log_.note(error);
+        log_.record(error);
     }
 }
 
@@ -175,18 +175,18 @@ void Kiosk::zero(session::Session &session) {
         return;
     }
     const std::string error = error_text_of([&] { session.zero_device(Vector3::Zero()); });
-    log_.note(error.empty() ? "zeroed by hand" : error);
+    log_.record(error.empty() ? "zeroed by hand" : error);
 }
 
 void Kiosk::carry_out(const CourseOrders &orders, const KioskParts &parts) {
     if (orders.gap_s > 0.0) {
-        log_.note(fmt::format("no frame for {:.0f} s: the computer slept", orders.gap_s));
+        log_.record(fmt::format("no frame for {:.0f} s: the computer slept", orders.gap_s));
     }
     if (orders.visit_begins) {
         figures_.visitors = course_.visitors();
-        log_.note(fmt::format("visitor {} begins", course_.visitors()));
+        log_.record(fmt::format("visitor {} begins", course_.visitors()));
     } else if (orders.resets) {
-        log_.note("nobody is there");
+        log_.record("nobody is there");
     }
     if (orders.resets) {
         parts.stage.lift.stop();
@@ -194,7 +194,7 @@ void Kiosk::carry_out(const CourseOrders &orders, const KioskParts &parts) {
     }
     if (orders.scene && course_.stage() != Stage::attract) {
         ++figures_.scenes;
-        log_.note("scene " + std::string(kTour[*orders.scene].scene));
+        log_.record("scene " + std::string(kTour[*orders.scene].scene));
     }
     script_.carry_out(orders, course_, parts.stage, now_.time_s);
 }
@@ -242,7 +242,7 @@ KioskShown Kiosk::shown(const KioskParts &parts) const {
 
 void Kiosk::finish(const std::string &why) {
     if (!std::exchange(is_finished_, true)) {
-        log_.note("end, " + why + ": " + summary_of(figures_));
+        log_.record("end, " + why + ": " + summary_of(figures_));
     }
 }
 

@@ -25,15 +25,15 @@ TEST(ExhibitDayLog, AppendsOneLineAnEventWithTheLocalTime) {
     const std::filesystem::path file = testing::fresh_folder("day_log") / "new folder" / "day.log";
     {
         DayLog log(file);
-        log.note("visitor 1 begins", at_local("2026-11-25 10:03:21"));
+        log.record("visitor 1 begins", at_local("2026-11-25 10:03:21"));
     }
     DayLog again(file); // of a second run on the same day
-    again.note("two\nlines", at_local("2026-11-25 10:05:00"));
+    again.record("two\nlines", at_local("2026-11-25 10:05:00"));
     EXPECT_EQ(testing::contents_of(file), "2026-11-25 10:03:21  visitor 1 begins\n"
                                           "2026-11-25 10:05:00  two lines\n");
     EXPECT_EQ(again.take_error(), "");
     DayLog silent{std::filesystem::path()};
-    silent.note("one");
+    silent.record("one");
     EXPECT_EQ(silent.take_error(), "");
 }
 
@@ -42,14 +42,14 @@ TEST(ExhibitDayLog, AFullDiskIsSaidOnceAndWhatIsMissingLater) {
     const std::filesystem::path file = folder / "day.log";
     std::filesystem::create_symlink("/dev/full", file); // each write fails, as on a full disk
     DayLog log(file);
-    log.note("one");
+    log.record("one");
     EXPECT_NE(log.take_error().find("disk full"), std::string::npos);
-    log.note("two");
-    log.note("three");
+    log.record("two");
+    log.record("three");
     EXPECT_EQ(log.take_error(), "");
     std::filesystem::remove(file); // there is room again
-    log.note("four", at_local("2026-11-25 10:00:00"));
-    log.note("five", at_local("2026-11-25 10:00:01"));
+    log.record("four", at_local("2026-11-25 10:00:00"));
+    log.record("five", at_local("2026-11-25 10:00:01"));
     EXPECT_EQ(testing::contents_of(file),
               "2026-11-25 10:00:00  3 lines before this one could not be written\n"
               "2026-11-25 10:00:00  four\n"
@@ -118,7 +118,7 @@ TEST(ExhibitDayWatch, FindsStopsAndThePeaksOfWhatIsDriven) {
     EXPECT_EQ(events[1], "stopped: emergency stop");
     EXPECT_TRUE(events[2].starts_with("running again after ")) << events[2];
     EXPECT_EQ(figures.trips, 3U);
-    EXPECT_EQ(figures.trips_while_recovery, 1U);
+    EXPECT_EQ(figures.trips_during_recovery, 1U);
     EXPECT_EQ(figures.recovered, 2U);
     session.stop();
 }
@@ -132,7 +132,7 @@ TEST(ExhibitDayLog, SumsUp) {
               "40 visitors, 112 scenes; 0 stops, 0 healed; the device was lost 0 times; "
               "peak force 3.46 N, peak voltage 0.00 V; longest frame 0 ms");
     figures.trips = 4;
-    figures.trips_while_recovery = 1;
+    figures.trips_during_recovery = 1;
     figures.recovered = 3;
     figures.longest_recovery_s = 11.2;
     EXPECT_TRUE(
