@@ -275,11 +275,11 @@ void check_range(const std::string &what, double value, double minimum, double m
     }
 }
 
-scene::Scene load_scene_with_lines(const std::string &name, const device::Workspace &workspace) {
+scene::Scene load_scene_with_progress(const std::string &name, const device::Workspace &workspace) {
     scene::LoadProgress progress;
-    std::optional<LoadLines> lines;
+    std::optional<LoadProgressPrinter> printer;
     if (isatty(STDERR_FILENO) != 0) {
-        lines.emplace(std::filesystem::path(name).filename().string(), progress, std::cerr);
+        printer.emplace(std::filesystem::path(name).filename().string(), progress, std::cerr);
     }
     return rig::touch_scene(name, workspace, &progress);
 }

@@ -135,9 +135,9 @@ void check_dR(const device::DeviceDescription &device, const control::Tuning &tu
 /// @throw InputError, naming `what`, for a value beyond its range or not a number.
 void check_range(const std::string &what, double value, double minimum, double maximum);
 
-/// `touch_scene`, with `LoadLines` on standard error if that is a terminal.
-[[nodiscard]] scene::Scene load_scene_with_lines(const std::string &name,
-                                                 const device::Workspace &workspace);
+/// `touch_scene`, with a LoadProgressPrinter on standard error if that is a terminal.
+[[nodiscard]] scene::Scene load_scene_with_progress(const std::string &name,
+                                                    const device::Workspace &workspace);
 
 /// `--model` and what overrides it, part by part.
 struct ModelTyped {

@@ -327,7 +327,7 @@ void run(const TypedInspect &typed) {
     check_outputs({{typed.device_file}, typed.scene, {typed.json}}, typed.existing);
     const device::DeviceDescription device = device::read_device_file(typed.device_file);
     const auto start = std::chrono::steady_clock::now();
-    const scene::Scene scene = load_scene_with_lines(typed.scene, device.workspace);
+    const scene::Scene scene = load_scene_with_progress(typed.scene, device.workspace);
     InspectReport report;
     report.load_s = seconds_since(start);
     const auto loaded = std::chrono::steady_clock::now();

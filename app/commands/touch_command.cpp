@@ -376,7 +376,7 @@ TouchReport touch(TypedTouch typed) {
         typed.existing);
     typed.how.period_s = servo::servo_period_s(typed.servo_hz);
     const device::DeviceDescription device = device::read_device_file(typed.device_file);
-    const scene::Scene scene = load_scene_with_lines(typed.scene, device.workspace);
+    const scene::Scene scene = load_scene_with_progress(typed.scene, device.workspace);
 
     TouchReport report;
     report.surface = typed.scene;

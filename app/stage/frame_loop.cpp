@@ -20,17 +20,27 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
+/// How far frames may lag behind the clock; a longer lag is not caught up.
+constexpr std::chrono::milliseconds kMaxLag(50);
+
+/// Whether as many frames or seconds have passed as the options allow.
+bool has_reached_limit(const FrameOptions &options, int frame, double elapsed_s) {
+    constexpr double kRoundOff_s = 1e-9; // of a time that is a number of frames
+    return (options.frames > 0 && frame >= options.frames) ||
+           (options.seconds > 0.0 && elapsed_s >= options.seconds - kRoundOff_s);
+}
+
 } // namespace
 
-LoadLines::LoadLines(std::string file, const scene::LoadProgress &progress, std::ostream &out,
-                     std::chrono::milliseconds period)
-    : thread_([file = std::move(file), &progress, &out, period](const std::stop_token &ended) {
+LoadProgressPrinter::LoadProgressPrinter(std::string file, const scene::LoadProgress &progress,
+                                         std::ostream &out, std::chrono::milliseconds period)
+    : thread_([file = std::move(file), &progress, &out, period](const std::stop_token &stop) {
           std::mutex mutex;
           std::unique_lock lock(mutex);
-          std::condition_variable_any woken; // by `ended`
+          std::condition_variable_any never_notified; // a stop request ends the wait
           while (true) {
-              woken.wait_for(lock, ended, period, [] { return false; });
-              if (ended.stop_requested()) {
+              never_notified.wait_for(lock, stop, period, [] { return false; });
+              if (stop.stop_requested()) {
                   return;
               }
               out << "springdrive: " << file << ": " << progress.text() << std::endl;
@@ -43,7 +53,7 @@ session::Session open_session(const session::SessionOptions &options) {
                      "scene is loaded, and memory may grow in use\n";
     }
     scene::LoadProgress progress;
-    const LoadLines lines(options.scene.filename().string(), progress, std::cerr);
+    const LoadProgressPrinter printer(options.scene.filename().string(), progress, std::cerr);
     return session::Session(options, &progress); // in place: a session cannot be moved
 }
 
@@ -64,8 +74,7 @@ servo::DurationHistogram run_frames(Activity &activity, session::Session &sessio
         }
         const double elapsed_s =
             options.is_paced ? Seconds(Clock::now() - start).count() : frame * kFrame_s;
-        if ((options.frames > 0 && frame >= options.frames) ||
-            (options.seconds > 0.0 && elapsed_s >= options.seconds - 1e-9)) {
+        if (has_reached_limit(options, frame, elapsed_s)) {
             break;
         }
         session.advance(kFrame_s);
@@ -76,7 +85,7 @@ servo::DurationHistogram run_frames(Activity &activity, session::Session &sessio
         activity.update();
         if (options.is_paced) {
             next += std::chrono::duration_cast<Clock::duration>(Seconds(kFrame_s));
-            next = std::max(next, Clock::now() - std::chrono::milliseconds(50));
+            next = std::max(next, Clock::now() - kMaxLag);
             std::this_thread::sleep_until(next);
         }
     }

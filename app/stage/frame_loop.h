@@ -1,5 +1,5 @@
-// Opens a session, with progress shown on a terminal; and the loop of frames of all that lasts: in
-// one window, in two, or in none.
+// Opens a session, printing the progress of its scene; and runs the frames of an activity in one
+// window, in two, or in none.
 //
 //   session.advance ──► Activity::draw ──► report, if one is requested ──► Activity::update
 #pragma once
@@ -17,25 +17,27 @@ namespace springdrive::app {
 
 /// Prints "springdrive: big.glb: gathering triangles, 40 %" once per period while it exists, first
 /// after one period: faster loading prints nothing.
-class LoadLines {
+class LoadProgressPrinter {
 public:
-    /// @param progress and `out` must outlive it
-    LoadLines(std::string file, const scene::LoadProgress &progress, std::ostream &out,
-              std::chrono::milliseconds period = std::chrono::seconds(1));
+    /// @param progress  must outlive it, as must `out`
+    LoadProgressPrinter(std::string file, const scene::LoadProgress &progress, std::ostream &out,
+                        std::chrono::milliseconds period = std::chrono::seconds(1));
 
 private:
-    std::jthread thread_; ///< asked to end, and joined, on destruction
+    std::jthread thread_; ///< its destructor requests a stop, and joins it
 };
 
-/// Prints progress lines to standard error while its scene loads, if that takes long.
+/// Opens a session, with a LoadProgressPrinter on standard error while its scene is loaded.
 /// @throw InputError as Session's constructor does
 [[nodiscard]] session::Session open_session(const session::SessionOptions &options);
 
 /// Prints each warning once, to standard error.
 void print_new_warnings(session::Session &session);
 
-inline constexpr double kFrame_s = 1.0 / 60.0; ///< by which a session is advanced
+/// The time by which a frame advances a session.
+inline constexpr double kFrame_s = 1.0 / 60.0;
 
+/// What runs frame by frame: a demonstration, a study, an exhibit.
 class Activity {
 public:
     Activity() = default;
@@ -44,9 +46,9 @@ public:
     Activity &operator=(const Activity &) = delete;
 
     [[nodiscard]] virtual bool is_over() const = 0;
-    /// Shows the next frame in its windows, and takes what is done there.
+    /// Draws the next frame in its windows, and collects their input.
     virtual void draw() {}
-    /// Goes on by what was done in that frame.
+    /// Acts on the input of that frame.
     virtual void update() {}
     [[nodiscard]] virtual ReportedWindow reported() const { return {}; }
 };
@@ -56,12 +58,13 @@ struct FrameOptions {
     double seconds = 0.0;       ///< the same, after this time
     bool reports = false;       ///< answers requests on standard input, see ReportRequests
     bool only_reported = false; ///< there are no frames but those that requests ask for
-    /// Sixty frames a second by the clock; else time is that of frames, and the activity's windows
-    /// may wait for their display.
+    /// Sixty frames a second by the clock. Otherwise the time is the number of frames times
+    /// kFrame_s, and the activity's windows may wait for their display.
     bool is_paced = false;
 };
 
-/// Until the activity or the options' time is over, or nobody can ask for frames any more.
+/// Runs frames until the activity or the options' time is over, or, with `only_reported`, until no
+/// request can come any more.
 /// @return the time to compute, draw and show a frame; a display with vertical synchronisation adds
 ///         its wait
 servo::DurationHistogram run_frames(Activity &activity, session::Session &session,
