@@ -43,7 +43,7 @@ void add_tunings_in(const std::filesystem::path &folder, bool is_own,
     }
 }
 
-/// A file of that name in the own folder. @throw InputError for a name that would lead elsewhere
+/// A file of that name in `output_dir`. @throw InputError for a name that would lead elsewhere
 std::filesystem::path file_of(const std::string &name) {
     const bool is_blank = name.find_first_not_of(' ') == std::string::npos;
     if (is_blank || name.find('/') != std::string::npos || name.front() == '.') {
@@ -155,25 +155,25 @@ loops::StabilityCase stability_case_of(const session::Session &session,
     return which;
 }
 
-StabilityIndicator TuningEditor::indicator_of(const control::Tuning &tuning) const {
+StabilityIndicator TuningEditor::compute_indicator(const control::Tuning &tuning) const {
     loops::StabilityCase which = stability_case_of(session_, tuning);
     which.hands = hands_of(hand);
     return {loops::worst_member(which), which.period_s};
 }
 
-void TuningEditor::update() { indicator_ = indicator_of(now()); }
+void TuningEditor::update() { indicator_ = compute_indicator(now()); }
 
 bool TuningEditor::exceeds_gain_margin(const control::Tuning &tuning) const {
-    return !indicator_of(with_more_gain(tuning)).is_stable();
+    return !compute_indicator(with_more_gain(tuning)).is_stable();
 }
 
 bool TuningEditor::is_refused(const control::Tuning &to) const {
     if (is_unlocked || to == now() || !exceeds_gain_margin(to)) {
         return false;
     }
-    // From behind the lock, what is no worse may be set.
+    // Where the present tuning exceeds it already, one that is no less stable may be set.
     return !exceeds_gain_margin(now()) ||
-           indicator_of(to).worst.eigenvalue > indicator_of(now()).worst.eigenvalue;
+           compute_indicator(to).worst.eigenvalue > compute_indicator(now()).worst.eigenvalue;
 }
 
 void TuningEditor::drag(const control::Tuning &to, std::uint32_t source) {
@@ -188,7 +188,7 @@ void TuningEditor::drag(const control::Tuning &to, std::uint32_t source) {
         // The beginning has the map and the source of α of the end.
         reached = may_go(0.0) ? on_the_way(from, to, bisect({0.0, 1.0}, kHalvings, may_go).holds_at)
                               : from;
-        const StabilityIndicator beyond = indicator_of(with_more_gain(to));
+        const StabilityIndicator beyond = compute_indicator(with_more_gain(to));
         error_ = fmt::format("held at the limit: beyond it motor {}, {}, is unstable",
                              beyond.worst.member.motor + 1,
                              loops::hand_text(beyond.worst.member.hand.name));
