@@ -34,6 +34,31 @@ bool shapes_the_coupling(const control::Parameter &parameter) {
 
 } // namespace
 
+void add_device_file_option(Command &command, std::filesystem::path &file) {
+    file = asset_folder() / "devices" / "phantom_1_0.toml";
+    command
+        .add_option("--device-file", file,
+                    "a device, as those in " + (asset_folder() / "devices").string())
+        .type_name("FILE");
+}
+
+void add_device_option(Command &command, std::string &device) {
+    command
+        .add_option("--device", device,
+                    "sim: the simulated device; usb: the board on USB; usb:SERIAL: one of several; "
+                    "emulated: a board in this process, to rehearse with [sim]")
+        .type_name("sim|usb[:SERIAL]|emulated");
+}
+
+NamedDevice device_named(const std::string &device) {
+    const std::size_t colon = device.find(':');
+    const auto kind = factory::device_kind_named(device.substr(0, colon));
+    if (!kind || (*kind != factory::DeviceKind::usb && colon != std::string::npos)) {
+        throw InputError("--device " + device + ": must be sim, usb, usb:SERIAL or emulated");
+    }
+    return {*kind, colon == std::string::npos ? "" : device.substr(colon + 1)};
+}
+
 void TypedEmulation::add_to(Command &command, const std::string &device) {
     command
         .add_option("--true-device-file", true_device_file,
@@ -59,31 +84,6 @@ std::vector<device::Fault> TypedEmulation::parsed_faults() const {
         parsed.push_back(device::parse_fault(fault));
     }
     return parsed;
-}
-
-void add_device_file_option(Command &command, std::filesystem::path &file) {
-    file = asset_folder() / "devices" / "phantom_1_0.toml";
-    command
-        .add_option("--device-file", file,
-                    "a device, as those in " + (asset_folder() / "devices").string())
-        .type_name("FILE");
-}
-
-void add_device_option(Command &command, std::string &device) {
-    command
-        .add_option("--device", device,
-                    "sim: the simulated device; usb: the board on USB; usb:SERIAL: one of several; "
-                    "emulated: a board in this process, to rehearse with [sim]")
-        .type_name("sim|usb[:SERIAL]|emulated");
-}
-
-NamedDevice device_named(const std::string &device) {
-    const std::size_t colon = device.find(':');
-    const auto kind = factory::device_kind_named(device.substr(0, colon));
-    if (!kind || (*kind != factory::DeviceKind::usb && colon != std::string::npos)) {
-        throw InputError("--device " + device + ": must be sim, usb, usb:SERIAL or emulated");
-    }
-    return {*kind, colon == std::string::npos ? "" : device.substr(colon + 1)};
 }
 
 void add_tuning_file_option(Command &command, std::filesystem::path &file) {
@@ -168,6 +168,22 @@ void TuningOptions::add_to(Command &command, TuningScope scope) {
         .one_of(list_of(control::kAlphaModeNames));
 }
 
+control::Tuning TuningOptions::tuning() const {
+    control::Tuning tuning = tuning_of(file);
+    for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
+        tuning.*control::kParameters[i].value =
+            value[i].value_or(tuning.*control::kParameters[i].value);
+        if (!control::lies_in_range(control::kParameters[i], tuning)) {
+            throw InputError("--" + std::string(control::kParameters[i].option) + ": " +
+                             control::validate(tuning));
+        }
+    }
+    tuning.map = map.empty() ? tuning.map : *control::motion_map_named(map);
+    tuning.alpha_mode =
+        alpha_mode.empty() ? tuning.alpha_mode : *control::alpha_mode_named(alpha_mode);
+    return tuning;
+}
+
 void EffectOptions::add_to(Command &command) {
     std::set<std::string> names{"all"};
     std::string list;
@@ -209,22 +225,6 @@ simulated::PlantEffects EffectOptions::effects() const {
     set(without, false);
     set(with, true);
     return effects;
-}
-
-control::Tuning TuningOptions::tuning() const {
-    control::Tuning tuning = tuning_of(file);
-    for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
-        tuning.*control::kParameters[i].value =
-            value[i].value_or(tuning.*control::kParameters[i].value);
-        if (!control::lies_in_range(control::kParameters[i], tuning)) {
-            throw InputError("--" + std::string(control::kParameters[i].option) + ": " +
-                             control::validate(tuning));
-        }
-    }
-    tuning.map = map.empty() ? tuning.map : *control::motion_map_named(map);
-    tuning.alpha_mode =
-        alpha_mode.empty() ? tuning.alpha_mode : *control::alpha_mode_named(alpha_mode);
-    return tuning;
 }
 
 void warn_about_margins(const std::filesystem::path &tuning_file, double servo_hz,
@@ -368,38 +368,6 @@ void TypedSession::add_to(Command &command) {
                      "run the servo by frame time instead of the clock, which is repeatable");
 }
 
-/// Of a device on USB nothing is simulated; behind an emulated board all is.
-void TypedSession::set_device(session::SessionOptions &session) const {
-    const NamedDevice named = device_named(device);
-    session.device.kind = named.kind;
-    session.device.serial = named.serial;
-    const auto refuse = [&](bool is_given, const char *option) {
-        if (is_given) {
-            throw InputError(std::string(option) +
-                             ": is for the simulated device; remove it, or --device " + device);
-        }
-    };
-    const bool is_emulated = named.kind == factory::DeviceKind::emulated;
-    if (!is_emulated && !emulation.is_empty()) {
-        throw InputError("--true-device-file and --fault: are for the emulated board; remove them, "
-                         "or give --device emulated");
-    }
-    session.delay_periods = delay_periods.value_or(0.0);
-    if (is_emulated) {
-        refuse(!(model.plant.empty() && !model.step_us), "--plant-model and --step-us");
-        session.emulation.truth = emulation.truth();
-        session.emulation.faults = emulation.parsed_faults();
-        session.emulation.delay_periods = delay_periods.value_or(session.emulation.delay_periods);
-    }
-    if (named.kind == factory::DeviceKind::usb) {
-        refuse(!options.path.empty(), "--path");
-        refuse(delay_periods.value_or(0.0) != 0.0, "--delay");
-        refuse(!(effects.without.empty() && effects.with.empty()), "--with and --without");
-        refuse(effects.device_seed != 0, "--device-seed");
-        refuse(!(model.plant.empty() && !model.step_us), "--plant-model and --step-us");
-    }
-}
-
 session::SessionOptions TypedSession::session() const {
     static_cast<void>(servo::servo_period_s(options.servo_hz));
     session::SessionOptions session = options;
@@ -430,6 +398,38 @@ RunFiles TypedSession::files(std::vector<std::filesystem::path> written) const {
     return {{options.device.file, tuning.file, options.path, emulation.true_device_file},
             options.scene,
             std::move(written)};
+}
+
+/// Of a device on USB nothing is simulated; behind an emulated board all is.
+void TypedSession::set_device(session::SessionOptions &session) const {
+    const NamedDevice named = device_named(device);
+    session.device.kind = named.kind;
+    session.device.serial = named.serial;
+    const auto refuse = [&](bool is_given, const char *option) {
+        if (is_given) {
+            throw InputError(std::string(option) +
+                             ": is for the simulated device; remove it, or --device " + device);
+        }
+    };
+    const bool is_emulated = named.kind == factory::DeviceKind::emulated;
+    if (!is_emulated && !emulation.is_empty()) {
+        throw InputError("--true-device-file and --fault: are for the emulated board; remove them, "
+                         "or give --device emulated");
+    }
+    session.delay_periods = delay_periods.value_or(0.0);
+    if (is_emulated) {
+        refuse(!(model.plant.empty() && !model.step_us), "--plant-model and --step-us");
+        session.emulation.truth = emulation.truth();
+        session.emulation.faults = emulation.parsed_faults();
+        session.emulation.delay_periods = delay_periods.value_or(session.emulation.delay_periods);
+    }
+    if (named.kind == factory::DeviceKind::usb) {
+        refuse(!options.path.empty(), "--path");
+        refuse(delay_periods.value_or(0.0) != 0.0, "--delay");
+        refuse(!(effects.without.empty() && effects.with.empty()), "--with and --without");
+        refuse(effects.device_seed != 0, "--device-seed");
+        refuse(!(model.plant.empty() && !model.step_us), "--plant-model and --step-us");
+    }
 }
 
 } // namespace springdrive::app
