@@ -27,6 +27,7 @@ namespace springdrive::app {
 
 namespace {
 
+/// Whether K_θ (12) depends on the parameter.
 bool shapes_the_coupling(const control::Parameter &parameter) {
     return parameter.value != &control::Tuning::alpha_rad2_per_m2 &&
            parameter.value != &control::Tuning::eta;
@@ -171,10 +172,10 @@ void TuningOptions::add_to(Command &command, TuningScope scope) {
 control::Tuning TuningOptions::tuning() const {
     control::Tuning tuning = tuning_of(file);
     for (std::size_t i = 0; i < control::kParameters.size(); ++i) {
-        tuning.*control::kParameters[i].value =
-            value[i].value_or(tuning.*control::kParameters[i].value);
-        if (!control::lies_in_range(control::kParameters[i], tuning)) {
-            throw InputError("--" + std::string(control::kParameters[i].option) + ": " +
+        const control::Parameter &parameter = control::kParameters[i];
+        tuning.*parameter.value = value[i].value_or(tuning.*parameter.value);
+        if (!control::lies_in_range(parameter, tuning)) {
+            throw InputError("--" + std::string(parameter.option) + ": " +
                              control::validate(tuning));
         }
     }
@@ -216,10 +217,12 @@ simulated::PlantEffects EffectOptions::effects() const {
     simulated::PlantEffects effects;
     const auto set = [&effects](const std::vector<std::string> &names, bool on) {
         for (const simulated::PlantEffect &effect : simulated::kPlantEffects) {
-            const bool named = std::any_of(names.begin(), names.end(), [&](const auto &name) {
+            const bool is_named = std::ranges::any_of(names, [&](const std::string &name) {
                 return name == effect.name || name == "all";
             });
-            effects.*effect.on = named ? on : effects.*effect.on;
+            if (is_named) {
+                effects.*effect.on = on;
+            }
         }
     };
     set(without, false);
@@ -255,17 +258,17 @@ void check_dR(const device::DeviceDescription &device, const control::Tuning &tu
 }
 
 double cold_dR_Ohm(const device::DeviceDescription &device, const control::Tuning &tuning) {
-    double min_Ohm = tuning.dR_Ohm;
+    double dR_Ohm = tuning.dR_Ohm;
     for (const device::MotorParameters &motor : device.motor) {
-        min_Ohm = std::max(min_Ohm, device::min_cold_residual_Ohm(motor, device.amplifier));
+        dR_Ohm = std::max(dR_Ohm, device::min_cold_residual_Ohm(motor, device.amplifier));
     }
-    if (min_Ohm > tuning.dR_Ohm) {
+    if (dR_Ohm > tuning.dR_Ohm) {
         print(std::cerr,
               "springdrive: remark: the servo limits dR to {:g} Ω or more, by each motor's R, not "
               "{:g} Ω, until the windings are certain to be warm\n",
-              min_Ohm, tuning.dR_Ohm);
+              dR_Ohm, tuning.dR_Ohm);
     }
-    return min_Ohm;
+    return dR_Ohm;
 }
 
 void check_range(const std::string &what, double value, double minimum, double maximum) {
@@ -284,7 +287,7 @@ scene::Scene load_scene_with_progress(const std::string &name, const device::Wor
     return rig::touch_scene(name, workspace, &progress);
 }
 
-void ModelTyped::add_to(Command &command) {
+void TypedModel::add_to(Command &command) {
     std::set<std::string> plants;
     for (const simulated::PlantModel &plant_model : simulated::kPlantModels) {
         plants.emplace(plant_model.name);
@@ -308,7 +311,7 @@ void ModelTyped::add_to(Command &command) {
         .type_name("NAME");
 }
 
-session::ModelOptions ModelTyped::options(const TuningOptions &tuning) const {
+session::ModelOptions TypedModel::options(const TuningOptions &tuning) const {
     session::ModelOptions options;
     options.chooser = model_selection::cached_chooser();
     options.automatic = use == "auto";
@@ -369,7 +372,7 @@ void TypedSession::add_to(Command &command) {
 }
 
 session::SessionOptions TypedSession::session() const {
-    static_cast<void>(servo::servo_period_s(options.servo_hz));
+    static_cast<void>(servo::servo_period_s(options.servo_hz)); // throws if out of range
     session::SessionOptions session = options;
     session.program_version = SPRINGDRIVE_VERSION;
     session.windings_folder = windings_folder();
@@ -385,7 +388,7 @@ session::SessionOptions TypedSession::session() const {
     session.device_seed = effects.device_seed;
     session.model = model.options(tuning);
     const bool chooses_plant = session.model.automatic || session.model.plant;
-    if (chooses_plant && !(effects.without.empty() && effects.with.empty())) {
+    if (chooses_plant && effects.switches_effects()) {
         throw InputError(
             "--without and --with select what is simulated, and so do --model auto and "
             "--plant-model; give one or the other");
@@ -400,7 +403,8 @@ RunFiles TypedSession::files(std::vector<std::filesystem::path> written) const {
             std::move(written)};
 }
 
-/// Of a device on USB nothing is simulated; behind an emulated board all is.
+/// Options of the simulation are refused where nothing is simulated, on USB, and those of the plant
+/// also for an emulated board, which simulates all of it.
 void TypedSession::set_device(session::SessionOptions &session) const {
     const NamedDevice named = device_named(device);
     session.device.kind = named.kind;
@@ -418,7 +422,7 @@ void TypedSession::set_device(session::SessionOptions &session) const {
     }
     session.delay_periods = delay_periods.value_or(0.0);
     if (is_emulated) {
-        refuse(!(model.plant.empty() && !model.step_us), "--plant-model and --step-us");
+        refuse(model.overrides_plant(), "--plant-model and --step-us");
         session.emulation.truth = emulation.truth();
         session.emulation.faults = emulation.parsed_faults();
         session.emulation.delay_periods = delay_periods.value_or(session.emulation.delay_periods);
@@ -426,9 +430,9 @@ void TypedSession::set_device(session::SessionOptions &session) const {
     if (named.kind == factory::DeviceKind::usb) {
         refuse(!options.path.empty(), "--path");
         refuse(delay_periods.value_or(0.0) != 0.0, "--delay");
-        refuse(!(effects.without.empty() && effects.with.empty()), "--with and --without");
+        refuse(effects.switches_effects(), "--with and --without");
         refuse(effects.device_seed != 0, "--device-seed");
-        refuse(!(model.plant.empty() && !model.step_us), "--plant-model and --step-us");
+        refuse(model.overrides_plant(), "--plant-model and --step-us");
     }
 }
 

@@ -33,6 +33,7 @@ struct NamedDevice {
     std::string serial; ///< empty: the only one
 };
 
+/// The device that `--device` names.
 /// @throw InputError unless it is sim, usb, usb:SERIAL or emulated
 [[nodiscard]] NamedDevice device_named(const std::string &device);
 
@@ -46,9 +47,9 @@ struct TypedEmulation {
     void add_to(Command &command, const std::string &device);
 
     [[nodiscard]] bool is_empty() const { return true_device_file.empty() && faults.empty(); }
-    /// @throw InputError if it is no device file
+    /// @throw InputError if `true_device_file` is no device file
     [[nodiscard]] std::optional<device::DeviceDescription> truth() const;
-    /// @throw InputError if one is none
+    /// @throw InputError if one of `faults` is no fault
     [[nodiscard]] std::vector<device::Fault> parsed_faults() const;
 };
 
@@ -82,7 +83,7 @@ Option add_delay_option(Command &command, double &delay_periods);
 /// @throw InputError for a delay that cannot be simulated.
 void check_delay(double delay_periods);
 
-/// For `Option::one_of`.
+/// Names as `Option::one_of` takes them.
 template <typename Names> [[nodiscard]] std::vector<std::string> list_of(const Names &names) {
     return {names.begin(), names.end()};
 }
@@ -116,6 +117,9 @@ struct EffectOptions {
     /// The options hold references to this: it must stay where it is until the parse is over.
     void add_to(Command &command);
 
+    /// Whether `--without` or `--with` is given.
+    [[nodiscard]] bool switches_effects() const { return !without.empty() || !with.empty(); }
+
     [[nodiscard]] simulated::PlantEffects effects() const;
 };
 
@@ -139,38 +143,43 @@ void check_range(const std::string &what, double value, double minimum, double m
 [[nodiscard]] scene::Scene load_scene_with_progress(const std::string &name,
                                                     const device::Workspace &workspace);
 
-/// `--model` and what overrides it, part by part.
-struct ModelTyped {
+/// `--model`, and the options that override parts of it.
+struct TypedModel {
     std::string use = "full";
-    std::string plant;
-    std::optional<double> step_us;
-    std::string surface;
+    std::string plant;             ///< `--plant-model`; empty: as the model has it
+    std::optional<double> step_us; ///< `--step-us`
+    std::string surface;           ///< `--contact-shape`; empty: as the model has it
 
+    /// The options hold references to this: it must stay where it is until the parse is over.
     void add_to(Command &command);
+
+    /// Whether `--plant-model` or `--step-us` is given.
+    [[nodiscard]] bool overrides_plant() const { return !plant.empty() || step_us.has_value(); }
 
     /// @throw InputError for an unknown part.
     [[nodiscard]] session::ModelOptions options(const TuningOptions &tuning) const;
 };
 
-/// The options hold references to this: it must stay where it is until the parse is over.
+/// All options of a session.
 struct TypedSession {
     session::SessionOptions options;
     TuningOptions tuning;
     EffectOptions effects;
-    ModelTyped model;
+    TypedModel model;
     TypedEmulation emulation;
     std::optional<double> delay_periods;
     std::string device = "sim";
     std::optional<double> late_limit_ms;
 
+    /// The options hold references to this: it must stay where it is until the parse is over.
     void add_to(Command &command);
 
     /// The options of the session.
     /// @throw InputError for options with which no session can run.
     [[nodiscard]] session::SessionOptions session() const;
 
-    /// What it reads and writes.
-    /// @param written  beside the record
+    /// The files that the session reads and writes.
+    /// @param written  those that it writes beside the record
     [[nodiscard]] RunFiles files(std::vector<std::filesystem::path> written) const;
 
 private:
