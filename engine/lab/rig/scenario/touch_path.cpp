@@ -13,13 +13,13 @@ namespace springdrive::rig {
 
 namespace {
 
-/// A tip in free space is this far above what it is about to touch [m].
+/// Height of a tip in free space above the point that it is about to touch.
 constexpr double kAbove_m = 2e-3;
 
-/// Places on a curve over the surface are this far apart [m].
+/// Distance of neighbouring points of a curve over the surface.
 constexpr double kSpacing_m = 0.5e-3;
 
-/// After so many directions without a surface the search ends.
+/// A path ends after this many directions in a row without a surface.
 constexpr int kMaxMisses = 2000;
 
 class RandomDraws {
@@ -39,53 +39,53 @@ public:
         return {x, y, z};
     }
 
-    /// Unit; all directions alike.
+    /// A unit vector, uniform over the sphere.
     Vector3 direction() {
         const double z = between(-1.0, 1.0);
-        const double angle = between(0.0, 2.0 * std::numbers::pi);
+        const double angle_rad = between(0.0, 2.0 * std::numbers::pi);
         const double r = std::sqrt(1.0 - z * z);
-        return {r * std::cos(angle), r * std::sin(angle), z};
+        return {r * std::cos(angle_rad), r * std::sin(angle_rad), z};
     }
 
 private:
     std::mt19937_64 random_;
 };
 
-/// Adds a tip after each `step_m` of a path of straight pieces, up to a given number.
-class TipPen {
+/// Samples a path of straight lines: one tip every `step_m`, up to a requested number.
+class PathSampler {
 public:
     /// @pre step_m > 0
-    TipPen(double step_m, std::size_t tips) : step_m_(step_m), requested_(tips) {
+    PathSampler(double step_m, std::size_t tips) : step_m_(step_m), requested_(tips) {
         SPRINGDRIVE_ASSERT(step_m > 0.0);
         tips_m_.reserve(tips);
     }
 
-    /// Adds a tip at this point, at any distance.
-    void leap_to(const Vector3 &point_m) {
-        at_m_ = point_m;
-        left_m_ = step_m_;
+    /// Continues at this point, at any distance, with a tip there.
+    void jump_to(const Vector3 &point_m) {
+        end_m_ = point_m;
+        to_next_m_ = step_m_;
         if (!is_full()) {
             tips_m_.push_back(point_m);
         }
     }
 
-    /// Straight on. Corners are passed, not stopped at.
-    void draw_to(const Vector3 &point_m) {
-        const Vector3 way = point_m - at_m_;
-        const double length_m = way.norm();
-        for (; left_m_ <= length_m && !is_full(); left_m_ += step_m_) {
-            tips_m_.emplace_back(at_m_ + left_m_ / length_m * way);
+    /// Continues straight to this point. The tips are equally spaced along the path, so that none
+    /// need lie on a corner.
+    void move_to(const Vector3 &point_m) {
+        const Vector3 line_m = point_m - end_m_;
+        const double length_m = line_m.norm();
+        for (; to_next_m_ <= length_m && !is_full(); to_next_m_ += step_m_) {
+            tips_m_.emplace_back(end_m_ + to_next_m_ / length_m * line_m);
         }
-        left_m_ -= length_m;
-        at_m_ = point_m;
+        to_next_m_ -= length_m;
+        end_m_ = point_m;
     }
 
     [[nodiscard]] bool is_full() const { return tips_m_.size() >= requested_; }
-    [[nodiscard]] const Vector3 &at_m() const { return at_m_; }
 
-    /// The tips; where the path was too short, the last is repeated.
+    /// The tips, once; where the path was too short, the last is repeated.
     /// @pre there is at least one
-    [[nodiscard]] std::vector<Vector3> take() {
+    [[nodiscard]] std::vector<Vector3> finish() {
         SPRINGDRIVE_ASSERT(!tips_m_.empty());
         tips_m_.resize(requested_, Vector3(tips_m_.back()));
         return std::move(tips_m_);
@@ -95,27 +95,28 @@ private:
     double step_m_;
     std::size_t requested_;
     std::vector<Vector3> tips_m_;
-    Vector3 at_m_{Vector3::Zero()};
-    double left_m_ = 0.0; ///< to the next tip
+    Vector3 end_m_{Vector3::Zero()}; ///< of the path so far
+    double to_next_m_ = 0.0;         ///< distance from there to the next tip
 };
 
-/// Along the great circle from one direction to the other, outside, in chords of 60° at most.
-void go_round(TipPen &pen, const scene::SurfaceProbe &probe, const Vector3 &from,
+/// Jumps outside the box along the great circle from one direction to the other, by 60° at most.
+void go_round(PathSampler &path, const scene::SurfaceProbe &probe, const Vector3 &from,
               const Vector3 &to) {
-    const double angle = std::acos(std::clamp(from.dot(to), -1.0, 1.0));
-    const int chords = static_cast<int>(std::ceil(angle / (std::numbers::pi / 3.0)));
+    const double angle_rad = std::acos(std::clamp(from.dot(to), -1.0, 1.0));
+    const int chords = static_cast<int>(std::ceil(angle_rad / (std::numbers::pi / 3.0)));
     const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(from, to);
     for (int i = 1; i <= chords; ++i) {
         const double share = static_cast<double>(i) / chords;
-        pen.leap_to(probe.outside(Eigen::Quaterniond::Identity().slerp(share, turn) * from));
+        path.jump_to(probe.outside(Eigen::Quaterniond::Identity().slerp(share, turn) * from));
     }
 }
 
-void press(TipPen &pen, const scene::SurfaceProbe &probe, RandomDraws &draws, double depth_m) {
+void press(PathSampler &path, const scene::SurfaceProbe &probe, RandomDraws &draws,
+           double depth_m) {
     const Eigen::AlignedBox3d &box = probe.box();
     Vector3 from = draws.direction();
-    pen.leap_to(probe.outside(from));
-    for (int misses = 0; misses < kMaxMisses && !pen.is_full();) {
+    path.jump_to(probe.outside(from));
+    for (int misses = 0; misses < kMaxMisses && !path.is_full();) {
         const Vector3 to = draws.direction();
         const Vector3 start_m = probe.outside(to);
         const Vector3 inward = (draws.within(box) - start_m).normalized();
@@ -126,34 +127,33 @@ void press(TipPen &pen, const scene::SurfaceProbe &probe, RandomDraws &draws, do
             continue;
         }
         misses = 0;
-        go_round(pen, probe, from, to);
-        pen.leap_to(*touch_m - kAbove_m * inward);
-        pen.draw_to(*touch_m + depth_m * inward);
-        pen.draw_to(*touch_m - kAbove_m * inward);
-        pen.leap_to(start_m);
+        go_round(path, probe, from, to);
+        path.jump_to(*touch_m - kAbove_m * inward);
+        path.move_to(*touch_m + depth_m * inward);
+        path.move_to(*touch_m - kAbove_m * inward);
+        path.jump_to(start_m);
         from = to;
     }
 }
 
-/// Slides under the surface along directions from the middle of the box, as long as `next` gives
-/// another.
+/// Slides under the surface, from one direction as seen from the middle of the box to the next.
 template <typename NextDirection, typename Depth>
-void slide_along(TipPen &pen, const scene::SurfaceProbe &probe, NextDirection &&next,
-                 Depth &&depth_m) {
-    pen.leap_to(probe.outside(next()));
+void slide_along(PathSampler &path, const scene::SurfaceProbe &probe,
+                 NextDirection &&next_direction, Depth &&depth_m) {
+    path.jump_to(probe.outside(next_direction()));
     bool has_entered = false;
     Vector3 last_touch_m = Vector3::Zero();
-    for (int misses = 0; misses < kMaxMisses && !pen.is_full();) {
-        const Vector3 direction = next();
+    for (int misses = 0; misses < kMaxMisses && !path.is_full();) {
+        const Vector3 direction = next_direction();
         const std::optional<Vector3> touch_m = probe.touch_from(direction);
         if (!has_entered) {
-            pen.leap_to(probe.outside(direction));
+            path.jump_to(probe.outside(direction));
         }
         if (!touch_m) {
             if (has_entered) {
-                // It would get inside through a hole, and go on there without contact.
+                // Straight on, the tip would pass a hole and go on inside without contact.
                 has_entered = false;
-                pen.leap_to(last_touch_m + kAbove_m * direction);
+                path.jump_to(last_touch_m + kAbove_m * direction);
             }
             ++misses;
             continue;
@@ -162,50 +162,53 @@ void slide_along(TipPen &pen, const scene::SurfaceProbe &probe, NextDirection &&
         last_touch_m = *touch_m;
         if (!has_entered) {
             has_entered = true;
-            pen.leap_to(*touch_m + kAbove_m * direction);
+            path.jump_to(*touch_m + kAbove_m * direction);
         }
-        pen.draw_to(*touch_m - depth_m() * direction);
+        path.move_to(*touch_m - depth_m() * direction);
     }
 }
 
-double angle_between_places(const scene::SurfaceProbe &probe) {
+/// The angle about the middle of the box by which neighbouring points of a curve differ.
+double angular_spacing_rad(const scene::SurfaceProbe &probe) {
     return kSpacing_m / std::max(kSpacing_m, 0.5 * probe.box().diagonal().norm());
 }
 
-void slide(TipPen &pen, const scene::SurfaceProbe &probe, RandomDraws &draws, double depth_m) {
-    const double step = angle_between_places(probe);
+void slide(PathSampler &path, const scene::SurfaceProbe &probe, RandomDraws &draws,
+           double depth_m) {
+    const double step_rad = angular_spacing_rad(probe);
     Vector3 direction = draws.direction();
     Vector3 axis = direction.unitOrthogonal();
-    double turned = 0.0;
+    double turned_rad = 0.0;
     slide_along(
-        pen, probe,
+        path, probe,
         [&] {
-            direction = (Eigen::AngleAxisd(step, axis) * direction).normalized();
-            turned += step;
-            if (turned >= 2.0 * std::numbers::pi) { // another circle through the same place
+            direction = (Eigen::AngleAxisd(step_rad, axis) * direction).normalized();
+            turned_rad += step_rad;
+            if (turned_rad >= 2.0 * std::numbers::pi) { // another circle through the same place
                 axis = Eigen::AngleAxisd(draws.between(0.5, 2.5), direction) * axis;
-                turned = 0.0;
+                turned_rad = 0.0;
             }
             return direction;
         },
         [&] { return depth_m; });
 }
 
-void lissajous(TipPen &pen, const scene::SurfaceProbe &probe, RandomDraws &draws, double depth_m) {
-    const double step = angle_between_places(probe);
-    const Vector3 rate(1.0, std::numbers::phi,
-                       std::numbers::sqrt3); // incommensurable: it never repeats
-    const Vector3 phase(0.0, draws.between(0.5, 1.0), draws.between(1.5, 2.5));
+void lissajous(PathSampler &path, const scene::SurfaceProbe &probe, RandomDraws &draws,
+               double depth_m) {
+    const double step_rad = angular_spacing_rad(probe);
+    // Incommensurable, so that the curve never repeats.
+    const Vector3 rate(1.0, std::numbers::phi, std::numbers::sqrt3);
+    const Vector3 phase_rad(0.0, draws.between(0.5, 1.0), draws.between(1.5, 2.5));
     double t = 0.0;
     slide_along(
-        pen, probe,
+        path, probe,
         [&] {
-            const Vector3 v = (t * rate + phase).array().sin();
-            const Vector3 velocity = rate.array() * (t * rate + phase).array().cos();
-            // Steps of equal angle, also where the curve passes close to the middle.
+            const Vector3 v = (t * rate + phase_rad).array().sin();
+            const Vector3 velocity = rate.array() * (t * rate + phase_rad).array().cos();
+            // Steps of equal angle: shorter in t where the curve passes close to the middle.
             const double angular_rate = v.cross(velocity).norm() / v.squaredNorm();
-            t += std::min(step / angular_rate, step);
-            return Vector3((t * rate + phase).array().sin().matrix().normalized());
+            t += std::min(step_rad / angular_rate, step_rad);
+            return Vector3((t * rate + phase_rad).array().sin().matrix().normalized());
         },
         [&] { return depth_m * (1.0 + std::sin(7.0 * t) / 3.0); });
 }
@@ -240,18 +243,18 @@ std::vector<Vector3> rain(const scene::SurfaceProbe &probe, RandomDraws &draws,
 
 std::vector<Vector3> random_walk(const scene::SurfaceProbe &probe, RandomDraws &draws,
                                  const TouchPathOptions &options) {
-    constexpr double kGrown = 1.2;
-    constexpr unsigned kOneLeapIn = 1000;
-    constexpr double kMeander = 0.05; ///< of the heading, a tick
-    const Vector3 half_m = 0.5 * kGrown * probe.box().diagonal();
+    constexpr double kRoomPerBox = 1.2;        // edges of the room that the tip stays in
+    constexpr unsigned kTicksPerJump = 1000;   // on average
+    constexpr double kMaxHeadingChange = 0.05; // per tick
+    const Vector3 half_m = 0.5 * kRoomPerBox * probe.box().diagonal();
     const Eigen::AlignedBox3d room(probe.middle_m() - half_m, probe.middle_m() + half_m);
     const double step_m = options.speed_m_per_s * options.period_s;
     std::vector<Vector3> tips_m{probe.outside(draws.direction())};
     Vector3 heading = (probe.middle_m() - tips_m.front()).normalized();
     while (tips_m.size() < options.steps) {
-        heading = (heading + kMeander * draws.direction()).normalized();
+        heading = (heading + kMaxHeadingChange * draws.direction()).normalized();
         Vector3 tip_m = tips_m.back() + step_m * heading;
-        if (draws.one_in(kOneLeapIn)) {
+        if (draws.one_in(kTicksPerJump)) {
             tip_m = draws.within(room);
         } else if (!room.contains(tip_m)) {
             heading = (probe.middle_m() - tip_m).normalized();
@@ -272,23 +275,23 @@ std::vector<Vector3> touch_path(const contact::HapticSurface &surface,
                                 const Eigen::AlignedBox3d &box, const TouchPathOptions &options) {
     const scene::SurfaceProbe probe(surface, box, options.radius_m);
     RandomDraws draws(options.seed);
-    TipPen pen(options.speed_m_per_s * options.period_s, options.steps);
+    PathSampler path(options.speed_m_per_s * options.period_s, options.steps);
     switch (options.kind) {
     case TouchPathKind::press:
-        press(pen, probe, draws, options.depth_m);
+        press(path, probe, draws, options.depth_m);
         break;
     case TouchPathKind::slide:
-        slide(pen, probe, draws, options.depth_m);
+        slide(path, probe, draws, options.depth_m);
         break;
     case TouchPathKind::lissajous:
-        lissajous(pen, probe, draws, options.depth_m);
+        lissajous(path, probe, draws, options.depth_m);
         break;
     case TouchPathKind::rain:
         return rain(probe, draws, options);
     case TouchPathKind::random:
         return random_walk(probe, draws, options);
     }
-    return pen.take();
+    return path.finish();
 }
 
 } // namespace springdrive::rig

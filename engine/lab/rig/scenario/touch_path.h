@@ -42,11 +42,11 @@ struct TouchPathOptions {
     double period_s = 1e-3;
     double speed_m_per_s = 0.1; ///< of the tip, along its path; rain falls under gravity
     double depth_m = 1.5e-3;    ///< below the surface: how far beyond the first touch
-    double radius_m = 0.0;      ///< of the probing proxy
+    double radius_m = 0.0;      ///< of the proxy that probes the surface
     std::uint64_t seed = 1;
 };
 
-/// As many tips as steps were asked for, the first in free space; the same for the same options.
+/// As many tips as steps are requested, the first in free space; the same for the same options.
 ///
 /// Slide and lissajous follow the surface as seen from outside; hidden parts are not touched.
 /// Where there is no surface on the way to the middle, the tip leaves and goes round outside.
