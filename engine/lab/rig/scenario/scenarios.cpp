@@ -25,32 +25,37 @@ namespace {
 /// A limit of the hand's force would be a corner of the plant, which costs an integrator its order.
 constexpr double kNoLimit_N = 1e6;
 
-/// 1 µm per newton, critically damped, at rest within 2 ms.
-constexpr device::HandParameters kVice{0.2, 1000.0, 1e6, 1e6, 10.0};
+/// A vice as a hand: 1 µm per newton, with a damping ratio of 1.1 and a slowest time constant of
+/// 0.7 ms.
+constexpr device::HandParameters kVice{.mass_kg = 0.2,
+                                       .damping_Ns_per_m = 1000.0,
+                                       .stiffness_N_per_m = 1e6,
+                                       .max_force_N = kNoLimit_N,
+                                       .max_speed_m_per_s = 10.0};
 
-/// What all scenarios begin with.
-Scenario plain(const ScenarioSetting &setting) {
-    Scenario made;
-    made.device = setting.device;
-    made.tuning = setting.tuning;
-    made.simulation.servo_period_s = setting.period_s;
-    made.simulation.delay_periods = setting.delay_periods;
-    made.start_m = device::tip_position_m(setting.device.geometry, setting.q_rad);
-    return made;
+/// The setting's device at its configuration, in free space: what every scenario begins with.
+Scenario base_scenario(const ScenarioSetting &setting) {
+    Scenario scenario;
+    scenario.device = setting.device;
+    scenario.tuning = setting.tuning;
+    scenario.simulation.servo_period_s = setting.period_s;
+    scenario.simulation.delay_periods = setting.delay_periods;
+    scenario.start_m = device::tip_position_m(setting.device.geometry, setting.q_rad);
+    return scenario;
 }
 
-void touch_surface(Scenario &made, std::shared_ptr<const contact::HapticSurface> touched) {
-    made.surface = std::move(touched);
-    made.constraint = surface(*made.surface);
+void touch_surface(Scenario &scenario, std::shared_ptr<const contact::HapticSurface> touched) {
+    scenario.surface = std::move(touched);
+    scenario.constraint = surface(*scenario.surface);
 }
 
-void follow(Scenario &made, simulated::HandPath path) {
-    made.duration_s = path.points().back().time_s;
-    made.simulation.path = std::move(path);
+void follow_path(Scenario &scenario, simulated::HandPath path) {
+    scenario.duration_s = path.points().back().time_s;
+    scenario.simulation.path = std::move(path);
 }
 
 /// One triangle, 0.2 m across, so that there is neither edge nor seam near the tip.
-/// @param level  unit, square to the normal
+/// @param level  unit, perpendicular to the normal
 contact::TriangleSoup plate(const Vector3 &centre_m, const Vector3 &normal, const Vector3 &level) {
     constexpr double kRadius_m = 0.1;
     contact::TriangleSoup soup;
@@ -66,32 +71,32 @@ contact::TriangleSoup plate(const Vector3 &centre_m, const Vector3 &normal, cons
 
 /// A box that is touched from within, its lowest corner at `corner_m`.
 contact::TriangleSoup room(const Vector3 &corner_m) {
-    constexpr double kRoom_m = 0.05;
-    contact::TriangleSoup soup = solid_box(corner_m, corner_m + Vector3::Constant(kRoom_m));
+    constexpr double kEdge_m = 0.05;
+    contact::TriangleSoup soup = solid_box(corner_m, corner_m + Vector3::Constant(kEdge_m));
     for (auto &triangle : soup.triangles) {
         std::swap(triangle[1], triangle[2]);
     }
     return soup;
 }
 
-/// From 0 to 1, at rest at both ends, with a continuous acceleration.
+/// 10 s³ − 15 s⁴ + 6 s⁵: from 0 to 1 at rest at both ends, with a continuous acceleration.
 double smooth_step(double share) {
     const double s = std::clamp(share, 0.0, 1.0);
     return s * s * s * (10.0 + s * (6.0 * s - 15.0));
 }
 
-/// The plant on which drives are compared, without effects that are the same for both.
-void compare_drives(Scenario &made, device::AmplifierKind drive) {
-    made.simulation.effects.gravity = false; // a balanced arm
-    made.simulation.effects.coulomb_friction = false;
-    made.simulation.effects.winding_heat = false;
-    made.simulation.effects.commutation_ripple = false;
-    made.simulation.amplifier = drive;
-    made.simulation.longest_step_s = 50e-6;
+/// Sets the plant on which drives are compared: without the effects that are the same for both.
+void set_drive_comparison(Scenario &scenario, device::AmplifierKind drive) {
+    scenario.simulation.effects.gravity = false; // a balanced arm
+    scenario.simulation.effects.coulomb_friction = false;
+    scenario.simulation.effects.winding_heat = false;
+    scenario.simulation.effects.commutation_ripple = false;
+    scenario.simulation.amplifier = drive;
+    scenario.simulation.longest_step_s = 50e-6;
 }
 
-/// Once the servo has started: into the plate, to and fro along it, and out again, all within
-/// `exercise_s`.
+/// Adds the vice's exercise, which begins once the servo has started: into the plate, to and fro
+/// along it, and out again, all within `exercise_s`.
 void add_exercise(const ViceOptions &options, const Vector3 &inside_m, const Vector3 &outside_m,
                   const Vector3 &along, std::vector<simulated::HandPath::Point> &points) {
     constexpr double kStep_s = 0.02;
@@ -111,26 +116,28 @@ void add_exercise(const ViceOptions &options, const Vector3 &inside_m, const Vec
 
 // The path of an exploration.
 
-constexpr double kTick_s = 0.005; // of the path's points
-constexpr double kPi = std::numbers::pi;
+/// Time from one point to the next.
+constexpr double kPoint_s = 0.005;
 
-/// The figure seen from above: frequency ratio 2 : 3, so that it crosses the middle in many
-/// directions.
-class Figure {
+/// The path seen from above: a Lissajous figure of frequencies 2 : 3, which crosses the middle in
+/// many directions.
+class LissajousFigure {
 public:
-    Figure(const Vector3 &middle_m, const Vector3 &half_m) : middle_m_(middle_m), half_m_(half_m) {}
+    LissajousFigure(const Vector3 &middle_m, const Vector3 &half_m)
+        : middle_m_(middle_m), half_m_(half_m) {}
 
-    [[nodiscard]] Vector3 at(double phase) const {
-        return middle_m_ + Vector3(half_m_.x() * std::sin(2.0 * phase), 0.0,
-                                   half_m_.z() * std::sin(3.0 * phase));
+    [[nodiscard]] Vector3 at(double phase_rad) const {
+        return middle_m_ + Vector3(half_m_.x() * std::sin(2.0 * phase_rad), 0.0,
+                                   half_m_.z() * std::sin(3.0 * phase_rad));
     }
 
-    /// The phase `way_m` farther along the path.
-    [[nodiscard]] double after(double phase, double way_m) const {
-        const double slope_m = std::hypot(2.0 * half_m_.x() * std::cos(2.0 * phase),
-                                          3.0 * half_m_.z() * std::cos(3.0 * phase));
-        const double min_m = 0.2 * std::max(half_m_.x(), half_m_.z()); // it reverses quickly
-        return phase + way_m / std::max({slope_m, min_m, 1e-4});
+    /// The phase of the point that is `distance_m` farther along the path.
+    [[nodiscard]] double advance(double phase_rad, double distance_m) const {
+        // A bound for the step of the phase, where the path reverses and is slower.
+        const double min_m_per_rad = std::max(0.2 * std::max(half_m_.x(), half_m_.z()), 1e-4);
+        const double m_per_rad = std::hypot(2.0 * half_m_.x() * std::cos(2.0 * phase_rad),
+                                            3.0 * half_m_.z() * std::cos(3.0 * phase_rad));
+        return phase_rad + distance_m / std::max(m_per_rad, min_m_per_rad);
     }
 
 private:
@@ -138,40 +145,43 @@ private:
     Vector3 half_m_;
 };
 
-/// How high the surface is below (x, z) as seen from above; the floor where nothing is.
-double height_m(const scene::SurfaceProbe &probe, const Vector3 &point_m) {
+/// The height of the surface at the point's x and z, as seen from above; that of the box's floor
+/// where there is none.
+double surface_height_m(const scene::SurfaceProbe &probe, const Vector3 &point_m) {
     const Eigen::AlignedBox3d &box = probe.box();
-    constexpr double kRoom_m = 0.005;
-    const Vector3 above_m(point_m.x(), box.max().y() + kRoom_m, point_m.z());
+    constexpr double kAbove_m = 0.005;
+    const Vector3 above_m(point_m.x(), box.max().y() + kAbove_m, point_m.z());
     const Vector3 below_m(point_m.x(), box.min().y(), point_m.z());
     const std::optional<Vector3> touched_m = probe.first_touch(above_m, below_m);
     return touched_m ? touched_m->y() : box.min().y();
 }
 
-/// Below the surface: down and up again, beginning with the touch.
-double depth_m(const Exploration &how, double time_s) {
+/// The depth of the hand's target below the surface: between the least and the greatest, and the
+/// mean of them at time 0.
+double press_depth_m(const Exploration &how, double time_s) {
     const double middle_m = 0.5 * (how.min_depth_m + how.max_depth_m);
     const double half_m = 0.5 * (how.max_depth_m - how.min_depth_m);
-    return middle_m + half_m * std::sin(2.0 * kPi * how.press_hz * time_s);
+    return middle_m + half_m * std::sin(2.0 * std::numbers::pi * how.press_hz * time_s);
 }
 
-/// The points after the rest, for a figure of that size.
-std::vector<simulated::HandPath::Point> points_of(const scene::SurfaceProbe &probe,
-                                                  const Figure &figure, const Exploration &how) {
+/// The points after rest and approach.
+std::vector<simulated::HandPath::Point> explored_points(const scene::SurfaceProbe &probe,
+                                                        const LissajousFigure &figure,
+                                                        const Exploration &how) {
     std::vector<simulated::HandPath::Point> points;
-    double phase = 0.0;
-    double y_m = height_m(probe, figure.at(0.0));
+    double phase_rad = 0.0;
+    double y_m = surface_height_m(probe, figure.at(0.0));
     const double begin_s = how.rest_s + how.approach_s;
-    const long count = std::lround(std::ceil((how.duration_s - begin_s) / kTick_s));
+    const long count = std::lround(std::ceil((how.duration_s - begin_s) / kPoint_s));
     for (long i = 0; i < count; ++i) {
         stop_if_given_up();
-        const double since_s = static_cast<double>(i) * kTick_s;
-        Vector3 point_m = figure.at(phase);
-        const double max_m = how.climb_m_per_s * kTick_s;
-        y_m = std::clamp(height_m(probe, point_m), y_m - max_m, y_m + max_m);
-        point_m.y() = y_m - depth_m(how, since_s);
+        const double since_s = static_cast<double>(i) * kPoint_s;
+        Vector3 point_m = figure.at(phase_rad);
+        const double max_m = how.climb_m_per_s * kPoint_s;
+        y_m = std::clamp(surface_height_m(probe, point_m), y_m - max_m, y_m + max_m);
+        point_m.y() = y_m - press_depth_m(how, since_s);
         points.push_back({begin_s + since_s, point_m});
-        phase = figure.after(phase, how.speed_m_per_s * kTick_s);
+        phase_rad = figure.advance(phase_rad, how.speed_m_per_s * kPoint_s);
     }
     return points;
 }
@@ -221,10 +231,10 @@ Constraint plane(const Vector3 &point_m, const Vector3 &normal, Sides sides) {
 }
 
 Constraint surface(const contact::HapticSurface &surface) {
-    return [&surface, proxy = contact::Proxy(), starts = true](const Vector3 &tip_m) mutable {
-        if (starts) {
+    return [&surface, proxy = contact::Proxy(), is_first = true](const Vector3 &tip_m) mutable {
+        if (is_first) {
             proxy.reset(tip_m);
-            starts = false;
+            is_first = false;
         }
         return proxy.update(surface, tip_m);
     };
@@ -275,12 +285,12 @@ void check_configuration(const device::DeviceDescription &device, const Vector3 
 
 Scenario scripted_touch_scenario(const ScenarioSetting &setting, const PlacedSurface &place,
                                  const scene::ScriptedTouch &how) {
-    Scenario made = plain(setting);
-    made.start_m = scene::start_above(setting.device, place.lower_m, place.upper_m);
-    touch_surface(made, place.surface);
-    follow(made, simulated::HandPath(scene::scripted_touch(setting.device, *place.surface,
-                                                           place.lower_m, place.upper_m, how)));
-    return made;
+    Scenario scenario = base_scenario(setting);
+    scenario.start_m = scene::start_above(setting.device, place.lower_m, place.upper_m);
+    touch_surface(scenario, place.surface);
+    follow_path(scenario, simulated::HandPath(scene::scripted_touch(
+                              setting.device, *place.surface, place.lower_m, place.upper_m, how)));
+    return scenario;
 }
 
 simulated::HandPath exploration_path(const device::DeviceDescription &device,
@@ -289,7 +299,7 @@ simulated::HandPath exploration_path(const device::DeviceDescription &device,
                                      const Exploration &how) {
     const scene::SurfaceProbe probe(surface, box, 0.0);
     Vector3 middle_m = box.center();
-    Vector3 half_m = 0.35 * box.sizes();
+    Vector3 half_m = 0.35 * box.sizes(); // of the middle 70 %
     if (how.planar) {
         middle_m.x() = start_m.x();
         half_m.x() = 0.0;
@@ -298,7 +308,7 @@ simulated::HandPath exploration_path(const device::DeviceDescription &device,
     constexpr int kHalvings = 4;
     for (int halving = 0; halving <= kHalvings; ++halving) {
         const std::vector<simulated::HandPath::Point> points =
-            points_of(probe, Figure(middle_m, half_m), how);
+            explored_points(probe, LissajousFigure(middle_m, half_m), how);
         if (reaches_all(device, points)) {
             path.insert(path.end(), points.begin(), points.end());
             break;
@@ -310,31 +320,31 @@ simulated::HandPath exploration_path(const device::DeviceDescription &device,
 
 Scenario exploration_scenario(const ScenarioSetting &setting, const PlacedSurface &place,
                               const Exploration &how) {
-    Scenario made = plain(setting);
-    made.start_m = scene::start_above(setting.device, place.lower_m, place.upper_m);
-    touch_surface(made, place.surface);
-    follow(made,
-           exploration_path(setting.device, *place.surface,
-                            Eigen::AlignedBox3d(place.lower_m, place.upper_m), made.start_m, how));
-    return made;
+    Scenario scenario = base_scenario(setting);
+    scenario.start_m = scene::start_above(setting.device, place.lower_m, place.upper_m);
+    touch_surface(scenario, place.surface);
+    follow_path(scenario, exploration_path(setting.device, *place.surface,
+                                           Eigen::AlignedBox3d(place.lower_m, place.upper_m),
+                                           scenario.start_m, how));
+    return scenario;
 }
 
 Scenario vice_scenario(const ScenarioSetting &setting, const ViceOptions &options) {
     constexpr double kOutside_m = 1e-3;
     constexpr double kPress_s = 0.05;
-    Scenario made = plain(setting);
-    made.device.edge = {}; // the soft wall near a stop is not part of the map
-    const Vector3 inside_m = made.start_m;
+    Scenario scenario = base_scenario(setting);
+    scenario.device.edge = {}; // the soft wall near a stop is not part of the map
+    const Vector3 inside_m = scenario.start_m;
     const Vector3 surface_m = inside_m + options.penetration_m * options.normal;
     const Vector3 outside_m = surface_m + kOutside_m * options.normal;
-    made.start_m = outside_m;
-    made.normal = options.normal;
-    made.contact_m = surface_m;
+    scenario.start_m = outside_m;
+    scenario.normal = options.normal;
+    scenario.contact_m = surface_m;
     const Vector3 level(-std::cos(setting.q_rad[0]), 0.0, std::sin(setting.q_rad[0]));
     SPRINGDRIVE_ASSERT(std::abs(level.dot(options.normal)) < 1e-9); // in the plane of the links
-    touch_surface(
-        made, std::make_shared<contact::HapticSurface>(plate(surface_m, options.normal, level)));
-    simulated::SimulationOptions &simulation = made.simulation;
+    touch_surface(scenario, std::make_shared<contact::HapticSurface>(
+                                plate(surface_m, options.normal, level)));
+    simulated::SimulationOptions &simulation = scenario.simulation;
     simulation.hand = kVice;
     std::vector<simulated::HandPath::Point> points;
     if (options.exercise_s > 0.0) {
@@ -343,8 +353,8 @@ Scenario vice_scenario(const ScenarioSetting &setting, const ViceOptions &option
     const double press_s = ViceOptions::kPressFrom_s + options.exercise_s;
     points.push_back({press_s, outside_m});
     points.push_back({press_s + kPress_s, inside_m});
-    follow(made, simulated::HandPath(std::move(points)));
-    made.duration_s = ViceOptions::kMeasureUntil_s + options.exercise_s;
+    follow_path(scenario, simulated::HandPath(std::move(points)));
+    scenario.duration_s = ViceOptions::kMeasureUntil_s + options.exercise_s;
     simulation.quantised_encoders = options.effects;
     if (options.effects) {
         simulation.device_seed = options.device_seed;
@@ -353,36 +363,36 @@ Scenario vice_scenario(const ScenarioSetting &setting, const ViceOptions &option
     } else {
         simulation.effects = simulated::PlantEffects::none();
     }
-    return made;
+    return scenario;
 }
 
 Scenario corner_scenario(const ScenarioSetting &setting, const device::HandParameters &hand) {
-    constexpr double kFromWalls_m = 3e-3; // from each wall at first
-    constexpr double kStartUp_s = 1.2;    // of the servo
-    Scenario made = plain(setting);
-    touch_surface(made, std::make_shared<contact::HapticSurface>(room(made.start_m)));
-    made.start_m += Vector3::Constant(kFromWalls_m);
-    made.duration_s = kStartUp_s;
-    made.simulation.quantised_encoders = false;
-    made.simulation.hand = hand;
-    made.simulation.effects = simulated::PlantEffects::none();
-    made.simulation.effects.viscous_friction = true;
-    made.simulation.effects.amplifier_limits = true;
-    return made;
+    constexpr double kFromWalls_m = 3e-3; // distance of the tip from each wall at the start
+    constexpr double kStartUp_s = 1.2;    // time in which the servo starts
+    Scenario scenario = base_scenario(setting);
+    touch_surface(scenario, std::make_shared<contact::HapticSurface>(room(scenario.start_m)));
+    scenario.start_m += Vector3::Constant(kFromWalls_m);
+    scenario.duration_s = kStartUp_s;
+    scenario.simulation.quantised_encoders = false;
+    scenario.simulation.hand = hand;
+    scenario.simulation.effects = simulated::PlantEffects::none();
+    scenario.simulation.effects.viscous_friction = true;
+    scenario.simulation.effects.amplifier_limits = true;
+    return scenario;
 }
 
 Scenario press_scenario(const ScenarioSetting &setting, const PressOptions &options) {
-    Scenario made = plain(setting);
-    made.start_m = setting.device.workspace.centre_m +
-                   setting.device.workspace.size_m.cwiseProduct(options.place);
-    made.normal = options.normal;
-    made.contact_m = made.start_m;
-    made.constraint = plane(made.contact_m, made.normal, Sides::both);
-    made.simulation.hand = options.hand;
-    made.simulation.effects = simulated::PlantEffects::none();
-    made.simulation.effects.gravity = true;
-    made.simulation.effects.viscous_friction = true;
-    made.simulation.effects.coulomb_friction = options.coulomb_friction;
+    Scenario scenario = base_scenario(setting);
+    scenario.start_m = setting.device.workspace.centre_m +
+                       setting.device.workspace.size_m.cwiseProduct(options.place);
+    scenario.normal = options.normal;
+    scenario.contact_m = scenario.start_m;
+    scenario.constraint = plane(scenario.contact_m, scenario.normal, Sides::both);
+    scenario.simulation.hand = options.hand;
+    scenario.simulation.effects = simulated::PlantEffects::none();
+    scenario.simulation.effects.gravity = true;
+    scenario.simulation.effects.viscous_friction = true;
+    scenario.simulation.effects.coulomb_friction = options.coulomb_friction;
     // A corner at every sample, so that between two of them the hand's target moves uniformly.
     std::vector<simulated::HandPath::Point> points;
     const long periods = std::lround(options.duration_s / setting.period_s);
@@ -390,10 +400,10 @@ Scenario press_scenario(const ScenarioSetting &setting, const PressOptions &opti
         const double time_s = static_cast<double>(k) * setting.period_s;
         const double share = smooth_step(time_s / options.press_s) -
                              smooth_step((time_s - options.release_s) / options.press_s);
-        points.push_back({time_s, made.start_m - options.press_m * share * made.normal});
+        points.push_back({time_s, scenario.start_m - options.press_m * share * scenario.normal});
     }
-    follow(made, simulated::HandPath(std::move(points)));
-    return made;
+    follow_path(scenario, simulated::HandPath(std::move(points)));
+    return scenario;
 }
 
 PressOptions pen_press() {
@@ -425,51 +435,56 @@ PressOptions sticking_press() {
 }
 
 Scenario impact_scenario(const ScenarioSetting &setting, const ImpactOptions &options) {
-    Scenario made = plain(setting);
-    compare_drives(made, options.drive);
-    made.simulation.hand = options.hand;
+    Scenario scenario = base_scenario(setting);
+    set_drive_comparison(scenario, options.drive);
+    scenario.simulation.hand = options.hand;
     const Vector3 end_m =
-        made.start_m - options.speed_m_per_s * ImpactOptions::kMax_s * Vector3::UnitY();
+        scenario.start_m - options.speed_m_per_s * ImpactOptions::kMax_s * Vector3::UnitY();
     const double height_m =
-        made.start_m.y() - options.speed_m_per_s * ImpactOptions::kApproach_s - options.lower_m;
-    made.normal = Vector3::UnitY();
-    made.contact_m = Vector3(made.start_m.x(), height_m, made.start_m.z());
-    made.constraint = plane(made.contact_m, made.normal, Sides::one);
-    follow(made, simulated::HandPath({{0.0, made.start_m}, {ImpactOptions::kMax_s, end_m}}));
-    return made;
+        scenario.start_m.y() - options.speed_m_per_s * ImpactOptions::kApproach_s - options.lower_m;
+    scenario.normal = Vector3::UnitY();
+    scenario.contact_m = Vector3(scenario.start_m.x(), height_m, scenario.start_m.z());
+    scenario.constraint = plane(scenario.contact_m, scenario.normal, Sides::one);
+    follow_path(scenario,
+                simulated::HandPath({{0.0, scenario.start_m}, {ImpactOptions::kMax_s, end_m}}));
+    return scenario;
 }
 
 Scenario stroke_scenario(const ScenarioSetting &setting, const StrokeOptions &options) {
     constexpr int kPoints = 1200; // a millisecond apart
-    Scenario made = plain(setting);
-    compare_drives(made, options.drive);
-    made.simulation.hand = {0.0, 30.0, 3000.0, HUGE_VAL, 1.0};
+    Scenario scenario = base_scenario(setting);
+    set_drive_comparison(scenario, options.drive);
+    scenario.simulation.hand = {.mass_kg = 0.0,
+                                .damping_Ns_per_m = 30.0,
+                                .stiffness_N_per_m = 3000.0,
+                                .max_force_N = HUGE_VAL,
+                                .max_speed_m_per_s = 1.0};
     const double omega = 2.0 * std::numbers::pi * StrokeOptions::kFrequency_Hz;
     std::vector<simulated::HandPath::Point> path;
     path.reserve(kPoints + 1);
     for (int i = 0; i <= kPoints; ++i) {
         const double t = StrokeOptions::kPeriods / StrokeOptions::kFrequency_Hz * i / kPoints;
-        path.push_back({t, made.start_m + StrokeOptions::kAmplitude_m * std::sin(omega * t) *
-                                              Vector3::UnitY()});
+        path.push_back({t, scenario.start_m + StrokeOptions::kAmplitude_m * std::sin(omega * t) *
+                                                  Vector3::UnitY()});
     }
-    follow(made, simulated::HandPath(std::move(path)));
-    return made;
+    follow_path(scenario, simulated::HandPath(std::move(path)));
+    return scenario;
 }
 
 Scenario tied_scenario(const ScenarioSetting &setting, const TiedOptions &options) {
-    constexpr double kWatched_s = 3.0;
-    Scenario made = plain(setting);
-    made.device.amplifier.max_cancelled_Ohm = HUGE_VAL;
-    made.constraint = tied_to(made.start_m + options.aside_m * Vector3(0.6, 0.64, 0.48));
-    made.duration_s = kWatched_s;
-    made.simulation.quantised_encoders = options.quantisation;
-    made.simulation.hand = options.hand;
-    made.simulation.effects = simulated::PlantEffects::none();
-    made.simulation.effects.viscous_friction = true;
-    made.simulation.effects.coulomb_friction = options.coulomb_friction;
-    made.simulation.effects.amplifier_limits = options.amplifier_limits;
-    made.simulation.amplifier = options.drive;
-    return made;
+    constexpr double kDuration_s = 3.0;
+    Scenario scenario = base_scenario(setting);
+    scenario.device.amplifier.max_cancelled_Ohm = HUGE_VAL;
+    scenario.constraint = tied_to(scenario.start_m + options.aside_m * Vector3(0.6, 0.64, 0.48));
+    scenario.duration_s = kDuration_s;
+    scenario.simulation.quantised_encoders = options.quantisation;
+    scenario.simulation.hand = options.hand;
+    scenario.simulation.effects = simulated::PlantEffects::none();
+    scenario.simulation.effects.viscous_friction = true;
+    scenario.simulation.effects.coulomb_friction = options.coulomb_friction;
+    scenario.simulation.effects.amplifier_limits = options.amplifier_limits;
+    scenario.simulation.amplifier = options.drive;
+    return scenario;
 }
 
 const std::array<ListedScenario, 11> kScenarios{{
