@@ -20,18 +20,29 @@ namespace {
 /// with this sine: 0.006 degrees from the singular configuration.
 constexpr double kMinSine = 1e-4;
 
-/// (1 − η) K_DC (13) of the two motors that move the tip in its plane.
-Vector2 planar_stiffness_Nm_per_rad(const device::DeviceDescription &device,
-                                    const control::Tuning &tuning) {
+/// (1 − η) K_DC (13) of the two motors that move the tip in the plane.
+Vector2 motor_stiffness_at_rest_Nm_per_rad(const device::DeviceDescription &device,
+                                           const control::Tuning &tuning) {
     return (1.0 - tuning.eta) *
            control::static_stiffness_Nm_per_rad(device.motor, tuning).tail<2>();
 }
 
-/// (29) of the planar device: the base column of J is zero.
-double planar_alpha_bound(const device::DeviceDescription &device, const Vector3 &q_rad) {
+/// The bound (29) of α [rad²/m²] for the planar device, where the base column of J is zero.
+double planar_alpha_bound_rad2_per_m2(const device::DeviceDescription &device,
+                                      const Vector3 &q_rad) {
     Matrix3 J = device::motor_jacobian(device.geometry, q_rad);
     J.col(0).setZero();
     return control::alpha_bound(J, control::relative_stiffness(device));
+}
+
+/// The share A of a motion that the law treats as an error, see `drift_compensation`: I under the
+/// inverse map, α W⁻¹ JᵀJ under the transpose map.
+Matrix2 error_share(const PlanarContact &contact, control::MotionMap map) {
+    if (map == control::MotionMap::inverse) {
+        return Matrix2::Identity();
+    }
+    return contact.alpha_rad2_per_m2 * contact.relative_stiffness.cwiseInverse().asDiagonal() *
+           contact.J.transpose() * contact.J;
 }
 
 } // namespace
@@ -44,14 +55,14 @@ PlanarStiffness planar_stiffness(const device::DeviceDescription &device,
                          "is unbounded; choose q3 - q2 farther from 90 and -90 degrees");
     }
     PlanarStiffness stiffness;
-    stiffness.K_q_Nm_per_rad = planar_stiffness_Nm_per_rad(device, tuning);
+    stiffness.K_q_Nm_per_rad = motor_stiffness_at_rest_Nm_per_rad(device, tuning);
     if (!(stiffness.K_q_Nm_per_rad.minCoeff() > 0.0)) {
         throw InputError("the tuning has no static stiffness, so no force results from a "
                          "displacement; choose K_P above 0 and eta below 1");
     }
     const Matrix2 J_inverse = J.inverse();
     stiffness.inverse = J_inverse.transpose() * stiffness.K_q_Nm_per_rad.asDiagonal() * J_inverse;
-    stiffness.alpha_rad2_per_m2 = planar_alpha_bound(device, q_rad);
+    stiffness.alpha_rad2_per_m2 = planar_alpha_bound_rad2_per_m2(device, q_rad);
     stiffness.transpose = stiffness.alpha_rad2_per_m2 * (1.0 - tuning.eta) *
                           control::mean_static_stiffness_Nm_per_rad(device, tuning) *
                           Matrix2::Identity();
@@ -93,14 +104,10 @@ Eigen::Matrix2cd motor_stiffness(const PlanarContact &contact, control::MotionMa
         const SpringDrive &drive = contact.drive[static_cast<std::size_t>(j)];
         load.put_behind_spring_drive(j, drive.motor, drive.dR_Ohm());
     }
-    const Matrix2 A = map == control::MotionMap::inverse
-                          ? Matrix2(Matrix2::Identity())
-                          : Matrix2(contact.alpha_rad2_per_m2 *
-                                    contact.relative_stiffness.cwiseInverse().asDiagonal() *
-                                    contact.J.transpose() * contact.J);
     const SpringDrive &servo = contact.drive[0];
-    const SampledLaw law = drift_compensation(load.torque_Nm_per_A, gains_of(servo.tuning), A,
-                                              {servo.period_s, servo.delay_periods});
+    const SampledLaw law =
+        drift_compensation(load.torque_Nm_per_A, gains_of(servo.tuning), error_share(contact, map),
+                           {servo.period_s, servo.delay_periods});
     return motor_stiffness(load, law, omega_rad_per_s);
 }
 
@@ -111,21 +118,21 @@ Eigen::Matrix2cd tip_stiffness(const PlanarContact &contact, control::MotionMap 
 }
 
 double phasor_direction_error_rad(const Eigen::Vector2cd &force, const Vector2 &normal) {
-    // From the parts of F across and along n: exact for small angles, unlike an arc cosine.
+    // The ratio of F across n to F along n is exact for small angles, unlike an arc cosine.
     const std::complex<double> along = normal.x() * force.x() + normal.y() * force.y();
     const std::complex<double> across = normal.x() * force.y() - normal.y() * force.x();
     return std::atan2(std::abs(across), std::abs(along));
 }
 
 double worst_direction_error_rad(const Eigen::Matrix2cd &tip_stiffness) {
-    constexpr int kNormals = 720; // over half a turn: opposite normals have the same error
-    double worst = 0.0;
+    constexpr int kNormals = 720; // in half a turn, as opposite normals have the same error
+    double worst_rad = 0.0;
     for (int i = 0; i < kNormals; ++i) {
         const Vector2 n = direction_at(std::numbers::pi * i / kNormals);
         const Eigen::Vector2cd force = tip_stiffness * n.cast<std::complex<double>>();
-        worst = std::max(worst, phasor_direction_error_rad(force, n));
+        worst_rad = std::max(worst_rad, phasor_direction_error_rad(force, n));
     }
-    return worst;
+    return worst_rad;
 }
 
 } // namespace springdrive::loops

@@ -1,6 +1,7 @@
-// The plane of the links, for a device whose base joint is locked, as in figures 3, 5, 6 and 7, and
-// the tip's stiffness in it: the ellipse of the inverse map and the circle of the transpose map at
-// rest (Fig. 3), and the directions of the force over frequency.
+// The tip's stiffness in the plane of the links, for a device whose base joint is locked as in the
+// paper's section VI: at rest, the ellipse of the inverse map and the circle of the transpose map
+// (Fig. 3, and the directions of Figs. 5 and 6); and over frequency, the direction of the force
+// (figure 7 of `springdrive figures`, which the paper does not have).
 //
 // The plane's axes are outward (horizontal, from the base joint's axis towards the tip) and up. Its
 // motors are those of q₂ and q₃.
@@ -22,7 +23,7 @@ namespace springdrive::loops {
 using Vector2 = Eigen::Vector2d;
 using Matrix2 = Eigen::Matrix2d;
 
-/// Outward and up as columns, in the device frame.
+/// The axes of the plane, outward and up, as columns in the device frame.
 [[nodiscard]] inline Eigen::Matrix<double, 3, 2> link_plane(double q1_rad) {
     Eigen::Matrix<double, 3, 2> axes;
     axes << std::sin(q1_rad), 0.0, //
@@ -50,10 +51,10 @@ using Matrix2 = Eigen::Matrix2d;
 
 /// The stiffnesses of both maps for a device whose base is locked [N/m]: force per displacement.
 struct PlanarStiffness {
-    Matrix2 inverse;                  ///< (21), with K_q diagonal where motors differ
-    Matrix2 transpose;                ///< (27): α k̄ I
-    double alpha_rad2_per_m2 = 0.0;   ///< at the bound (29) of the planar device
-    Vector2 K_q_Nm_per_rad{0.0, 0.0}; ///< diagonal of (20), for the motors of q₂ and q₃
+    Matrix2 inverse;   ///< J⁻ᵀ K_q J⁻¹ (21); the motors' K_q may differ
+    Matrix2 transpose; ///< α (1 − η) k̄ I (27); k̄: the mean K_DC of all three motors
+    double alpha_rad2_per_m2 = 0.0;   ///< the bound (29) of the planar device
+    Vector2 K_q_Nm_per_rad{0.0, 0.0}; ///< (1 − η) K_DC, (20), of the motors of q₂ and q₃
 };
 
 /// At rest: K_q = (1 − η) K_DC of each motor (13), and α as large as (29) allows.
@@ -63,9 +64,9 @@ struct PlanarStiffness {
 
 /// A displacement's direction and the forces that result.
 struct EllipsePoint {
-    double angle_rad = 0.0; ///< of the displacement
-    Vector2 inverse_N_per_m{0.0, 0.0};
-    Vector2 transpose_N_per_m{0.0, 0.0};
+    double angle_rad = 0.0;              ///< direction of the displacement
+    Vector2 inverse_N_per_m{0.0, 0.0};   ///< force of the inverse map, per displacement
+    Vector2 transpose_N_per_m{0.0, 0.0}; ///< force of the transpose map, per displacement
 };
 
 /// One full turn: K n for `points` unit vectors n, and the first once more. The semi-axes are the
@@ -74,21 +75,21 @@ struct EllipsePoint {
                                                            int points);
 
 /// The angle from a normal to the inverse map's force, for a small penetration along that normal.
+/// @param normal_rad  direction of the normal, as for `direction_at`
 [[nodiscard]] double inverse_direction_error_rad(const PlanarStiffness &stiffness,
                                                  double normal_rad);
 
-// The angle between force and surface normal when the tip vibrates against the surface: "the
-// stiffness shape compensation does not have infinite bandwidth" (section V of the paper), as a
-// function of frequency (figure 7, beyond the paper). In the plane of the links, base locked.
+// The angle between force and surface normal when the tip vibrates against the surface, as a
+// function of frequency: the shape compensation "does not have infinite bandwidth" (section V).
 //
 // Under the inverse map each motor has the stiffness K_θ at every frequency. Under the transpose
-// map the sampled law with a locked set-point x₀ = 0, x = J θ, is, with A = α W⁻¹ JᵀJ and v = D θ
-// the filtered velocity,
+// map the sampled law (10), (23), (24) with a locked set-point x_Sd = 0, x = J θ, is, with
+// A = α W⁻¹ JᵀJ and v = D θ the filtered velocity,
 //
 //   e_W = k_T (I − A) v − K_D A v − K_P A θ
 //   −τ/θ = k_T/(jωL + dR) [ k_T jω I − k_T D H (I − A) + (K_P + K_D D) H A ]
 //
-// with D = (1 − a)(1 − z⁻¹)/(T (1 − a z⁻¹)) and H the hold with its delay, as in docs/design.md,
+// by (11), with D = (1 − a)(1 − z⁻¹)/(T (1 − a z⁻¹)) and H the hold with its delay, docs/design.md,
 // "Sampled forms". This is affine in A, so it is K_θ of the contact on the share A and K_θ of free
 // space on the rest:
 //
@@ -102,15 +103,15 @@ struct PlanarContact {
     Matrix2 J;                            ///< see `planar_jacobian`
     double alpha_rad2_per_m2 = 0.0;       ///< α of (23)
     Vector2 relative_stiffness{1.0, 1.0}; ///< W, see engine/control/motion_control.h
-    std::array<SpringDrive, 2> drive;     ///< of the motors of q₂ and q₃; one servo, one tuning
+    std::array<SpringDrive, 2> drive; ///< for q₂ and q₃; they share one servo and one tuning
 };
 
-/// A device's, at a configuration under one tuning.
+/// The contact of a device at a configuration.
 [[nodiscard]] PlanarContact planar_contact(const device::DeviceDescription &device,
                                            const control::Tuning &tuning, const Vector3 &q_rad,
                                            double alpha_rad2_per_m2, const Sampling &sampling);
 
-/// −τ/θ of both motors [N·m/rad] at a locked set-point of the tip.
+/// −τ/θ of both motors [N·m/rad] with the tip's set-point locked.
 [[nodiscard]] Eigen::Matrix2cd motor_stiffness(const PlanarContact &contact, control::MotionMap map,
                                                double omega_rad_per_s);
 
@@ -125,7 +126,7 @@ struct PlanarContact {
 [[nodiscard]] double phasor_direction_error_rad(const Eigen::Vector2cd &force,
                                                 const Vector2 &normal);
 
-/// The largest such angle over normals in all directions, 1/4 degree apart [rad].
+/// The largest such angle [rad] over normals in all directions, 1/4 degree apart.
 [[nodiscard]] double worst_direction_error_rad(const Eigen::Matrix2cd &tip_stiffness);
 
 } // namespace springdrive::loops
