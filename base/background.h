@@ -24,7 +24,7 @@ struct BackgroundTalk {
     std::atomic<bool> is_cancelled{false}; ///< the result is no longer needed
     std::atomic<bool> has_ended{false};    ///< the work, and its thread has released what it owned
 
-    [[nodiscard]] bool is_requested() const { return !is_cancelled; }
+    [[nodiscard]] bool is_needed() const { return !is_cancelled; }
 
     /// Called by the work to report its current stage and progress; ends work that was cancelled.
     /// @throw Cancelled if it was cancelled
@@ -47,7 +47,7 @@ private:
 };
 
 /// Runs one job at a time. Used from one thread. Starting and cancelling do not wait for work that
-/// is no longer needed; the destructor does, so the work must poll `is_requested`, or call
+/// is no longer needed; the destructor does, so the work must poll `is_needed`, or call
 /// `stop_if_given_up` deep in its call tree.
 template <typename Result> class Background {
 public:

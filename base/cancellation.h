@@ -14,22 +14,23 @@ public:
     Cancelled() : std::runtime_error("given up") {}
 };
 
-namespace requested {
+namespace current_work {
 
 /// The flag of this thread's work; null if the work cannot be cancelled.
 inline thread_local const std::atomic<bool> *is_cancelled = nullptr;
 
-} // namespace requested
+} // namespace current_work
 
 /// During its lifetime that flag cancels this thread's work. `in_chunks` and `for_each_in_parallel`
 /// pass the flag on to the threads that they start.
 class StopScope {
 public:
     /// @param is_cancelled  must outlive it; null for none
-    explicit StopScope(const std::atomic<bool> *is_cancelled) : before_(requested::is_cancelled) {
-        requested::is_cancelled = is_cancelled;
+    explicit StopScope(const std::atomic<bool> *is_cancelled)
+        : before_(current_work::is_cancelled) {
+        current_work::is_cancelled = is_cancelled;
     }
-    ~StopScope() { requested::is_cancelled = before_; }
+    ~StopScope() { current_work::is_cancelled = before_; }
     StopScope(const StopScope &) = delete;
     StopScope &operator=(const StopScope &) = delete;
 
@@ -40,8 +41,8 @@ private:
 /// Costs one load of a flag.
 /// @throw Cancelled if this thread's work was cancelled
 inline void stop_if_given_up() {
-    if (requested::is_cancelled != nullptr &&
-        requested::is_cancelled->load(std::memory_order_relaxed)) {
+    if (current_work::is_cancelled != nullptr &&
+        current_work::is_cancelled->load(std::memory_order_relaxed)) {
         throw Cancelled();
     }
 }

@@ -23,7 +23,7 @@ namespace springdrive {
 /// @throw what `work` throws, after all threads have ended
 template <typename Work> void in_chunks(std::size_t count, unsigned chunks, const Work &work) {
     const auto start_of = [&](unsigned chunk) { return count * chunk / chunks; };
-    const std::atomic<bool> *const given_up = requested::is_cancelled;
+    const std::atomic<bool> *const given_up = current_work::is_cancelled;
     std::vector<std::future<void>> others;
     for (unsigned chunk = 1; chunk < chunks; ++chunk) {
         others.push_back(std::async(std::launch::async, [&work, start_of, chunk, given_up] {
@@ -49,7 +49,7 @@ template <typename Work> void for_each_in_parallel(std::size_t count, unsigned t
             work(i);
         }
     };
-    const std::atomic<bool> *const given_up = requested::is_cancelled;
+    const std::atomic<bool> *const given_up = current_work::is_cancelled;
     // The futures' destructors wait, even if an exception is thrown here.
     std::vector<std::future<void>> helpers;
     for (std::size_t i = 1; i < std::min<std::size_t>(count, threads); ++i) {

@@ -230,7 +230,7 @@ void Assistant::open(session::Session &session) {
 }
 
 bool Assistant::can_go_on(const session::Session &session) const {
-    if (is_stopped(session) || is_lost(session) || session.is_acquired() ||
+    if (is_stopped(session) || is_lost(session) || session.is_in_exclusive_use() ||
         session.is_exchanging()) {
         return false;
     }

@@ -53,7 +53,7 @@ public:
         }
         talk_->frames.fetch_add(1, std::memory_order_relaxed);
         view_ = talk_->view.latest();
-        if (session().is_acquired()) {
+        if (session().is_in_exclusive_use()) {
             return;
         }
         set_error(session().exclusive_use_error());
@@ -74,7 +74,7 @@ protected:
     /// The exclusive use is over, whatever came of it.
     virtual void conclude() = 0;
 
-    /// @param make_tick  of the talk: makes what `Session::acquire_exclusive` takes; may throw
+    /// @param make_tick  of the talk: makes what `Session::begin_exclusive_use` takes; may throw
     /// InputError
     template <typename MakeTick> void start(const MakeTick &make_tick) {
         auto talk = std::make_shared<Talk>();
@@ -85,7 +85,7 @@ protected:
             if (session().device().device().bench() == nullptr) {
                 throw InputError("this device has no board");
             }
-            session().acquire_exclusive(make_tick(talk));
+            session().begin_exclusive_use(make_tick(talk));
         });
         if (error().empty()) {
             talk_ = std::move(talk);
@@ -94,7 +94,7 @@ protected:
 
     void stop() {
         if (talk_) {
-            session().take_device_back();
+            session().end_exclusive_use();
             update();
         }
     }

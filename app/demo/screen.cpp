@@ -261,8 +261,8 @@ void Screen::escape() {
     if (ImGui::GetIO().WantTextInput) {
         return;
     }
-    if (session_.is_acquired()) {
-        session_.take_device_back();
+    if (session_.is_in_exclusive_use()) {
+        session_.end_exclusive_use();
     } else if (shows_keys_) {
         shows_keys_ = false;
     } else if (had_popup_) {

@@ -126,7 +126,7 @@ void draw_cable(session::Session &session, PlantTabState &state) {
     if (emulated == nullptr) {
         return;
     }
-    const ui::Disabled disabled(session.is_acquired());
+    const ui::Disabled disabled(session.is_in_exclusive_use());
     const bool is_plugged = emulated->is_plugged();
     if (ui::button(is_plugged ? "pull its cable###cable" : "plug it in###cable")) {
         session.servo().paused([&] { emulated->set_plugged(!is_plugged); });

@@ -52,7 +52,7 @@ SceneMessage with_lift(SceneMessage message, const SceneSituation &now, const ch
 
 /// What has to happen before the motors start: otherwise a reset seems to do nothing.
 SceneMessage waiting(const SceneSituation &now) {
-    if (now.is_acquired) {
+    if (now.is_in_exclusive_use) {
         return {"waiting", SceneUrgency::waits,
                 "A step of the assistant has the device: its motors may act."};
     }
@@ -226,7 +226,7 @@ std::optional<SceneMessage> message_for(const SceneSituation &now) {
         return SceneMessage{"paused", SceneUrgency::hint, "Paused: the device stands still.",
                             {},       "go on  P",         SceneAction::go_on};
     }
-    if (waits && (now.is_acquired || now.is_released || !now.is_zeroed)) {
+    if (waits && (now.is_in_exclusive_use || now.is_released || !now.is_zeroed)) {
         return waiting(now);
     }
     if (now.is_inside && !now.touching) {
@@ -245,7 +245,7 @@ SceneSituation situation_of(const session::Session &session, const OpenedRecord 
     now.safety = session.latest().safety;
     now.is_lost = session.latest().health == device::DeviceHealth::lost;
     now.reconnects = session.device_choice().kind != factory::DeviceKind::simulated;
-    now.is_acquired = session.is_acquired();
+    now.is_in_exclusive_use = session.is_in_exclusive_use();
     now.is_released = session.is_kept_released();
     now.is_zeroed = session.is_zeroed();
     now.is_paused = session.servo().can_change_speed() && session.servo().speed() == 0.0;

@@ -26,17 +26,17 @@ namespace springdrive::app {
 /// All that the message depends on.
 struct SceneSituation {
     servo::SafetyStatus safety;
-    bool is_lost = false;          ///< the device does not answer
-    bool reconnects = false;       ///< a lost device is connected again by itself
-    bool is_acquired = false;      ///< a step of the assistant moves the device
-    bool is_released = false;      ///< the device is kept braking, by the assistant
-    bool is_zeroed = true;         ///< its angles are known
-    bool is_paused = false;        ///< a simulated device stands still
-    bool touching = false;         ///< a surface
-    bool is_inside = false;        ///< the tip lies in a solid without touching it
-    bool can_move_hand = true;     ///< it is simulated, and follows no path
-    std::string record;            ///< the file that is shown instead of the present; else empty
-    std::string scene_of_record{}; ///< if it is not the one that is shown; else empty
+    bool is_lost = false;             ///< the device does not answer
+    bool reconnects = false;          ///< a lost device is connected again by itself
+    bool is_in_exclusive_use = false; ///< a step of the assistant moves the device
+    bool is_released = false;         ///< the device is kept braking, by the assistant
+    bool is_zeroed = true;            ///< its angles are known
+    bool is_paused = false;           ///< a simulated device stands still
+    bool touching = false;            ///< a surface
+    bool is_inside = false;           ///< the tip lies in a solid without touching it
+    bool can_move_hand = true;        ///< it is simulated, and follows no path
+    std::string record;               ///< the file that is shown instead of the present; else empty
+    std::string scene_of_record{};    ///< if it is not the one that is shown; else empty
 };
 
 /// What a message's button does.

@@ -329,7 +329,7 @@ void StabilityTab::start_search(const session::Session &session) {
     search_.start([request = limits::AutoTuneRequest{searched_, margin_}](BackgroundTalk &talk) {
         return limits::auto_tune(request, [&talk](double share) {
             talk.share = share;
-            return talk.is_requested();
+            return talk.is_needed();
         });
     });
 }
@@ -430,8 +430,8 @@ StabilityGrid stability_grid(const loops::StabilityCase &which, BackgroundTalk &
         there.net_resistance_Ohm = StabilityGrid::dR_Ohm(row);
         for (int column = 0; column < StabilityGrid::kColumns; ++column) {
             there.tuning.K_P_V_per_rad = StabilityGrid::K_P_V_per_rad(column);
-            grid.eigenvalue.push_back(talk.is_requested() ? loops::worst_member(there).eigenvalue
-                                                          : 0.0);
+            grid.eigenvalue.push_back(talk.is_needed() ? loops::worst_member(there).eigenvalue
+                                                       : 0.0);
         }
         talk.share = (row + 1.0) / StabilityGrid::kRows;
     }

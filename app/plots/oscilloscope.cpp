@@ -113,9 +113,9 @@ struct RoundBins {
 /// which there is at least one.
 double quantile(std::vector<double> &numbers, double fraction) {
     const double rank = std::ceil(fraction * static_cast<double>(numbers.size()));
-    const auto requested = numbers.begin() + static_cast<std::ptrdiff_t>(std::max(rank, 1.0)) - 1;
-    std::nth_element(numbers.begin(), requested, numbers.end());
-    return *requested;
+    const auto nth = numbers.begin() + static_cast<std::ptrdiff_t>(std::max(rank, 1.0)) - 1;
+    std::nth_element(numbers.begin(), nth, numbers.end());
+    return *nth;
 }
 
 Range covered_range(std::span<const double> values) {

@@ -24,7 +24,7 @@ Vector3 limited(const Vector3 &vector, double max_norm) {
 SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
                                    const SimulationOptions &options, const Vector3 &start_tip_m)
     : description_(simulated_description(description, options)), options_(options),
-      parts_(plant_parts(description, options)), wanted_parts_(parts_),
+      parts_(plant_parts(description, options)), requested_parts_(parts_),
       delay_periods_(options.delay_periods),
       hand_target_(options.path ? options.path->points().back().position_m : start_tip_m),
       path_(std::exchange(options_.path, {})), follows_path_(path_.has_value()),
@@ -68,7 +68,7 @@ void SimulatedPhantom::simulate_as(const SimulationOptions &options) {
     requested.hand = options.hand;
     PlantParts parts = plant_parts(description_, requested);
     parts.number = ++newest_parts_;
-    wanted_parts_.publish(parts);
+    requested_parts_.publish(parts);
     delay_periods_ = options.delay_periods;
     requested_ = requested;
 }
@@ -115,7 +115,8 @@ device::Measurement SimulatedPhantom::advance(const PlantCommand &command) noexc
 }
 
 device::Measurement SimulatedPhantom::read() noexcept {
-    if (const PlantParts &requested = wanted_parts_.latest(); requested.number != parts_.number) {
+    if (const PlantParts &requested = requested_parts_.latest();
+        requested.number != parts_.number) {
         take_over(requested);
     } else if (parts_.effects.joint_limits && !parts_.linkage.stops) {
         parts_.linkage.stops = description_.joint_limits.allow(linkage_.q_rad);

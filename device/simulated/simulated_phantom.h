@@ -238,7 +238,7 @@ private:
     SimulationOptions options_;   ///< without path; read by other threads, too
     SimulationOptions requested_; ///< by the last `simulate_as`, for its thread
     PlantParts parts_;
-    LatestValue<PlantParts> wanted_parts_;
+    LatestValue<PlantParts> requested_parts_;
     std::uint32_t newest_parts_ = 0;  ///< their number, for the thread of `simulate_as`
     double delay_periods_;            ///< of these, for the same thread
     std::optional<FreeTip> free_tip_; ///< with structural compliance

@@ -148,7 +148,7 @@ void Servo::run() noexcept {
         const device::Measurement measured = loop_.read();
         const Clock::time_point answered = Clock::now();
         ServoSample sample =
-            loop_.update(measured, changed_by_course(inputs),
+            loop_.update(measured, changed_by_schedule(inputs),
                          {deadlines.missed() + waited, deadlines.missed_in_a_row() + waited});
         const Clock::time_point found = Clock::now();
         loop_.write();
@@ -183,7 +183,7 @@ void Servo::advance(int ticks) {
     int done = 0;
     const auto the_others = [&] {
         for (; done < ticks; ++done) {
-            hand_over(loop_.tick(changed_by_course(inputs_.latest())));
+            hand_over(loop_.tick(changed_by_schedule(inputs_.latest())));
         }
     };
     if (!have_completed(the_others)) {
@@ -227,12 +227,12 @@ double Servo::clock_s() const noexcept {
     return origin_ ? seconds(Clock::now() - *origin_) : std::numeric_limits<double>::quiet_NaN();
 }
 
-const ServoInputs &Servo::changed_by_course(const ServoInputs &published) noexcept {
-    if (published.course == nullptr || !has_last_) {
+const ServoInputs &Servo::changed_by_schedule(const ServoInputs &published) noexcept {
+    if (published.schedule == nullptr || !has_last_) {
         return published;
     }
     changed_inputs_ = published;
-    published.course->update(last_, changed_inputs_);
+    published.schedule->update(last_, changed_inputs_);
     return changed_inputs_;
 }
 

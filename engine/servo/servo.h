@@ -1,7 +1,7 @@
 // The servo: a loop on its own thread and clock, or in lockstep with its caller.
 //
 //   window ── publish(ServoInputs) ──► mailbox ──► ┌─ thread: read, update, write ─┐
-//              with an InputTrajectory, which then changes them from tick to tick
+//              with an InputSchedule, which then changes them from tick to tick
 //   window ◄── drain(ServoSample)  ◄── ring    ◄── │                               │
 //   recorder ◄── record_ring()     ◄── ring    ◄── └───────────────────────────────┘
 //
@@ -110,7 +110,7 @@ private:
     void run() noexcept;
     template <typename Ticks> [[nodiscard]] bool have_completed(const Ticks &ticks) noexcept;
     std::vector<std::string> run_on_a_thread();
-    [[nodiscard]] const ServoInputs &changed_by_course(const ServoInputs &published) noexcept;
+    [[nodiscard]] const ServoInputs &changed_by_schedule(const ServoInputs &published) noexcept;
     void hand_over(const ServoSample &sample) noexcept;
 
     double servo_hz_;

@@ -17,12 +17,12 @@ struct ServoSample;
 
 /// What changes a servo's inputs from tick to tick, such as a stimulus that answers to the touch: a
 /// mailbox would be late by a frame.
-class InputTrajectory {
+class InputSchedule {
 public:
-    InputTrajectory() = default;
-    virtual ~InputTrajectory() = default;
-    InputTrajectory(const InputTrajectory &) = delete;
-    InputTrajectory &operator=(const InputTrajectory &) = delete;
+    InputSchedule() = default;
+    virtual ~InputSchedule() = default;
+    InputSchedule(const InputSchedule &) = delete;
+    InputSchedule &operator=(const InputSchedule &) = delete;
 
     /// After a tick: changes what the law is to do in the next one. `next` is as published.
     /// RT-safe.
@@ -41,7 +41,7 @@ struct LawInputs {
 struct ServoInputs : LawInputs {
     /// Changes the above from tick to tick; null: nothing does. See ServoRun::follow for how long
     /// it must live.
-    InputTrajectory *course = nullptr;
+    InputSchedule *schedule = nullptr;
     SafetyLimits limits = unlowered(); ///< may lower the device's limits, never raise them
     const contact::HapticSurface *surface =
         nullptr;                           ///< the touchable surface; owned by the publisher

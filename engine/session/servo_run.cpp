@@ -79,8 +79,8 @@ void ServoRun::touch(const contact::HapticSurface &surface, std::uint32_t scene_
     publish();
 }
 
-void ServoRun::follow(servo::InputTrajectory *course) {
-    inputs_.course = course;
+void ServoRun::follow(servo::InputSchedule *schedule) {
+    inputs_.schedule = schedule;
     publish();
 }
 

@@ -61,9 +61,9 @@ public:
     /// @param surface  must stay valid until a sample has a later `scene_id`
     void touch(const contact::HapticSurface &surface, std::uint32_t scene_id,
                const control::Tuning &tuning);
-    /// Lets a course change tuning, excitation and x₀ from tick to tick; null: nothing does. It
+    /// Lets a schedule change tuning, excitation and x₀ from tick to tick; null: nothing does. It
     /// must live until a later one has been updated, or the servo stopped.
-    void follow(servo::InputTrajectory *course);
+    void follow(servo::InputSchedule *schedule);
     /// Free space from now on: until `touch`, nothing is there.
     void touch_nothing();
     /// Ramps the force down and keeps the motors braking until called with false.

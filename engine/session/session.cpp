@@ -66,7 +66,7 @@ Session::Session(const SessionOptions &options, scene::LoadProgress *progress) :
     begin_past();
 }
 
-Session::~Session() { take_device_back(); }
+Session::~Session() { end_exclusive_use(); }
 
 void Session::start(const std::function<void()> &on_thread) {
     if (!options_.record.empty()) {
@@ -118,7 +118,7 @@ void Session::advance(double frame_s) {
 }
 
 void Session::stop() {
-    take_device_back();
+    end_exclusive_use();
     servo_->stop();
     keep_windings();
     note_failed_assertion();
@@ -261,7 +261,7 @@ void Session::observe_as_requested() {
 }
 
 void Session::set_servo_rate(double servo_hz) {
-    require_not_acquired();
+    require_no_exclusive_use();
     const double before_hz = servo_->rate_hz();
     const double period_s = servo::servo_period_s(servo_hz);
     if (next_device_) {

@@ -218,26 +218,26 @@ public:
     /// opened with it: what was observed of the windings before is forgotten. A record continues in
     /// a new file. The device must be released, as after an exclusive use.
     /// @throw InputError while a motor is driven, or the device is stopped, exchanged or in
-    /// exclusive use; if
-    ///        the calibration is another device's, or impossible; nothing is then changed
+    ///        exclusive use; if the calibration is another device's, or impossible; nothing is then
+    ///        changed
     void use_calibration(const device::Calibration &calibration);
 
     // The device for somebody else, such as its self-test or calibration:
 
     /// Has the device released; once no motor is driven, the servo pauses, and `tick` alone uses
     /// the device, once a period, on a thread of its own (in lockstep: within `advance`). It ends
-    /// when `tick` says that there is no more to do or throws, by `take_device_back`, or by an
+    /// when `tick` says that there is no more to do or throws, by `end_exclusive_use`, or by an
     /// emergency stop; then the servo goes on, waiting for rest in free space.
     /// @param tick  returns whether there is more to do
     /// @throw InputError while the device is stopped, exchanged, lost or in exclusive use already
-    void acquire_exclusive(std::function<bool()> tick);
+    void begin_exclusive_use(std::function<bool()> tick);
     /// Stops the motors until a person lets them go on, and ends an exclusive use.
     void emergency_stop();
 
     /// Ends the exclusive use now; may be called without one.
-    void take_device_back();
+    void end_exclusive_use();
     /// From the request on, until the servo goes on.
-    [[nodiscard]] bool is_acquired() const { return exclusive_use_ != nullptr; }
+    [[nodiscard]] bool is_in_exclusive_use() const { return exclusive_use_ != nullptr; }
     /// Why `tick` threw, of the last exclusive use; else empty.
     [[nodiscard]] const std::string &exclusive_use_error() const { return exclusive_use_error_; }
 
@@ -289,7 +289,7 @@ private:
     [[nodiscard]] simulated::SimulatedWorld &world();
     [[nodiscard]] simulated::HandControl &hand_control();
     void move_emulated();
-    void require_not_acquired() const;
+    void require_no_exclusive_use() const;
     void require_free() const; ///< neither in exclusive use nor exchanged
     void require_not_stopped() const;
     void end_pulses();

@@ -1,4 +1,5 @@
-// The part of `Session` that opens, exchanges, zeroes, connects again and lends devices.
+// The part of `Session` that opens, exchanges, zeroes, connects again and has devices used
+// exclusively.
 #include "base/assertions.h"
 #include "base/input_error.h"
 #include "base/real_time_thread.h"
@@ -130,7 +131,7 @@ void Session::exchange_device(const DeviceChoice &choice) {
         throw InputError("changing the device requires a restart of the program: " +
                          servo::description(latest().safety));
     }
-    require_not_acquired();
+    require_no_exclusive_use();
     control::Tuning tuning = tuning_->now();
     next_device_ = std::make_unique<Prepared>(prepare(choice, text_of_device(choice.file), tuning));
     servo_->release(true);
@@ -273,7 +274,7 @@ void Session::keep_released(bool requested) {
 }
 
 void Session::zero_device(const Vector3 &theta_rad) {
-    require_not_acquired();
+    require_no_exclusive_use();
     servo_->paused([&] {
         device_->zero(theta_rad);
         note(dump({{"device", "zeroed"},
@@ -285,7 +286,7 @@ void Session::zero_device(const Vector3 &theta_rad) {
 }
 
 void Session::reconnect_device(const std::optional<Vector3> &theta_rad) {
-    require_not_acquired();
+    require_no_exclusive_use();
     servo_->paused([&] {
         const Vector3 theta = theta_rad.value_or(latest().theta_rad);
         device_->reconnect();
@@ -430,7 +431,7 @@ private:
     std::future<void> running_;
 };
 
-void Session::require_not_acquired() const {
+void Session::require_no_exclusive_use() const {
     if (exclusive_use_) {
         throw InputError("the device is in use by its self-test or calibration; wait until that is "
                          "over, or stop it");
@@ -438,7 +439,7 @@ void Session::require_not_acquired() const {
 }
 
 void Session::require_free() const {
-    require_not_acquired();
+    require_no_exclusive_use();
     if (is_exchanging()) {
         throw InputError("the device is being exchanged; wait until that is done");
     }
@@ -451,7 +452,7 @@ void Session::require_not_stopped() const {
     }
 }
 
-void Session::acquire_exclusive(std::function<bool()> tick) {
+void Session::begin_exclusive_use(std::function<bool()> tick) {
     require_free();
     if (latest().health == device::DeviceHealth::lost) {
         throw InputError("the device is lost; plug it in again");
@@ -468,7 +469,7 @@ void Session::go_on_with_exclusive_use(double frame_s) {
     }
     if (servo_->is_held_stopped() || exclusive_use_->is_over() ||
         latest().safety.state == servo::SafetyState::tripped) {
-        take_device_back();
+        end_exclusive_use();
     } else if (exclusive_use_->has_begun()) {
         if (servo_->is_in_lockstep()) {
             exclusive_use_->advance(frame_s);
@@ -481,7 +482,7 @@ void Session::go_on_with_exclusive_use(double frame_s) {
 
 void Session::emergency_stop() {
     servo_->emergency_stop();
-    take_device_back();
+    end_exclusive_use();
 }
 
 /// Ends pulses of a self-test, which go on while its host brakes, by opening the windings.
@@ -506,7 +507,7 @@ void Session::end_pulses() {
     answer_by(device::CommandMode::brake);
 }
 
-void Session::take_device_back() {
+void Session::end_exclusive_use() {
     if (!exclusive_use_) {
         return;
     }

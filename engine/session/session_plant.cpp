@@ -110,7 +110,7 @@ void Session::renew_exchange() {
 }
 
 void Session::set_delay(double delay_periods) {
-    require_not_acquired();
+    require_no_exclusive_use();
     simulated::SimulationOptions simulation = simulation_;
     simulation.delay_periods = delay_periods;
     servo_->paused([&] {
@@ -184,7 +184,7 @@ void Session::leave_path() {
 }
 
 void Session::begin_path(const simulated::HandPath &path, const char *what) {
-    require_not_acquired();
+    require_no_exclusive_use();
     servo_->paused([&] {
         const simulated::HandPath whole = from_here(hand_control().hand_m(), path);
         hand_control().follow(whole);

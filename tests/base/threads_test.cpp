@@ -137,10 +137,10 @@ TEST(Background, TellsTheWorkThatItIsCancelled) {
     {
         Background<int> background;
         background.start([ended](BackgroundTalk &talk) {
-            while (talk.is_requested()) {
+            while (talk.is_needed()) {
                 std::this_thread::yield();
             }
-            ended->set_value(talk.is_requested());
+            ended->set_value(talk.is_needed());
             return 0;
         });
     }
@@ -176,7 +176,7 @@ TEST(Background, WorkAskedToEndEndsAtItsNextReport) {
 TEST(Background, NewWorkReplacesTheOld) {
     Background<int> background;
     background.start([](BackgroundTalk &talk) {
-        while (talk.is_requested()) {
+        while (talk.is_needed()) {
             std::this_thread::yield();
         }
         return 1;
@@ -192,7 +192,7 @@ TEST(Background, CancellingDoesNotWaitButTheDestructorDoes) {
         Background<int> background;
         for (int i = 0; i < 3; ++i) { // two are cancelled while the third runs
             background.start([&](BackgroundTalk &talk) {
-                while (talk.is_requested() || !may_end) {
+                while (talk.is_needed() || !may_end) {
                     std::this_thread::yield();
                 }
                 ++ended;

@@ -111,7 +111,8 @@ double shown_error(const PrecisionPlan &plan, double error) {
     return are_ratios(plan) ? 100.0 * std::expm1(error) : error;
 }
 
-void write_wanted(std::ostream &out, const study::Protocol &protocol, const PrecisionPlan &plan) {
+void write_requested(std::ostream &out, const study::Protocol &protocol,
+                     const PrecisionPlan &plan) {
     if (!plan.requested) {
         return;
     }
@@ -159,7 +160,7 @@ void write_plan(std::ostream &out, const study::Protocol &protocol, const Precis
     write_text(out, table);
     print(out, "\nthe protocol takes {} trials of a participant in a condition\n",
           plan.usual_trials);
-    write_wanted(out, protocol, plan);
+    write_requested(out, protocol, plan);
 }
 
 /// For programs: a row a number of trials; widths and errors on the scale.

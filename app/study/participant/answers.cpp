@@ -233,10 +233,9 @@ std::optional<std::size_t> alternative_of(const study::ResponseWays &ways,
         }
         return is_right_before_left(ways) ? 1 - input.choice : input.choice;
     }
-    const InputSource requested =
+    const InputSource expected =
         ways.device == study::ResponseDevice::mouse ? InputSource::mouse_button : InputSource::key;
-    const bool is_meant =
-        ways.device != study::ResponseDevice::gesture && input.source == requested;
+    const bool is_meant = ways.device != study::ResponseDevice::gesture && input.source == expected;
     return is_meant ? index_of(ways, input.name) : std::nullopt;
 }
 

@@ -77,13 +77,13 @@ Letters::Letters() {
 }
 
 void Letters::prepare(int height, const std::vector<std::string_view> &texts) {
-    ImFontGlyphRangesBuilder requested;
+    ImFontGlyphRangesBuilder needed;
     for (const std::string_view text : texts) {
-        requested.AddText(text.data(), text.data() + text.size());
+        needed.AddText(text.data(), text.data() + text.size());
     }
     bool is_new = height != height_;
-    for (int word = 1; word < requested.UsedChars.Size; ++word) {
-        if ((requested.UsedChars[word] & ~used_.UsedChars[word]) != 0) {
+    for (int word = 1; word < needed.UsedChars.Size; ++word) {
+        if ((needed.UsedChars[word] & ~used_.UsedChars[word]) != 0) {
             use_block_of(used_, word);
             is_new = true;
         }

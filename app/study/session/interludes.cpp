@@ -20,16 +20,16 @@ constexpr double kFarewell_s = 5.0;
 
 } // namespace
 
-/// The servo follows the course as long as this exists. Not in the unnamed namespace, as coroutines
-/// hold it.
+/// The servo follows the schedule as long as this exists. Not in the unnamed namespace, as
+/// coroutines hold it.
 class Followed {
 public:
-    Followed(session::ServoRun &servo, study::LiveWarmUp &course) : servo_(servo) {
-        servo.follow(&course);
+    Followed(session::ServoRun &servo, study::LiveWarmUp &schedule) : servo_(servo) {
+        servo.follow(&schedule);
     }
     ~Followed() {
         servo_.follow(nullptr);
-        servo_.paused([] {}); // it must not use the course any more
+        servo_.paused([] {}); // it must not use the schedule any more
     }
     Followed(const Followed &) = delete;
     Followed &operator=(const Followed &) = delete;
@@ -171,17 +171,18 @@ Resumable<bool> StudySession::warm_up() {
     if (!study::WarmUp::is_needed(band, study::estimated_windings_C(session_.latest()))) {
         co_return false;
     }
-    study::LiveWarmUp course(session_.description(), band, session_.servo().period_s());
+    study::LiveWarmUp schedule(session_.description(), band, session_.servo().period_s());
     const bool is_hot = study::estimated_windings_C(session_.latest()).maxCoeff() > band.to_C;
     ParticipantPicture picture;
     picture.heading = is_hot ? plan_.protocol.texts.cooling_down : plan_.protocol.texts.warming_up;
     picture.left_share = 1.0;
     double most_K = 0.0;
     {
-        const Followed followed(session_.servo(), course);
-        while (!course.is_over() && session_.latest().safety.state != servo::SafetyState::tripped) {
+        const Followed followed(session_.servo(), schedule);
+        while (!schedule.is_over() &&
+               session_.latest().safety.state != servo::SafetyState::tripped) {
             state_.step = StudySessionStep::warming_up;
-            if (const double left_K = course.off_band_K(); left_K > 0.0) {
+            if (const double left_K = schedule.off_band_K(); left_K > 0.0) {
                 most_K = std::max(most_K, left_K);
                 picture.left_share = std::min(*picture.left_share, left_K / most_K);
             }
@@ -189,11 +190,11 @@ Resumable<bool> StudySession::warm_up() {
         }
     }
     stops_.watch();
-    if (course.is_over() && course.failure() == study::WarmUpFailure::too_long) {
+    if (schedule.is_over() && schedule.failure() == study::WarmUpFailure::too_long) {
         throw InputError(fmt::format("{}: the windings cannot be warmed to {:g} °C: {}; lower "
                                      "windings.from_C",
                                      plan_.participant, band.from_C,
-                                     study::description(course.failure())));
+                                     study::description(schedule.failure())));
     }
     presenter_.lead_to_start();
     co_return true;

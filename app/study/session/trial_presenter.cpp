@@ -22,11 +22,11 @@ constexpr double kAdjustingSteps = 60.0; ///< from one end of an adjustment to t
 bool has_scene(const study::Condition &condition) { return condition.scene != study::kNoScene; }
 
 /// From the end of the rest on, which takes as long as it takes.
-simulated::HandPath path_after_rest(const study::HandTrajectory &course,
+simulated::HandPath path_after_rest(const study::HandTrajectory &trajectory,
                                     const study::Stimulus &stimulus) {
     constexpr double kRoundOff_s = 1e-9;
     std::vector<simulated::HandPath::Point> points{{0.0, stimulus.start_m}};
-    for (const simulated::HandPath::Point &point : course.points) {
+    for (const simulated::HandPath::Point &point : trajectory.points) {
         const double time_s = point.time_s - study::kServoStart_s - stimulus.rest_s;
         if (time_s > kRoundOff_s) {
             points.push_back({time_s, point.position_m});

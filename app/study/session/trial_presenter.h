@@ -4,7 +4,8 @@
 //                 │
 //                 └ rest at the spot, approach, presentation, way back: StimulusRun
 //
-// A hand that is simulated is led by the course of a simulated participant's; a person's is not.
+// A hand that is simulated is led by the trajectory of a simulated participant's; a person's is
+// not.
 #pragma once
 
 #include "app/study/session/resumable.h"

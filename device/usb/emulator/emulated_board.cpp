@@ -382,7 +382,7 @@ void EmulatedBoard::update_faults() {
     if (!faults.update(plant_.loops())) {
         return;
     }
-    is_unplug_wanted_ = faults.find(FaultKind::unplug) != nullptr;
+    is_unplug_requested_ = faults.find(FaultKind::unplug) != nullptr;
     const Fault *brown_out = faults.find(FaultKind::brown_out);
     const bool has_power = !(brown_out && brown_out->size[0] < kMinLogicSupply_V);
     if (has_power != is_powered_) {

@@ -151,7 +151,7 @@ public:
     void clear_faults();
     /// Whether whoever holds the device shall have it unplugged now: by a fault, or as the board
     /// is off.
-    [[nodiscard]] bool unplug_requested() const { return is_unplug_wanted_ || !is_powered_; }
+    [[nodiscard]] bool unplug_requested() const { return is_unplug_requested_ || !is_powered_; }
 
     /// d that the frame clock imposes at least, in present periods: a packet that is put after a
     /// report is seen by the next loop, and applied half a loop later.
@@ -202,7 +202,7 @@ private:
     double owed_s_ = 0.0;          ///< of the wall clock, less than a loop after `pass`
     double late_s_ = 0.0;
 
-    bool is_unplug_wanted_ = false;
+    bool is_unplug_requested_ = false;
     bool is_powered_ = true;
     std::uint32_t restarts_ = 0;
 };

@@ -176,10 +176,10 @@ Presentation presentation_of(const StimulusMeasures &intended, const DeliveredSt
     presentation.start_s = delivered.start_s;
     presentation.end_s = delivered.end_s;
     for (const StimulusMeasure &measure : kStimulusMeasures) {
-        const std::optional<double> requested = intended.*measure.value;
+        const std::optional<double> planned = intended.*measure.value;
         const std::optional<double> came = delivered.measures.*measure.value;
-        if (requested || came) {
-            presentation.values.push_back({std::string(measure.name), requested, came});
+        if (planned || came) {
+            presentation.values.push_back({std::string(measure.name), planned, came});
         }
     }
     presentation.values.push_back({std::string(kLateness), 0.0, delivered.lateness_s});

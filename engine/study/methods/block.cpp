@@ -207,9 +207,9 @@ BlockTrial BlockRun::measured_trial() const {
     }
     const std::optional<std::size_t> turn = next_turn(all, key_for(key_, Drawn::turn, all_));
     SPRINGDRIVE_ASSERT(turn.has_value());
-    const std::optional<MethodTrial> requested = runs_[*turn].next();
-    SPRINGDRIVE_ASSERT(requested.has_value());
-    return {TrialKind::measured, static_cast<int>(*turn), requested->track, requested->level, 0};
+    const std::optional<MethodTrial> trial = runs_[*turn].next();
+    SPRINGDRIVE_ASSERT(trial.has_value());
+    return {TrialKind::measured, static_cast<int>(*turn), trial->track, trial->level, 0};
 }
 
 std::string validate(Counterbalancing kind, int conditions) {

@@ -19,8 +19,8 @@ namespace {
 /// Of the delivered to the intended stiffness; 1 where it was not measured.
 double stiffness_share(const FeltPresentation &felt) {
     const std::optional<double> &came = felt.delivered.stiffness_N_per_m;
-    const std::optional<double> &requested = felt.intended.stiffness_N_per_m;
-    return came && requested && *came > 0.0 && *requested > 0.0 ? *came / *requested : 1.0;
+    const std::optional<double> &intended = felt.intended.stiffness_N_per_m;
+    return came && intended && *came > 0.0 && *intended > 0.0 ? *came / *intended : 1.0;
 }
 
 /// What the participant draws in a trial.

@@ -47,17 +47,18 @@ HandTrajectory press_trajectory(const StudySetting &setting, const Presented &pr
     const Vector3 pressing_m = at_m - deep_m * spot.normal;
     const Vector3 touching_m = at_m - std::min(deep_m, kTouch_m) * spot.normal;
     const double start_s = kServoStart_s + stimulus.rest_s;
-    HandTrajectory course;
-    course.from_s = start_s + kDown_s + kSettle_s;
-    course.until_s = course.from_s + stimulus.presentation_s + kLater_s + glide_back_s(stimulus);
-    course.is_held = true;
-    course.points = {{0.0, above_m},
-                     {start_s, above_m},
-                     {start_s + kDown_s, touching_m},
-                     {course.from_s, pressing_m},
-                     {course.until_s, pressing_m},
-                     {course.until_s + kBack_s, above_m}};
-    return course;
+    HandTrajectory trajectory;
+    trajectory.from_s = start_s + kDown_s + kSettle_s;
+    trajectory.until_s =
+        trajectory.from_s + stimulus.presentation_s + kLater_s + glide_back_s(stimulus);
+    trajectory.is_held = true;
+    trajectory.points = {{0.0, above_m},
+                         {start_s, above_m},
+                         {start_s + kDown_s, touching_m},
+                         {trajectory.from_s, pressing_m},
+                         {trajectory.until_s, pressing_m},
+                         {trajectory.until_s + kBack_s, above_m}};
+    return trajectory;
 }
 
 /// At constant speed through the surface.
@@ -66,17 +67,18 @@ HandTrajectory blow_trajectory(const StudySetting &setting, const Presented &pre
     const scene::TouchSpot &spot = setting.conditions[presented.condition].spot;
     const Vector3 above_m = stimulus.start_m + hand.aside_m;
     const Vector3 below_m = spot.point_m + hand.aside_m - kFollowThrough_m * spot.normal;
-    HandTrajectory course;
-    course.from_s = kServoStart_s + stimulus.rest_s;
-    const double arrived_s = course.from_s + (kApproach_m + kFollowThrough_m) /
-                                                 (hand.share * presented.parameters.speed_m_per_s);
-    course.until_s = arrived_s + stimulus.presentation_s + kLater_s + glide_back_s(stimulus);
-    course.points = {{0.0, above_m},
-                     {course.from_s, above_m},
-                     {arrived_s, below_m},
-                     {course.until_s, below_m},
-                     {course.until_s + kBack_s, above_m}};
-    return course;
+    HandTrajectory trajectory;
+    trajectory.from_s = kServoStart_s + stimulus.rest_s;
+    const double arrived_s =
+        trajectory.from_s +
+        (kApproach_m + kFollowThrough_m) / (hand.share * presented.parameters.speed_m_per_s);
+    trajectory.until_s = arrived_s + stimulus.presentation_s + kLater_s + glide_back_s(stimulus);
+    trajectory.points = {{0.0, above_m},
+                         {trajectory.from_s, above_m},
+                         {arrived_s, below_m},
+                         {trajectory.until_s, below_m},
+                         {trajectory.until_s + kBack_s, above_m}};
+    return trajectory;
 }
 
 /// To and fro along a sine with that speed at most, which it reaches softly.
@@ -98,13 +100,14 @@ std::vector<simulated::HandPath::Point> stroke_points(const Vector3 &about_m, do
 
 HandTrajectory stroke_trajectory(const Presented &presented, const Stimulus &stimulus,
                                  const HandDeviation &hand) {
-    HandTrajectory course;
-    course.from_s = kServoStart_s + stimulus.rest_s;
-    course.until_s = course.from_s + stimulus.presentation_s + kLater_s;
-    course.points = stroke_points(stimulus.start_m, course.from_s, course.until_s - course.from_s,
-                                  hand.share * presented.parameters.speed_m_per_s);
-    course.points.insert(course.points.begin(), {0.0, stimulus.start_m});
-    return course;
+    HandTrajectory trajectory;
+    trajectory.from_s = kServoStart_s + stimulus.rest_s;
+    trajectory.until_s = trajectory.from_s + stimulus.presentation_s + kLater_s;
+    trajectory.points =
+        stroke_points(stimulus.start_m, trajectory.from_s, trajectory.until_s - trajectory.from_s,
+                      hand.share * presented.parameters.speed_m_per_s);
+    trajectory.points.insert(trajectory.points.begin(), {0.0, stimulus.start_m});
+    return trajectory;
 }
 
 constexpr double kLast_s = 0.1; ///< of a press, in which the hand should be still
@@ -176,22 +179,23 @@ StimulusTrial try_stimulus(const Protocol &protocol, const StudySetting &setting
     StimulusTrial seen;
     seen.name = name_of(protocol, presented);
     seen.stimulus = cut(stimulus_of(protocol, setting, presented), condition);
-    HandTrajectory course = hand_trajectory(setting, presented, seen.stimulus, circumstances.hand);
+    HandTrajectory trajectory =
+        hand_trajectory(setting, presented, seen.stimulus, circumstances.hand);
     if (circumstances.strokes_after_s > 0.0) {
-        const simulated::HandPath::Point last = course.points.back();
+        const simulated::HandPath::Point last = trajectory.points.back();
         const std::vector<simulated::HandPath::Point> strokes =
             stroke_points(last.position_m, last.time_s + 0.5, circumstances.strokes_after_s,
                           condition.speed_m_per_s);
-        course.points.insert(course.points.end(), strokes.begin(), strokes.end());
+        trajectory.points.insert(trajectory.points.end(), strokes.begin(), strokes.end());
     }
 
     simulated::SimulationOptions options;
     options.servo_period_s = 1.0 / condition.servo_hz;
     options.delay_periods = condition.delay_periods;
-    options.path.emplace(course.points);
+    options.path.emplace(trajectory.points);
     options.ambient_C = circumstances.winding_C.value_or(protocol.windings.from_C);
     options.device_seed = circumstances.device_seed;
-    rig::ServoRig rig(setting.device, options, course.points.front().position_m,
+    rig::ServoRig rig(setting.device, options, trajectory.points.front().position_m,
                       setting.conditions[presented.condition].surface.get());
     rig.inputs.tuning = presented.free_space;
     rig.inputs.global_alpha_rad2_per_m2 = setting.global_alpha_rad2_per_m2;
@@ -199,14 +203,14 @@ StimulusTrial try_stimulus(const Protocol &protocol, const StudySetting &setting
 
     StimulusRun run(setting.device, seen.stimulus, options.servo_period_s);
     DeliveryMeter meter(setting.device, seen.stimulus, options.servo_period_s);
-    const auto ticks = std::lround(course.points.back().time_s * condition.servo_hz);
+    const auto ticks = std::lround(trajectory.points.back().time_s * condition.servo_hz);
     for (long tick = 0; tick < ticks && run.phase() != StimulusPhase::failed; ++tick) {
         const servo::ServoSample &sample = rig.tick();
         run.update(sample, rig.inputs);
         meter.take(sample, run);
         seen.has_touched = seen.has_touched || sample.contact.touching;
         const double left_s = seen.stimulus.presentation_s - run.presented_s();
-        if (course.is_held && run.phase() == StimulusPhase::presenting && left_s < kLast_s) {
+        if (trajectory.is_held && run.phase() == StimulusPhase::presenting && left_s < kLast_s) {
             seen.shaking_m_per_s =
                 std::max(seen.shaking_m_per_s, rig.truth().tip_velocity_m_per_s.norm());
         }

@@ -31,8 +31,8 @@ struct HandTrajectory {
     bool is_held = false; ///< at its end the hand presses and is still
 };
 
-/// So long a course waits for a servo that has just been started: for rest, and until its gains are
-/// raised.
+/// So long a trajectory waits for a servo that has just been started: for rest, and until its gains
+/// are raised.
 inline constexpr double kServoStart_s = 1.25;
 
 /// Of the relaxed grip of `device::HandParameters`: it rests at the start until the servo runs and

@@ -84,10 +84,10 @@ void ForceSteering::count(const Vector3 &tip_m, const Vector3 &force_N) noexcept
 Vector3 ForceSteering::update(const Vector3 &tip_m, const Vector3 &force_N, double share) noexcept {
     count(tip_m, force_N);
     const double pressed_N = std::max(0.0, force_N.dot(normal_));
-    const Vector3 requested_N =
+    const Vector3 target_N =
         has_given_up_ ? Vector3(Vector3::Zero()) : Vector3(share * pressed_N * slope_);
-    integral_N_ += gap_share_ * (requested_N - last_force_N_);
-    const Vector3 at_once_N = is_prompt_ ? requested_N : Vector3(Vector3::Zero());
+    integral_N_ += gap_share_ * (target_N - last_force_N_);
+    const Vector3 at_once_N = is_prompt_ ? target_N : Vector3(Vector3::Zero());
     const Vector3 added_N = at_once_N + integral_N_;
     const double size_N = added_N.norm();
     if (size_N > max_force_N_) {

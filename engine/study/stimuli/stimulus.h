@@ -403,7 +403,7 @@ private:
 //   servo's thread:  update() after each tick ──► StimulusRun, DeliveryMeter
 //   any other:       phase(), ended_s(), and, once it is over, delivered() and failure()
 
-class LiveStimulus final : public servo::InputTrajectory {
+class LiveStimulus final : public servo::InputSchedule {
 public:
     LiveStimulus(const device::DeviceDescription &device, const Stimulus &stimulus,
                  double period_s);
@@ -451,7 +451,7 @@ private:
 
 // A warm-up on the servo's own thread, watched from another.
 
-class LiveWarmUp final : public servo::InputTrajectory {
+class LiveWarmUp final : public servo::InputSchedule {
 public:
     LiveWarmUp(const device::DeviceDescription &device, const WindingBand &band, double period_s)
         : warm_up_(device, band, period_s) {}

@@ -364,7 +364,7 @@ TEST(AssistantWalk, AStopAndAPulledCableEndTheSelfTestWhichIsDoneAgain) {
     walker.run(1.5);
     walker.session.servo().emergency_stop();
     walker.run(0.2);
-    EXPECT_FALSE(walker.session.is_acquired());
+    EXPECT_FALSE(walker.session.is_in_exclusive_use());
     EXPECT_TRUE(walker.says("emergency stop")) << walker.text();
     EXPECT_FALSE(walker.offers("start"));
     walker.assistant.again(walker.session);
@@ -373,9 +373,9 @@ TEST(AssistantWalk, AStopAndAPulledCableEndTheSelfTestWhichIsDoneAgain) {
 
     walker.choose("start");
     walker.run(1.5);
-    ASSERT_TRUE(walker.session.is_acquired());
+    ASSERT_TRUE(walker.session.is_in_exclusive_use());
     walker.session.device().emulated()->set_plugged(false); // in lockstep nobody else uses it
-    ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_acquired(); }, 5.0));
+    ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_in_exclusive_use(); }, 5.0));
     walker.run(1.0);
     EXPECT_TRUE(walker.says("the device is lost")) << walker.text();
     EXPECT_FALSE(walker.assistant.can_go_on(walker.session));

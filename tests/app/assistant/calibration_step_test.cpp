@@ -162,7 +162,7 @@ TEST(CalibrationStep, ShowsHowFarItIsAndStoppedOrLeftKeepsNothing) {
         } else {
             walker.choose("stop");
         }
-        EXPECT_FALSE(walker.session.is_acquired());
+        EXPECT_FALSE(walker.session.is_in_exclusive_use());
         EXPECT_EQ(walker.session.servo().rate_hz(), 2000.0);
         walker.session.advance(1e-3);
         walker.session.advance(1e-3);
@@ -192,7 +192,7 @@ TEST(CalibrationStep, APulledCableAndAnEmergencyStopAreNamedAndItIsDoneAgain) {
     walker.begin_calibration();
     walker.run(2.0);
     at.set_plugged(false);
-    ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_acquired(); }, 5.0));
+    ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_in_exclusive_use(); }, 5.0));
     walker.run(1.0);
     EXPECT_TRUE(walker.says("the device is lost")) << walker.text();
     EXPECT_FALSE(walker.assistant.can_go_on(walker.session));
@@ -206,7 +206,7 @@ TEST(CalibrationStep, APulledCableAndAnEmergencyStopAreNamedAndItIsDoneAgain) {
     walker.begin_calibration();
     walker.session.servo().emergency_stop();
     walker.run(0.1);
-    EXPECT_FALSE(walker.session.is_acquired());
+    EXPECT_FALSE(walker.session.is_in_exclusive_use());
     EXPECT_NE(at.board_state(), usb::BoardState::driving);
     EXPECT_TRUE(walker.says("emergency stop")) << walker.text();
     EXPECT_FALSE(walker.offers("calibrate again"));
@@ -228,13 +228,13 @@ TEST(CalibrationStep, AFaultOfTheBoardOutlastsIt) {
         walker.begin_calibration();
         ASSERT_TRUE(walker.run_until([&] { return walker.session.servo().is_halted(); }, 5.0));
         walker.run(after_s);
-        ASSERT_TRUE(walker.session.is_acquired());
+        ASSERT_TRUE(walker.session.is_in_exclusive_use());
         emulator::EmulatedBoard &board = walker.session.device().emulated()->board();
         device::Fault short_one = device::parse_fault(fault);
         short_one.begin_s = board.time_s();
         short_one.end_s = short_one.begin_s + 0.03;
         board.set_fault(short_one);
-        ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_acquired(); }, 5.0));
+        ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_in_exclusive_use(); }, 5.0));
         walker.run(0.3);
         EXPECT_EQ(walker.session.latest().safety.state, servo::SafetyState::tripped);
         EXPECT_EQ(walker.session.servo().is_held_stopped(), fault == std::string("stop"));
@@ -281,7 +281,7 @@ TEST(CalibrationStep, TooLittleMotionIsDoubtful) {
     walker.begin_calibration();
     walker.run(0.5);
     walker.choose("that is enough");
-    ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_acquired(); }, 10.0));
+    ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_in_exclusive_use(); }, 10.0));
     walker.run(0.1);
     EXPECT_EQ(walker.verdict(), Verdict::doubtful);
     EXPECT_TRUE(walker.says("was not turned enough")) << walker.text();
@@ -319,7 +319,7 @@ TEST(CalibrationStep, OneOfTheDeviceFileIsShownAndComesBeforeTheBoards) {
     const device::Calibration before = *at.in_use();
     walker.choose("calibrate again");
     ASSERT_TRUE(walker.run_until([&] { return walker.offers("that is enough"); }, 15.0));
-    ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_acquired(); }, 60.0));
+    ASSERT_TRUE(walker.run_until([&] { return !walker.session.is_in_exclusive_use(); }, 60.0));
     walker.run(0.2);
     EXPECT_NE(at.in_use()->made_at_s, before.made_at_s);
     ASSERT_TRUE(at.on_board());

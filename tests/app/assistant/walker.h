@@ -125,7 +125,7 @@ public:
     }
     void test() {
         choose("start");
-        run_until([&] { return !session.is_acquired(); }, 90.0);
+        run_until([&] { return !session.is_in_exclusive_use(); }, 90.0);
         run(0.1);
     }
     void touch() {
@@ -140,7 +140,7 @@ public:
     }
     void calibrate() {
         begin_calibration();
-        ASSERT_TRUE(run_until([&] { return !session.is_acquired(); }, 60.0)) << text();
+        ASSERT_TRUE(run_until([&] { return !session.is_in_exclusive_use(); }, 60.0)) << text();
         run(0.2);
     }
 

@@ -141,16 +141,17 @@ TEST(RealTime, APresentedStimulusAllocatesAndLocksNothing) {
     study::Presented presented = study::all_presented(protocol).front();
     presented.parameters.turn_deg = 30.0;
     const study::Stimulus stimulus = study::stimulus_of(protocol, setting, presented);
-    const study::HandTrajectory course = study::hand_trajectory(setting, presented, stimulus, {});
+    const study::HandTrajectory trajectory =
+        study::hand_trajectory(setting, presented, stimulus, {});
     simulated::SimulationOptions options;
-    options.path.emplace(course.points);
+    options.path.emplace(trajectory.points);
     simulated::SimulatedPhantom phantom(setting.device, options, course.points.front().position_m);
     servo::Servo servo(phantom, 1.0 / options.servo_period_s);
     study::LiveStimulus live(setting.device, stimulus, options.servo_period_s);
     servo::ServoInputs inputs;
     inputs.tuning = presented.free_space;
     inputs.surface = setting.conditions[presented.condition].surface.get();
-    inputs.course = &live;
+    inputs.schedule = &live;
     servo.publish(inputs);
     const auto ticks = std::lround(course.points.back().time_s / options.servo_period_s);
     expect_quiet([&] { servo.advance(static_cast<int>(ticks)); });

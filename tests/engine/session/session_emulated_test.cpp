@@ -160,7 +160,7 @@ TEST(LentDevice, IsUsedByNobodyElseAndIsReleasedBefore) {
     ASSERT_TRUE(stands_over_plate(session));
     int ticks = 0;
     bool was_driven = false;
-    session.acquire_exclusive([&] {
+    session.begin_exclusive_use([&] {
         device::HapticDevice &device = session.device().device();
         static_cast<void>(device.read());
         was_driven =
@@ -168,7 +168,7 @@ TEST(LentDevice, IsUsedByNobodyElseAndIsReleasedBefore) {
         device.write(device::DeviceCommand::braking());
         return ++ticks < 500;
     });
-    EXPECT_TRUE(session.is_acquired());
+    EXPECT_TRUE(session.is_in_exclusive_use());
     ASSERT_TRUE(testing::run_until(
         session, [&] { return ticks > 100; }, 3.0));
     const std::uint64_t tick = session.latest().tick;
@@ -178,9 +178,9 @@ TEST(LentDevice, IsUsedByNobodyElseAndIsReleasedBefore) {
     EXPECT_NE(error_text_of([&] { session.set_servo_rate(2000.0); }), "");
     EXPECT_NE(error_text_of([&] { session.reconnect_device(); }), "");
     EXPECT_NE(error_text_of([&] { session.exchange_device(session.device_choice()); }), "");
-    EXPECT_NE(error_text_of([&] { session.acquire_exclusive([] { return false; }); }), "");
+    EXPECT_NE(error_text_of([&] { session.begin_exclusive_use([] { return false; }); }), "");
     testing::run(session, 1.0);
-    EXPECT_FALSE(session.is_acquired());
+    EXPECT_FALSE(session.is_in_exclusive_use());
     EXPECT_EQ(session.exclusive_use_error(), "");
     EXPECT_EQ(ticks, 500);
     EXPECT_FALSE(was_driven);
@@ -195,7 +195,7 @@ TEST(LentDevice, ComesBackAtAnEmergencyStopAndStaysStopped) {
     session.start();
     ASSERT_TRUE(stands_over_plate(session));
     int ticks = 0;
-    session.acquire_exclusive([&] {
+    session.begin_exclusive_use([&] {
         static_cast<void>(session.device().device().read());
         session.device().device().write(device::DeviceCommand::braking());
         return ++ticks > 0;
@@ -204,9 +204,9 @@ TEST(LentDevice, ComesBackAtAnEmergencyStopAndStaysStopped) {
         session, [&] { return ticks > 10; }, 3.0));
     session.servo().emergency_stop();
     testing::run(session, 0.1);
-    EXPECT_FALSE(session.is_acquired());
+    EXPECT_FALSE(session.is_in_exclusive_use());
     EXPECT_EQ(session.latest().safety.cause, TripCause::emergency_stop);
-    EXPECT_NE(error_text_of([&] { session.acquire_exclusive([] { return false; }); }), "");
+    EXPECT_NE(error_text_of([&] { session.begin_exclusive_use([] { return false; }); }), "");
     session.stop();
 }
 
@@ -217,7 +217,7 @@ TEST(LentDevice, AStopEndsItAndItsPulsesAtOnce) {
         session.start();
         ASSERT_TRUE(stands_over_plate(session));
         std::optional<commissioning::SelfTest> test;
-        session.acquire_exclusive([&] {
+        session.begin_exclusive_use([&] {
             if (!test) {
                 test.emplace(session.device().device());
             }
@@ -236,7 +236,7 @@ TEST(LentDevice, AStopEndsItAndItsPulsesAtOnce) {
             board.set_fault(loss);
         }
         session.emergency_stop(); // between two frames
-        EXPECT_FALSE(session.is_acquired());
+        EXPECT_FALSE(session.is_in_exclusive_use());
         EXPECT_NE(board.board().loop().state(), usb::BoardState::testing);
         for (int i = 0; i < 600; ++i) {
             session.advance(1e-3);
@@ -250,9 +250,9 @@ TEST(LentDevice, AStopEndsItAndItsPulsesAtOnce) {
 TEST(LentDevice, GivesTheReasonIfItsUserFails) {
     Session session(emulated(true));
     session.start();
-    session.acquire_exclusive([]() -> bool { throw InputError("it burns"); });
+    session.begin_exclusive_use([]() -> bool { throw InputError("it burns"); });
     testing::run(session, 3.0);
-    EXPECT_FALSE(session.is_acquired());
+    EXPECT_FALSE(session.is_in_exclusive_use());
     EXPECT_EQ(session.exclusive_use_error(), "it burns");
     session.stop();
 }
@@ -264,9 +264,9 @@ TEST(LentDevice, PassesASelfTestInTheSimulatedHand) {
     commissioning::SelfTest test(
         session.device().device(), {},
         simulated::stop_tour_of(session.device().hand(), session.description()));
-    session.acquire_exclusive([&] { return test.step(); });
+    session.begin_exclusive_use([&] { return test.step(); });
     ASSERT_TRUE(testing::run_until(
-        session, [&] { return !session.is_acquired(); }, 60.0));
+        session, [&] { return !session.is_in_exclusive_use(); }, 60.0));
     EXPECT_EQ(session.exclusive_use_error(), "");
     EXPECT_TRUE(test.report().has_passed());
     EXPECT_TRUE(stands_over_plate(session));
@@ -372,14 +372,14 @@ TEST(LentDevice, IsUsedOnAThreadAndComesBack) {
     session.start();
     std::atomic<int> ticks{0};
     std::thread::id user;
-    session.acquire_exclusive([&] {
+    session.begin_exclusive_use([&] {
         user = std::this_thread::get_id();
         static_cast<void>(session.device().device().read());
         session.device().device().write(device::DeviceCommand::braking());
         return ++ticks < 50;
     });
     ASSERT_TRUE(testing::run_until(
-        session, [&] { return !session.is_acquired(); }, 20.0));
+        session, [&] { return !session.is_in_exclusive_use(); }, 20.0));
     EXPECT_EQ(ticks, 50);
     EXPECT_NE(user, std::this_thread::get_id());
     const std::uint64_t tick = session.latest().tick;

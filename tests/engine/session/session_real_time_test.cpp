@@ -314,7 +314,7 @@ TEST(RealTimeHeaps, NoRealTimeThreadAllocatesWhereAnotherThreadDoes) {
             EXPECT_TRUE(until([&] { return session.scenes().id() == next; })) << scene;
         }
         std::atomic<int> ticks{0};
-        session.acquire_exclusive([&] {
+        session.begin_exclusive_use([&] {
             allocate();
             return ++ticks < 50;
         });

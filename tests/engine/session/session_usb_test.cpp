@@ -161,10 +161,10 @@ TEST(SessionWindings, TheNextStartKnowsHowHotTheyMayBe) {
         // Of what an exclusive use does, the servo sees nothing.
         testing::run(on.session, 3.0);
         EXPECT_LT(on.winding().max_C, limit_C - 1.0);
-        on.session.acquire_exclusive([] { return false; });
+        on.session.begin_exclusive_use([] { return false; });
         ASSERT_TRUE(testing::run_until(
             on.session, [&] { return on.winding().max_C > limit_C - 0.2; }, 3.0));
-        EXPECT_FALSE(on.session.is_acquired());
+        EXPECT_FALSE(on.session.is_in_exclusive_use());
         // Nor of a device that is lost.
         on.port->unplug();
         testing::run(on.session, 0.05);

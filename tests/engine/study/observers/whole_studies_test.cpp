@@ -173,7 +173,7 @@ TEST(StimuliOfAnHour, AreWithinTheirBandsOrMarkedWhileTheMotorsWarm) {
         parameters.turn_axis_deg = 360.0 * uniform(child(key, 1)) - 180.0;
         const Presented one{0, std::nullopt, parameters, parameters.tuning};
         const Stimulus stimulus = stimulus_of(protocol, setting, one);
-        const HandTrajectory course = hand_trajectory(setting, one, stimulus, {});
+        const HandTrajectory trajectory = hand_trajectory(setting, one, stimulus, {});
         rig.phantom().follow(simulated::HandPath(course.points));
         StimulusRun run(setting.device, stimulus, options.servo_period_s);
         DeliveryMeter meter(setting.device, stimulus, options.servo_period_s);

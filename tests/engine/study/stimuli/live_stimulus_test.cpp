@@ -1,4 +1,4 @@
-// Covers what engine/study/stimuli does on the servo's thread, and the servo's courses: what the
+// Covers what engine/study/stimuli does on the servo's thread, and the servo's schedules: what the
 // servo presents by itself is what a rig presents that is told before each tick; windings are
 // warmed, and the tip stays where it is.
 #include "device/core/phantom/dynamics.h"
@@ -34,11 +34,11 @@ struct Presentable {
           presented(all_presented(protocol).back()) {
         protocol.timing.presentation_s = 0.6;
         stimulus = stimulus_of(protocol, setting, presented);
-        course = hand_trajectory(setting, presented, stimulus, {});
+        trajectory = hand_trajectory(setting, presented, stimulus, {});
         options.servo_period_s = 1.0 / presented.parameters.servo_hz;
         options.delay_periods = presented.parameters.delay_periods;
         options.ambient_C = protocol.windings.from_C;
-        options.path.emplace(course.points);
+        options.path.emplace(trajectory.points);
         inputs.tuning = presented.free_space;
         inputs.global_alpha_rad2_per_m2 = setting.global_alpha_rad2_per_m2;
         inputs.observes_resistance = true;
@@ -49,7 +49,7 @@ struct Presentable {
     StudySetting setting;
     Presented presented;
     Stimulus stimulus;
-    HandTrajectory course;
+    HandTrajectory trajectory;
     simulated::SimulationOptions options;
     servo::ServoInputs inputs;
 };
@@ -76,13 +76,13 @@ TEST_P(LiveStimulusOf, IsWhatARigPresents) {
     const StimulusTrial rig = try_stimulus(it.protocol, it.setting, it.presented);
     ASSERT_EQ(rig.failure, StimulusFailure::none);
     simulated::SimulatedPhantom phantom(it.setting.device, it.options,
-                                        it.course.points.front().position_m);
+                                        it.trajectory.points.front().position_m);
     servo::Servo servo(phantom, it.presented.parameters.servo_hz);
     LiveStimulus live(it.setting.device, rig.stimulus, it.options.servo_period_s);
-    it.inputs.course = &live;
+    it.inputs.schedule = &live;
     servo.publish(it.inputs);
     EXPECT_FALSE(live.has_begun());
-    const auto ticks = std::lround(it.course.points.back().time_s / it.options.servo_period_s);
+    const auto ticks = std::lround(it.trajectory.points.back().time_s / it.options.servo_period_s);
     servo.advance(static_cast<int>(ticks));
     ASSERT_TRUE(live.is_over());
     EXPECT_EQ(live.failure(), StimulusFailure::none);
@@ -102,10 +102,10 @@ INSTANTIATE_TEST_SUITE_P(EachIncludedProtocol, LiveStimulusOf,
 TEST(LiveStimulus, IsPresentedOnTheServosOwnThread) {
     Presentable it("stiffness");
     simulated::SimulatedPhantom phantom(it.setting.device, it.options,
-                                        it.course.points.front().position_m);
+                                        it.trajectory.points.front().position_m);
     servo::Servo servo(phantom, it.presented.parameters.servo_hz);
     LiveStimulus live(it.setting.device, it.stimulus, it.options.servo_period_s);
-    it.inputs.course = &live;
+    it.inputs.schedule = &live;
     servo.publish(it.inputs);
     servo.start();
     const double before_s = servo.clock_s();
@@ -128,7 +128,7 @@ TEST(LiveStimulus, IsPresentedOnTheServosOwnThread) {
 }
 
 /// Asks for what only the publisher may decide.
-class Greedy final : public servo::InputTrajectory {
+class Greedy final : public servo::InputSchedule {
 public:
     void update(const servo::ServoSample &last, servo::LawInputs &next) noexcept override {
         last_tick = last.tick;
@@ -139,13 +139,13 @@ public:
     int updates = 0;
 };
 
-TEST(InputTrajectory, IsAskedOncePerTickAndPassesTheMonitor) {
+TEST(InputSchedule, IsAskedOncePerTickAndPassesTheMonitor) {
     Presentable it("stiffness");
     simulated::SimulatedPhantom phantom(it.setting.device, it.options,
-                                        it.course.points.front().position_m);
+                                        it.trajectory.points.front().position_m);
     servo::Servo servo(phantom, 1000.0);
     Greedy greedy;
-    it.inputs.course = &greedy;
+    it.inputs.schedule = &greedy;
     servo.publish(it.inputs);
     servo.advance(3000);
     EXPECT_EQ(greedy.updates, 2999);    // not before the first tick
@@ -287,7 +287,7 @@ INSTANTIATE_TEST_SUITE_P(, WarmUpOfHands, ::testing::Bool(), [](const auto &hold
     return std::string(holds.param ? "RelaxedGrip" : "NearlyOff");
 });
 
-/// The servo gives a course its inputs as they were published, a rig as the last tick left them.
+/// The servo gives a schedule its inputs as they were published, a rig as the last tick left them.
 TEST(LiveWarmUp, IsThatOfARigTickByTick) {
     const WindingBand band{25.0, 25.8, 60.0};
     Warming warming(kNearlyOff);
@@ -299,7 +299,7 @@ TEST(LiveWarmUp, IsThatOfARigTickByTick) {
     servo.publish(inputs);
     servo.advance(static_cast<int>(warming.rig.last.tick) + 1);
     LiveWarmUp live(warming.device, band, kWarmUpPeriod_s);
-    inputs.course = &live;
+    inputs.schedule = &live;
     servo.publish(inputs);
 
     servo::ServoSample last;
