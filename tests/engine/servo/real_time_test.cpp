@@ -25,10 +25,14 @@
 
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
 #include <linux/capability.h>
+#include <linux/futex.h>
 #include <linux/seccomp.h>
 #include <pthread.h>
 #include <sched.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -36,12 +40,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -324,10 +331,16 @@ private:
     int ticks_ = 0;
 };
 
+struct DriverAction {
+    const char *name;
+    std::function<void()> act;
+    long system_call = kNone; ///< that it makes
+};
+
 /// Runs a servo whose driver performs `action`, and checks what the watch has seen.
-template <typename Check> bool holds_for(const std::function<void()> &action, Check &&check) {
+template <typename Check> bool holds_for(const DriverAction &action, Check &&check) {
     return testing::holds_in_a_child([&] {
-        Driver driver(action);
+        Driver driver(action.act);
         Servo servo(driver, 1000.0);
         run_watched(
             servo, nullptr, [](const ServoSample &sample) { return sample.tick > 40; },
@@ -355,19 +368,71 @@ TEST_F(RealTimeServo, NeitherAllocatesNorLocksNorCallsAfterAFailedAssertion) {
     EXPECT_TRUE(holds);
 }
 
-/// Or nothing above would be seen, whatever the servo did.
-TEST_F(RealTimeServo, TheWatchDetectsWhatItIsFor) {
-    static std::atomic<char *> kept = nullptr; // otherwise the compiler may omit the allocation
+// Each call that the watch replaces or filters, or nothing above would be seen, whatever the servo
+// did.
+
+TEST_F(RealTimeServo, TheWatchDetectsAllocations) {
+    static std::atomic<void *> kept = nullptr; // otherwise the compiler may omit the allocation
+    static std::atomic<void *> none = nullptr;
+    static auto *old = new std::vector<char>(100);
+    const std::array actions{
+        DriverAction{"malloc", [] { kept = std::malloc(1); }},                    // NOLINT
+        DriverAction{"calloc", [] { kept = std::calloc(1, 1); }},                 // NOLINT
+        DriverAction{"realloc", [] { kept = std::realloc(none, 1); }},            // NOLINT
+        DriverAction{"aligned_alloc", [] { kept = std::aligned_alloc(64, 64); }}, // NOLINT
+        DriverAction{"new", [] { kept = new char; }},                             // NOLINT
+        DriverAction{"free", [] { std::free(none); }},                            // NOLINT
+        DriverAction{"a vector that grows", [] { old->resize(1000); }},
+        DriverAction{"a vector that goes", [] { delete old; }}, // NOLINT
+    };
+    for (const DriverAction &action : actions) {
+        const bool seen = holds_for(action, [] { EXPECT_GT(watched().allocations, 0); });
+        EXPECT_TRUE(seen) << action.name;
+    }
+}
+
+TEST_F(RealTimeServo, TheWatchDetectsLocks) {
     static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
-    const bool sees_allocations = holds_for([] { kept = new char; }, // NOLINT
-                                            [] { EXPECT_GT(watched().allocations, 0); });
-    EXPECT_TRUE(sees_allocations);
-    const bool sees_locks =
-        holds_for([] { pthread_mutex_lock(&mutex); }, [] { EXPECT_EQ(watched().locks, 1); });
-    EXPECT_TRUE(sees_locks);
-    const bool sees_calls = holds_for([] { static_cast<void>(write(STDOUT_FILENO, "!", 1) == 1); },
-                                      [] { EXPECT_EQ(watched().system_call, SYS_write); });
-    EXPECT_TRUE(sees_calls);
+    static pthread_rwlock_t lock = PTHREAD_RWLOCK_INITIALIZER;
+    static std::mutex standard;
+    const std::array actions{
+        DriverAction{"a mutex", [] { pthread_mutex_lock(&mutex); }},
+        DriverAction{"a mutex tried", [] { static_cast<void>(pthread_mutex_trylock(&mutex)); }},
+        DriverAction{"a lock to read", [] { pthread_rwlock_rdlock(&lock); }},
+        DriverAction{"a lock to write", [] { pthread_rwlock_wrlock(&lock); }},
+        DriverAction{"C++'s own", [] { const std::lock_guard guard(standard); }},
+    };
+    for (const DriverAction &action : actions) {
+        const bool seen = holds_for(action, [] { EXPECT_EQ(watched().locks, 1); });
+        EXPECT_TRUE(seen) << action.name;
+    }
+}
+
+TEST_F(RealTimeServo, TheWatchDetectsSystemCalls) {
+    static int word = 0;
+    const std::array actions{
+        DriverAction{"write", [] { static_cast<void>(write(STDOUT_FILENO, "!", 1) == 1); },
+                     SYS_write},
+        DriverAction{"wake", [] { syscall(SYS_futex, &word, FUTEX_WAKE, 1); }, SYS_futex},
+        DriverAction{"yield", [] { sched_yield(); }, SYS_sched_yield},
+        DriverAction{"open", [] { static_cast<void>(open("/dev/null", O_RDONLY)); }, SYS_openat},
+        DriverAction{"control", [] { ioctl(0, FIONREAD, &word); }, SYS_ioctl},
+        DriverAction{"map",
+                     [] {
+                         static_cast<void>(
+                             mmap(nullptr, 1, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+                     },
+                     SYS_mmap},
+        DriverAction{"unmap", [] { munmap(nullptr, 1); }, SYS_munmap},
+        DriverAction{"break", [] { syscall(SYS_brk, nullptr); }, SYS_brk},
+        DriverAction{"advise", [] { madvise(nullptr, 1, MADV_NORMAL); }, SYS_madvise},
+        DriverAction{"ask", [] { getppid(); }, SYS_getppid},
+    };
+    for (const DriverAction &action : actions) {
+        const bool seen =
+            holds_for(action, [&] { EXPECT_EQ(watched().system_call, action.system_call); });
+        EXPECT_TRUE(seen) << action.name;
+    }
 }
 
 std::vector<int> allowed_processors() {
