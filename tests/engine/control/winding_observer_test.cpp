@@ -29,17 +29,23 @@ namespace {
 constexpr double kPeriod_s = 1e-3;
 
 constexpr double kTouch_s = 2.5; // of which half a second to press
-constexpr double kStroke_m = 0.012;
 
-/// A drawn device in closed loop with the law, whose R̂ follows the observers, while a hand presses
-/// it on a slanted plane and moves along it.
+/// A touch of a slanted plane by a hand that moves along it.
+struct Touch {
+    double stroke_m = 0.012;
+    double dR_Ohm = 0.5;
+    double air_C = 25.0;
+};
+
+/// A drawn device in closed loop with the law, whose R̂ follows the observers.
 class ObservedTouch {
 public:
-    ObservedTouch(double stroke_m, std::uint64_t seed)
-        : stroke_m_(stroke_m), device_(testing::phantom_1_0()), law_(device_),
-          phantom_(device_, options(seed), kStart_m), //
+    ObservedTouch(const Touch &touch, std::uint64_t seed)
+        : touch_(touch), device_(testing::phantom_1_0()), law_(device_),
+          phantom_(device_, options(touch, seed), kStart_m),
           observers_{WindingObserver(device_, 0, kPeriod_s), WindingObserver(device_, 1, kPeriod_s),
                      WindingObserver(device_, 2, kPeriod_s)} {
+        tuning_.dR_Ohm = touch.dR_Ohm;
         last_ = phantom_.advance(command_);
         filter_.reset(law_.theta_rad(last_.counts));
         for (int tick = 0; tick * kPeriod_s < kTouch_s; ++tick) {
@@ -61,9 +67,10 @@ private:
     static inline const Vector3 kStart_m{0.0, 0.03, 0.0};
     static inline const Vector3 kNormal = Vector3(0.5, 0.6, 0.62).normalized();
 
-    static simulated::SimulationOptions options(std::uint64_t seed) {
+    static simulated::SimulationOptions options(const Touch &touch, std::uint64_t seed) {
         simulated::SimulationOptions options;
         options.device_seed = seed;
+        options.ambient_C = touch.air_C;
         return options;
     }
 
@@ -73,7 +80,8 @@ private:
         const double phase = std::numbers::pi * time_s;
         const Vector3 aside =
             std::sin(phase) * along + std::sin(1.3 * phase) * kNormal.cross(along);
-        phantom_.set_hand_target(kStart_m + ramp * (0.5 * stroke_m_ * aside - 4e-3 * kNormal));
+        phantom_.set_hand_target(kStart_m +
+                                 ramp * (0.5 * touch_.stroke_m * aside - 4e-3 * kNormal));
         const device::Measurement measured = phantom_.advance(command_);
         observe(measured);
         last_ = measured;
@@ -117,7 +125,7 @@ private:
         return command;
     }
 
-    double stroke_m_;
+    Touch touch_;
     device::DeviceDescription device_;
     Tuning tuning_;
     HapticLaw law_;
@@ -131,16 +139,17 @@ private:
 /// Errors of many motors, and how many of them lie within 1.96 standard deviations.
 struct Errors {
     double worst_Ohm = 0.0;
+    double max_deviation_Ohm = 0.0;
     double min_deviation_of_mean_Ohm = INFINITY;
     int within = 0;
     int count = 0;
 };
 
-Errors errors(double stroke_m, std::uint64_t seeds) {
+Errors errors(const Touch &touch, std::uint64_t seeds) {
     Errors found;
     const device::DeviceDescription device = testing::phantom_1_0();
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-        const ObservedTouch run(stroke_m, seed);
+        const ObservedTouch run(touch, seed);
         const simulated::SampledDevice drawn = simulated::sampled_device(device, seed);
         for (std::size_t motor = 0; motor < 3; ++motor) {
             const auto j = static_cast<Eigen::Index>(motor);
@@ -149,6 +158,7 @@ Errors errors(double stroke_m, std::uint64_t seeds) {
                 run.truth().resistance_Ohm[j] / drawn.motor[motor].sensing.amplifier.gain;
             const double error_Ohm = std::abs(seen.resistance_Ohm - truth_Ohm);
             found.worst_Ohm = std::max(found.worst_Ohm, error_Ohm);
+            found.max_deviation_Ohm = std::max(found.max_deviation_Ohm, seen.deviation_Ohm);
             found.min_deviation_of_mean_Ohm =
                 std::min(found.min_deviation_of_mean_Ohm, run.observer(motor).mean().deviation_Ohm);
             found.within += error_Ohm < 1.96 * seen.deviation_Ohm ? 1 : 0;
@@ -163,14 +173,26 @@ int min_within(int count) {
     return static_cast<int>(0.95 * count - 3.0 * std::sqrt(0.95 * 0.05 * count));
 }
 
+TEST(WindingObserver, FindsR) {
+    for (const double dR_Ohm : {0.5, 0.2}) {
+        for (const double air_C : {15.0, 25.0, 35.0}) {
+            const Errors found = errors({.dR_Ohm = dR_Ohm, .air_C = air_C}, 20);
+            // 1 % of dR at 0.5 Ω, 3 % at 0.2 Ω.
+            EXPECT_LT(found.worst_Ohm, dR_Ohm > 0.3 ? 0.005 : 0.006) << dR_Ohm << ' ' << air_C;
+            EXPECT_LT(found.max_deviation_Ohm, 0.003) << dR_Ohm << ' ' << air_C;
+            EXPECT_GE(found.within, min_within(found.count)) << dR_Ohm << ' ' << air_C;
+        }
+    }
+}
+
 /// R at the angle held is known, its mean over the angles only as well as the ripple: with an
 /// amplitude of 2 % of 2.18 Ω some 30 mΩ.
 TEST(WindingObserver, SaysThatHoldingStillDoesNotTellTheMean) {
-    const Errors found = errors(0.0, 20);
+    const Errors found = errors({.stroke_m = 0.0}, 20);
     EXPECT_LT(found.worst_Ohm, 0.006);
     EXPECT_GE(found.within, min_within(found.count));
     EXPECT_GT(found.min_deviation_of_mean_Ohm, 0.02);
-    EXPECT_LT(errors(kStroke_m, 2).min_deviation_of_mean_Ohm, 0.003);
+    EXPECT_LT(errors({}, 2).min_deviation_of_mean_Ohm, 0.003);
 }
 
 /// Nothing is learned from a winding without current, except that nothing was.
