@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <random>
 #include <set>
@@ -468,9 +469,9 @@ TEST(RepeatedTriangles, HandlesAHundredThousandCopies) {
     EXPECT_EQ(outcome.repeated.same_winding.size(), 99999U);
 }
 
-std::vector<std::uint32_t> slivers(const TriangleSoup &soup) {
+std::vector<std::uint32_t> slivers(const TriangleSoup &soup, unsigned threads = 1) {
     const std::vector<MeshTriangle> triangles = mesh_of(soup.triangles);
-    return slivers_to_leave_out(triangles, edges_of(triangles), soup.vertices_m, 1);
+    return slivers_to_leave_out(triangles, edges_of(triangles), soup.vertices_m, threads);
 }
 
 std::vector<FacetSource> facets(TriangleSoup soup, TouchSides sides) {
@@ -531,6 +532,18 @@ TEST(SurfaceFacets, LeavesOutOneOfABookOfSlivers) {
     // One without a normal leaves the gap first.
     soup.vertices_m.back().y() = 0.0;
     EXPECT_EQ(slivers(soup), std::vector<std::uint32_t>{kLeaves - 1});
+}
+
+TEST(SurfaceFacets, LeavesTheSameOutInAnyNumberOfThreads) {
+    std::vector<double> heights_m;
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> exponent(-10.0, -5.0);
+    heights_m.reserve(300);
+    for (int i = 0; i < 300; ++i) {
+        heights_m.push_back(std::pow(10.0, exponent(random)));
+    }
+    EXPECT_EQ(slivers(rows(heights_m), 2), slivers(rows(heights_m), 1));
+    EXPECT_EQ(slivers(rows(heights_m), 3), slivers(rows(heights_m), 1));
 }
 
 TEST(SurfaceFacets, HaveTheSidesThatTheirMaterialSpecifies) {
