@@ -289,6 +289,15 @@ TEST(TJunctionRemoval, DividesALongEdgeByThousandsOfVertices) {
     EXPECT_EQ(open_edges(outcome.triples).size(), 4U);
 }
 
+TEST(TJunctionRemoval, IsTheSameForAnyNumberOfThreads) {
+    std::mt19937_64 random(1);
+    const TriangleSoup soup = testing::random_soup(random, 500, 1e-4, 1e-4);
+    const SplitOutcome one = after_splitting(soup.triangles, soup.vertices_m, 1);
+    EXPECT_GT(one.split.split_triangles, 0U);
+    EXPECT_EQ(after_splitting(soup.triangles, soup.vertices_m, 2).triples, one.triples);
+    EXPECT_EQ(after_splitting(soup.triangles, soup.vertices_m, 3).triples, one.triples);
+}
+
 TEST(TJunctionRemoval, NeverMakesATriangleOfTwoCorners) {
     std::mt19937_64 random(1);
     for (int round = 0; round < 50; ++round) {
