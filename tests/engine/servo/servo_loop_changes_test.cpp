@@ -97,6 +97,13 @@ TEST(BumplessTransfer, LimitsTheOffsetToTheSupply) {
     EXPECT_NEAR(now_V[0], supply_V - 0.05, 1e-12);
 }
 
+TEST(BumplessTransfer, StartsANewSceneWithTheLastVoltage) {
+    BumplessTransfer transfer = transfer_at(1e-3);
+    transfer.carry(Vector3(1.0, 0.0, 0.0), std::nullopt, false, true);
+    const Vector3 now_V = carried_on_V(transfer, Vector3(0.0, 0.3, 0.01), std::nullopt, true);
+    EXPECT_LT((now_V - Vector3(0.95, 0.05, 0.01)).norm(), 1e-12);
+}
+
 TEST(BumplessTransfer, HasNoOffsetWhileMotorsAreOff) {
     BumplessTransfer transfer = transfer_at(1e-3);
     transfer.carry(Vector3::Zero(), Vector3::Ones(), false, true);
