@@ -115,8 +115,11 @@ TEST(BumplessTransfer, HasNoOffsetWhileMotorsAreOff) {
 TEST(BumplessTransfer, MovesParametersSmoothlyToTheirTargets) {
     constexpr double kGlide_s = 0.05;
     LawSettings requested;
-    requested.tuning.K_P_V_per_rad = 25.0;
-    requested.tuning.eta = 0.4;
+    for (const control::Parameter &parameter : control::kParameters) {
+        double &value = requested.tuning.*parameter.value;
+        value += 0.5 * (parameter.maximum - value);
+    }
+    requested.tuning.dR_Ohm = control::Tuning{}.dR_Ohm; // its rate is limited: see below
     requested.tuning.map = control::MotionMap::inverse;
     requested.global_alpha_rad2_per_m2 = 1234.0;
     BumplessTransfer transfer = transfer_at(kPeriod_s);
