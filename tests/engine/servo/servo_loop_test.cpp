@@ -306,6 +306,31 @@ TEST(ServoLoop, KeepsItsTuningForAnInvalidOne) {
     EXPECT_DOUBLE_EQ(rig.tick().command.cancelled_resistance_Ohm[0], 1.18);
 }
 
+TEST(ServoLoop, AChangeOfTuningInContactCausesNoForceStep) {
+    // A switch from one tuning to another while the hand presses: the rendered force stays between
+    // the two steady forces, except for the overshoot of the hand's own spring, here well below a
+    // newton.
+    const auto tuning = [](const char *name) {
+        return control::read_tuning_file(testing::assets() / "tunings" /
+                                         (std::string(name) + ".toml"));
+    };
+    for (const auto &[from, to] : {std::pair("soft", "stiffest_1kHz"),
+                                   std::pair("stiffest_1kHz", "soft"), std::pair("soft", "firm")}) {
+        Rig rig(following({{0.0, kStart_m}, {1.0, Vector3(0.0, -0.01, 0.0)}}), plate());
+        rig.inputs.tuning = tuning(from);
+        rig.run(kStartUp_s + 2.0);
+        const double before_N = rig.tick().tip_force_N.norm();
+        rig.inputs.tuning = tuning(to);
+        double max_N = 0.0;
+        for (int i = 0; i < 1000; ++i) {
+            max_N = std::max(max_N, rig.tick().tip_force_N.norm());
+        }
+        const double after_N = rig.tick().tip_force_N.norm();
+        EXPECT_GT(before_N, 1.0);
+        EXPECT_LT(max_N, std::max(before_N, after_N) + 1.0) << from << " to " << to;
+    }
+}
+
 /// N invkin(x₀) of (18).
 Vector3 set_point_rad(const device::DeviceDescription &device, const Vector3 &x0_m) {
     return device::motor_from_joint(device.geometry,
