@@ -401,7 +401,9 @@ TEST(Blocks, InterleaveSeriesTracksAndCatchTrialsByChance) {
     std::map<int, int> of_track{{0, 0}, {1, 0}}; // of the staircases
     int changes = 0;
     int before = -1;
-    for (const PastBlockTrial &trial : whole_run(mixed_block())) {
+    const Block block = mixed_block();
+    const std::vector<PastBlockTrial> past = whole_run(block);
+    for (const PastBlockTrial &trial : past) {
         if (trial.outcome.marked || trial.presented.kind == TrialKind::practice) {
             continue;
         }
@@ -429,6 +431,7 @@ TEST(Blocks, InterleaveSeriesTracksAndCatchTrialsByChance) {
     EXPECT_GE(places.size(), 20U);
     EXPECT_LT(places.front(), 2); // of more than 20 places from 0 to 7
     EXPECT_GT(places.back(), 5);
+    EXPECT_NE(BlockRun(block, {1}).next(), past.front().presented); // with another key
 }
 
 TEST(Blocks, DrawTheTargetOfEachTrialAlike) {
