@@ -160,6 +160,19 @@ TEST(PlotView, AtTheLimitsOfZoomTheViewStaysWhereItIs) {
     }
 }
 
+TEST(PlotView, CursorsBeginWithinTheViewAndStayAtTheirTimes) {
+    MadeUpStore made;
+    made.add_until(10.0);
+    PlotView view;
+    view.set_span(3.0);
+    view.place_cursors(made.store());
+    EXPECT_NEAR(view.cursor_s[0], 8.0, 1e-9);
+    EXPECT_NEAR(view.cursor_s[1], 9.0, 1e-9);
+    made.add_until(11.0);
+    view.set_span(1.0);
+    EXPECT_NEAR(view.cursor_s[0], 8.0, 1e-9);
+}
+
 TEST(PlotView, FollowsAgainWithTheSpanFromBeforeItWasZoomed) {
     MadeUpStore made;
     made.add_until(10.0);
