@@ -248,8 +248,22 @@ TEST(PlotsInTheWindow, AreZoomedMovedMadeLargerAndClosed) {
         const Point mouse = then.point(0.9);
         window.person().wheel(mouse.x, mouse.y, notches);
         const ShownPlot zoomed = first_plot(window);
-        EXPECT_EQ(zoomed.x_to / zoomed.x_from<then.x_to / then.x_from, notches> 0);
+        EXPECT_TRUE(std::isfinite(zoomed.x_from) && std::isfinite(zoomed.x_to)) << notches;
+        EXPECT_LT(zoomed.x_from, zoomed.x_to) << notches;
+        const double ratio = zoomed.x_to / zoomed.x_from;
+        const double ratio_before = then.x_to / then.x_from;
+        if (notches > 0) {
+            EXPECT_LT(ratio, ratio_before);
+        } else {
+            EXPECT_GT(ratio, ratio_before);
+        }
     }
+    // At the limit of zoom the view over time stays.
+    const Point over_time = plots_of(window.look()).at(1).point(0.9);
+    window.person().wheel(over_time.x, over_time.y, -40);
+    const ShownPlot far = plots_of(window.look()).at(1);
+    window.person().wheel(far.point(0.2).x, far.point(0.2).y, -5);
+    expect_same_x(plots_of(window.look()).at(1), far);
     EXPECT_TRUE(window.look().shows("running"));
     // Larger ones cover the scene, and each can be closed.
     const auto height = [&] { return window.look().item("Plots").at("height").get<double>(); };
