@@ -367,6 +367,33 @@ TEST(Histogram, CopesWithNumbersOfAnySizeAndNeedsTwoBins) {
 
 // --- trigger ---
 
+using Indices = std::vector<int>;
+
+/// The indices of the values that are events.
+Indices events(const TriggerCondition &condition, const std::vector<double> &values) {
+    EdgeDetector detector(condition);
+    Indices all;
+    for (int i = 0; i < static_cast<int>(values.size()); ++i) {
+        if (detector.take(values[static_cast<std::size_t>(i)])) {
+            all.push_back(i);
+        }
+    }
+    return all;
+}
+
+TEST(EdgeDetector, FiresWhereTheLevelIsPassedWhichItselfIsLow) {
+    const std::vector<double> wave{0.0, 1.0, 2.0, 3.0, 2.0, 1.0, 0.0, 3.0, 0.0};
+    EXPECT_EQ(events({TriggerEdge::rising, 1.5}, wave), (Indices{2, 7}));
+    EXPECT_EQ(events({TriggerEdge::falling, 1.5}, wave), (Indices{5, 8}));
+    EXPECT_EQ(events({TriggerEdge::either, 1.5}, wave), (Indices{2, 5, 7, 8}));
+    const std::vector<double> contact{0.0, 0.0, 1e-9, 5.0, 0.0, 0.0};
+    EXPECT_EQ(events({TriggerEdge::rising, 0.0}, contact), Indices{2});
+    EXPECT_EQ(events({TriggerEdge::falling, 0.0}, contact), Indices{4});
+    EXPECT_EQ(events({TriggerEdge::rising, 5.0}, contact), Indices{});
+    EXPECT_EQ(events({TriggerEdge::change, 99.0}, {1.0, 1.0, 2.0, 1.0, kEndless, 0.0, -0.0}),
+              (Indices{2, 3, 4, 5}));
+}
+
 /// Without any state: the last number before a value decides.
 bool is_event(const std::vector<double> &values, std::size_t i, const TriggerCondition &condition) {
     const auto is_high = [&](double value) { return value > condition.level; };
