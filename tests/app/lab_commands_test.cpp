@@ -443,7 +443,11 @@ TEST(TouchCommand, WritesEveryStepAsCsv) {
                   "--json", folder / "figures.json", "--strict"});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(ending.out, "");
-    EXPECT_EQ(json::parse(testing::contents_of(folder / "figures.json"))["steps"], 300);
+    const json said = json::parse(testing::contents_of(folder / "figures.json"));
+    EXPECT_EQ(said["steps"], 300);
+    EXPECT_EQ(said["steps_sampled"], said["steps_to_sample"]);
+    EXPECT_EQ(said["steps_sampled"], said["steps_in_contact"]);
+    EXPECT_EQ(said["steps_sampled_lagging"], 0);
     const std::string csv = testing::contents_of(folder / "steps.csv");
     EXPECT_EQ(csv.substr(0, csv.find('\n')), "t,x,y,z,px,py,pz,nx,ny,nz,constraints,ns,lag,still");
     int rows = 0;
