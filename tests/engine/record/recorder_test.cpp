@@ -297,5 +297,16 @@ TEST(Replay, AnotherCountIsAnotherMotion) {
     EXPECT_FALSE(replay_of(samples).is_identical());
 }
 
+TEST(Replay, AnotherTuningGivesOtherVoltages) {
+    control::Tuning stiffer;
+    stiffer.K_P_V_per_rad = 15.0;
+    Replay replay(testing::phantom_1_0(), stiffer);
+    for (const servo::ServoSample &sample : one_run()) {
+        static_cast<void>(replay.take(sample));
+    }
+    EXPECT_FALSE(replay.is_identical());
+    EXPECT_EQ(replay.quantities()[0].differing, 0U); // θ is as it was
+}
+
 } // namespace
 } // namespace springdrive::record
