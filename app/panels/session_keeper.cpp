@@ -5,6 +5,7 @@
 #include "base/print.h"
 #include "engine/record/record_file.h"
 #include "engine/session/servo_run.h"
+#include "engine/session/telemetry_history.h"
 
 #include <fmt/core.h>
 

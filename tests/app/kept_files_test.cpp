@@ -5,6 +5,8 @@
 // written.
 #include "app/panels/session_keeper.h"
 
+#include "app/panels/window_habits.h"
+#include "base/input_error.h"
 #include "engine/record/record_file.h"
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/files.h"

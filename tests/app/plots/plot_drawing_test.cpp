@@ -1,6 +1,9 @@
 // Covers the axes in app/plots/canvas.cpp.
 #include "app/plots/canvas.h"
 
+#include "tests/support/imgui_frame.h"
+#include "tests/support/plots.h"
+
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <imgui.h>

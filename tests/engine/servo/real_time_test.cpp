@@ -152,7 +152,8 @@ TEST(RealTime, APresentedStimulusAllocatesAndLocksNothing) {
         study::hand_trajectory(setting, presented, stimulus, {});
     simulated::SimulationOptions options;
     options.path.emplace(trajectory.points);
-    simulated::SimulatedPhantom phantom(setting.device, options, course.points.front().position_m);
+    simulated::SimulatedPhantom phantom(setting.device, options,
+                                        trajectory.points.front().position_m);
     servo::Servo servo(phantom, 1.0 / options.servo_period_s);
     study::LiveStimulus live(setting.device, stimulus, options.servo_period_s);
     servo::ServoInputs inputs;

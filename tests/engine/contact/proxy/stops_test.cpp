@@ -1,5 +1,7 @@
 // Covers engine/contact/mesh/facet.cpp.
 #include "engine/contact/mesh/facet.h"
+#include "engine/contact/proxy/contact_planes.h"
+#include "engine/contact/proxy/haptic_surface.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/support/surfaces.h"
 

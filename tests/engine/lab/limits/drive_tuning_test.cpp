@@ -10,6 +10,8 @@
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/lab/limits/drive_comparison.h"
 #include "engine/lab/limits/stability_simulation.h"
+#include "engine/lab/loops/rendered_stiffness.h"
+#include "tests/support/devices.h"
 #include "tests/support/stability_cases.h"
 
 #include <Eigen/LU>

@@ -2,6 +2,7 @@
 #include "engine/lab/rig/plant_equations.h"
 
 #include "device/core/phantom/kinematics.h"
+#include "engine/lab/rig/rotor_simulation.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 

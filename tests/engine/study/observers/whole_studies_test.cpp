@@ -174,11 +174,11 @@ TEST(StimuliOfAnHour, AreWithinTheirBandsOrMarkedWhileTheMotorsWarm) {
         const Presented one{0, std::nullopt, parameters, parameters.tuning};
         const Stimulus stimulus = stimulus_of(protocol, setting, one);
         const HandTrajectory trajectory = hand_trajectory(setting, one, stimulus, {});
-        rig.phantom().follow(simulated::HandPath(course.points));
+        rig.phantom().follow(simulated::HandPath(trajectory.points));
         StimulusRun run(setting.device, stimulus, options.servo_period_s);
         DeliveryMeter meter(setting.device, stimulus, options.servo_period_s);
         TruePress truth;
-        const auto ticks = std::lround(course.points.back().time_s / options.servo_period_s);
+        const auto ticks = std::lround(trajectory.points.back().time_s / options.servo_period_s);
         for (long tick = 0; tick < ticks; ++tick) {
             const servo::ServoSample &sample = rig.tick();
             run.update(sample, rig.inputs);
