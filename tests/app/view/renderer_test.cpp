@@ -530,7 +530,7 @@ void main() {
     gl_Position = vec4(4.0 * corner - 1.0, 0.0, 1.0);
 }
 )";
-constexpr const char *kWhite = R"(
+constexpr const char *kFillWhite = R"(
 out vec4 pixel;
 void main() { pixel = vec4(1.0); }
 )";
@@ -542,7 +542,7 @@ TEST(FrameLoad, CountsCallsTrianglesAndSamples) {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, target.name(), 0);
     glViewport(0, 0, kWidth_px, kHeight_px);
-    const Program fill("fill", kCover, kWhite);
+    const Program fill("fill", kCover, kFillWhite);
     const VertexArray no_vertices;
     FrameLoadMeter meter;
     const auto frame = [&](int calls, int top_px) {

@@ -161,7 +161,7 @@ TEST(RealTime, APresentedStimulusAllocatesAndLocksNothing) {
     inputs.surface = setting.conditions[presented.condition].surface.get();
     inputs.schedule = &live;
     servo.publish(inputs);
-    const auto ticks = std::lround(course.points.back().time_s / options.servo_period_s);
+    const auto ticks = std::lround(trajectory.points.back().time_s / options.servo_period_s);
     expect_quiet([&] { servo.advance(static_cast<int>(ticks)); });
     EXPECT_EQ(live.phase(), study::StimulusPhase::done) << description(live.failure());
     EXPECT_NEAR(live.delivered().measures.turn_deg.value(), 30.0, 1.0); // the protocol's band
