@@ -20,9 +20,7 @@ namespace {
 void audit(int &asked, int value) { SPRINGDRIVE_ASSERT_AUDIT(++asked > 0 && value > 0); }
 #undef SPRINGDRIVE_AUDIT
 #define SPRINGDRIVE_AUDIT 0
-void leave_out(int &asked, int value) {
-    SPRINGDRIVE_ASSERT_AUDIT(++asked > 0 && value > 0);
-}
+void leave_out(int &asked, int value) { SPRINGDRIVE_ASSERT_AUDIT(++asked > 0 && value > 0); }
 #pragma pop_macro("SPRINGDRIVE_AUDIT")
 
 constexpr int half(int value) {

@@ -1,7 +1,6 @@
 // Covers engine/servo/servo_timing.h.
 #include "engine/servo/servo_timing.h"
 
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
