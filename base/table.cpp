@@ -63,10 +63,10 @@ std::vector<Line> heading_lines(const Table &table) {
     std::vector<Line> lines(1 + static_cast<std::size_t>(std::ranges::count(height, '\n')));
     for (const Column &column : table.columns) {
         std::string_view rest = column.name;
-        for (auto line = lines.rbegin(); line != lines.rend(); ++line) {
+        for (std::size_t from_below = 1; from_below <= lines.size(); ++from_below) {
             const std::size_t before = rest.rfind('\n');
             const bool is_last = before == std::string_view::npos;
-            line->emplace_back(is_last ? rest : rest.substr(before + 1));
+            lines[lines.size() - from_below].emplace_back(is_last ? rest : rest.substr(before + 1));
             rest = is_last ? "" : rest.substr(0, before);
         }
     }

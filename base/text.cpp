@@ -94,8 +94,8 @@ std::string csv_cell(double number) {
 }
 
 std::string tsv_cell(std::string_view text) {
-    constexpr std::size_t kMaxBytes = 100'000;
-    const std::string line = guard_formula(one_line(std::string(text), kMaxBytes));
+    constexpr std::size_t kMaxCellBytes = 100'000;
+    const std::string line = guard_formula(one_line(std::string(text), kMaxCellBytes));
     return line.empty() ? "n/a" : line.find('"') == std::string::npos ? line : enclosed(line, '"');
 }
 

@@ -15,7 +15,7 @@
 #include <functional>
 #include <map>
 #include <numbers>
-#include <ranges>
+#include <span>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -37,7 +37,7 @@ TEST(BaselineCommand, ComparesThreeDrives) {
     const auto lines = testing::parsed_csv(ending.out);
     const std::vector<std::string> &names = lines.front();
     std::map<std::string, std::map<std::string, std::string>> drives;
-    for (const std::vector<std::string> &values : lines | std::views::drop(1)) {
+    for (const std::vector<std::string> &values : std::span(lines).subspan(1)) {
         ASSERT_EQ(values.size(), names.size());
         for (std::size_t i = 0; i < names.size(); ++i) {
             drives[values[3]][names[i]] = values[i];

@@ -370,7 +370,7 @@ inline EchoRun echo_synchronously(const HostDevice &device, std::size_t round_tr
 class AsynchronousEcho {
 public:
     AsynchronousEcho(libusb_context *context, const HostDevice &device, std::size_t in_flight)
-        : context_(context), device_(device), lane_(2 * in_flight) {
+        : context_(context), lane_(2 * in_flight) {
         for (std::size_t i = 0; i < lane_.size(); ++i) {
             const bool is_in = i < in_flight;
             Lane &lane = lane_[i];
@@ -495,7 +495,6 @@ private:
     }
 
     libusb_context *context_;
-    const HostDevice &device_;
     std::vector<Lane> lane_; ///< as many IN as OUT
     std::size_t requested_ = 0;
     std::size_t to_send_ = 0;

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <ranges>
 #include <regex>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,7 +54,7 @@ inline std::vector<std::string> column_of(const std::string &csv, const std::str
     const auto lines = parsed_csv(csv);
     const auto at = std::ranges::find(lines.front(), name) - lines.front().begin();
     std::vector<std::string> column;
-    for (const auto &line : lines | std::views::drop(1)) {
+    for (const auto &line : std::span(lines).subspan(1)) {
         column.push_back(line.at(static_cast<std::size_t>(at)));
     }
     return column;

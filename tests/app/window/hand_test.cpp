@@ -345,7 +345,8 @@ TEST(SceneInTheWindow, TheSentenceIsPutAwayAndTheTourGoesFromSceneToScene) {
                                         {"previous", "A blow"}, // the last is before the first
                                         {"next", "A stiff wall"}}) {
         window.click(std::string("lesson/") + button);
-        window.wait_until([&](const Report &report) { return report.shows(title); }, title);
+        window.wait_until([&sought = title](const Report &report) { return report.shows(sought); },
+                          title);
     }
     window.enter("Scene/path", "own.gltf"); // a model of one's own has no plate
     window.wait_until(

@@ -478,11 +478,11 @@ TEST_F(SafetyTrips, ARequestedStopHoldsWhateverElseTripsUntilItIsReleased) {
                 start_up();
                 simulated::SimulatedPhantom plant(plant_of, still, Vector3(0.0, 0.02, 0.0));
                 std::uint32_t released = 0;
-                const auto tick_at = [&](int number) {
+                const auto tick_at = [&, &add_cause = apply](int number) {
                     Tick tick = fine();
                     if (number >= kCause && number < kCause + kPresent) {
                         tick.orders.heartbeat = 7;
-                        apply(tick);
+                        add_cause(tick);
                     }
                     if (by_switch && number >= pressed && number < pressed + 20) {
                         tick.seen.link.faults.bits |= device::BoardFaults::kStop;

@@ -403,7 +403,7 @@ private:
 };
 
 TEST(WrongDirectionSession, TheInverseMapIsBeyond25DegreesAndTheTransposeMapBelow5) {
-    for (const std::uint64_t seed : {0, 3, 7, 11}) { // the file's own device, and drawn ones
+    for (const std::uint64_t seed : {0U, 3U, 7U, 11U}) { // the file's own device, and drawn ones
         SCOPED_TRACE(seed);
         PressedSpot pressed(seed);
         pressed.use(control::MotionMap::inverse);

@@ -187,14 +187,14 @@ std::string mutated(std::string bytes, std::uint64_t seed) {
     testing::Draws draws(seed);
     if (draws.below(40) == 0) { // noise after a good beginning
         bytes.resize(draws.below(bytes.size()));
-        for (std::size_t i = bytes.size() + draws.below(3000); bytes.size() < i;) {
+        for (std::size_t i = bytes.size() + draws.below(std::size_t{3000}); bytes.size() < i;) {
             bytes.push_back(static_cast<char>(draws.below(256)));
         }
         return bytes;
     }
     const std::size_t page =
         draws.below(2) == 0 ? 4096 : bytes.size(); // the first page rules the others
-    for (std::size_t i = 1 + draws.below(4); i > 0; --i) {
+    for (std::size_t i = 1 + draws.below(std::size_t{4}); i > 0; --i) {
         const std::size_t at = draws.below(page);
         switch (draws.below(3)) {
         case 0:

@@ -229,7 +229,8 @@ TEST(StudyStore, RefusesAnswersThatCannotBe) {
              {{"P01", 1, "a,b", "Which hand?", "left", kStart}, "'a,b' is no name"},
              {{"P01", 1, "hand", " \n", "left", kStart}, "question has no text"},
              {{"P01", 1, "hand", "Which hand?", "l\xff", kStart}, "no text in UTF-8"}}) {
-        const std::string said = error_text_of([&] { store.add(answer); });
+        const QuestionnaireAnswer &added = answer; // what a lambda captures
+        const std::string said = error_text_of([&] { store.add(added); });
         EXPECT_TRUE(said.starts_with(file.string() + ": ")) << said;
         EXPECT_NE(said.find(part), std::string::npos) << said;
     }
@@ -314,8 +315,8 @@ TEST(StudyStore, TakesCodesOnly) {
              {{"P01", 2, kStart}, "has a participant P01 already"},
              {{"P02", 1, kStart}, "has a participant of number 1 already: P01"},
              {{"P02", 0, kStart}, "participants are numbered from 1"}}) {
-        EXPECT_EQ(error_text_of([&] { store.add(participant); }).find(file.string() + ": " + part),
-                  0U)
+        const Participant &added = participant; // what a lambda captures
+        EXPECT_EQ(error_text_of([&] { store.add(added); }).find(file.string() + ": " + part), 0U)
             << part;
     }
     EXPECT_EQ(read_study(file).participants.size(), 1U);
