@@ -207,7 +207,7 @@ std::string threshold_words(const OwnCurve &curve) {
                        threshold.high);
 }
 
-/// A session without an experimenter. Not in the unnamed namespace, as coroutines hold it.
+/// A study session without an experimenter. Not in the unnamed namespace, as coroutines hold it.
 class UnattendedVisit {
 public:
     /// @param session  and the protocol: must outlive this
@@ -218,7 +218,7 @@ public:
           seen_s_(session.servo().now_s()), stop_(session.servo().inputs().requested_stop),
           step_since_s_(session.servo().now_s()) {}
 
-    /// What is shown of a session's picture. With a mouse all can be done by its left button.
+    /// What is shown of a study session's picture. With a mouse all can be done by its left button.
     [[nodiscard]] ParticipantPicture for_visitors(ParticipantPicture picture,
                                                   StudySessionStep step) {
         const double now_s = session_.servo().now_s();
@@ -244,7 +244,7 @@ public:
         return picture;
     }
 
-    /// What a session gets of the frame in which that was shown.
+    /// What a study session gets of the frame in which that was shown.
     [[nodiscard]] StudySessionFrame for_study_session(StudySessionFrame frame,
                                                       const StudySessionState &state) {
         if (!made_up_ && away_s(frame.inputs) > kGoneAfter_s) {

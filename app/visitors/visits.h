@@ -1,15 +1,15 @@
 // "Can you feel it?", one visitor after the other, unattended:
 //
-//   start ──► session ──► own curve ──► start
-//     │         └ walked away ───────────► start
+//   start ──► study session ──► own curve ──► start
+//     │         └ walked away ─────────────────► start
 //     └► a visitor who is made up: three trials, the others reckoned, the curve ──► start
 //
 // A visit's trials are in a study in memory, which is gone when the next visitor begins: nothing of
-// a visitor is in any file. A visitor's session is a participant's in which nobody looks after the
-// visitor: what an experimenter would do is done between the session and the window.
+// a visitor is in any file. A visitor's study session is a participant's in which nobody looks
+// after the visitor: what an experimenter would do is done between it and the window.
 //
-//   session ──picture──► buttons, "Still there?" ──► window
-//   session ◄──inputs── answers of a visitor who is made up ◄── window
+//   study session ──picture──► buttons, "Still there?" ──► window
+//   study session ◄──inputs── answers of a visitor who is made up ◄── window
 #pragma once
 
 #include "app/stage/frame_loop.h"
@@ -41,7 +41,7 @@ inline constexpr double kGoneAfter_s = 40.0;
 /// A visitor who is made up is shown for so many trials.
 inline constexpr std::size_t kShownTrials = 3;
 
-/// Why a visit was ended before the session was through.
+/// Why a visit was ended before its study session was through.
 enum class VisitEnd : std::uint8_t {
     none,
     gone,       ///< nobody was there any more

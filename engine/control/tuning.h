@@ -107,6 +107,8 @@ inline constexpr std::array<std::string_view, 3> kAlphaModeNames{"on_the_fly", "
 inline constexpr std::array<const char *, 2> kMotionMapLabels{"inverse (18)", "transpose (23)"};
 inline constexpr std::array<const char *, 3> kAlphaModeLabels{"α on the fly", "global α",
                                                               "α by hand"};
+static_assert(kMotionMapLabels.size() == kMotionMapNames.size());
+static_assert(kAlphaModeLabels.size() == kAlphaModeNames.size());
 
 [[nodiscard]] constexpr std::string_view label_of(MotionMap map) {
     return kMotionMapLabels[static_cast<std::size_t>(map)];

@@ -54,7 +54,7 @@ void DeviceStops::end_trial(bool is_stored) {
     if (!is_in_trial_) {
         return;
     }
-    if (is_stored && !of_trial_) { // a trajectory sees a stop before its sample is published
+    if (is_stored && !of_trial_) { // a schedule sees a stop before its sample is published
         session_.servo().paused([] {});
     }
     watch();

@@ -158,8 +158,8 @@ struct MaskingNoise::Output {
     }
     [[nodiscard]] bool is_playing() const {
         constexpr std::chrono::milliseconds kMaxGap{500};
-        const Clock::time_point asked{Clock::duration(last_requested.load())};
-        return Pa_IsStreamActive(stream) == 1 && Clock::now() - asked < kMaxGap;
+        const Clock::time_point requested{Clock::duration(last_requested.load())};
+        return Pa_IsStreamActive(stream) == 1 && Clock::now() - requested < kMaxGap;
     }
     void close_stream() {
         const SilencedErrors silenced;
