@@ -536,12 +536,11 @@ template <class Wire, class Matrix> constexpr void exchange_matrix(Wire &wire, M
 /// `exchange` is the layout after version and kind; `is_valid` checks ranges.
 template <class Value> struct Layout;
 
-/// What all layouts have. Of those that check no ranges, every value is valid.
+/// What all layouts have.
 template <Kind kind, std::size_t size, bool may_be_nan = false> struct Shape {
     static constexpr Kind kKind = kind;
     static constexpr std::size_t kSize = size;
     static constexpr bool kMayBeNan = may_be_nan;
-    template <class Value> static constexpr bool is_valid(const Value & /*value*/) { return true; }
 };
 
 template <> struct Layout<Command> : Shape<Kind::command, kFrameSize> {
@@ -687,6 +686,7 @@ template <> struct Layout<Counters> : Shape<Kind::counters, kCountersSize> {
         wire.number(counters.late_loops);
         wire.number(counters.reports_replaced);
     }
+    static constexpr bool is_valid(const Counters & /*any*/) { return true; }
 };
 
 template <> struct Layout<Zeroing> : Shape<Kind::zero, kZeroingSize> {
@@ -694,6 +694,7 @@ template <> struct Layout<Zeroing> : Shape<Kind::zero, kZeroingSize> {
         wire.skip(2);
         wire.number(zeroing.counts);
     }
+    static constexpr bool is_valid(const Zeroing & /*any*/) { return true; }
 };
 
 template <> struct Layout<ReportRate> : Shape<Kind::report_rate, kReportRateSize> {
@@ -711,6 +712,7 @@ template <> struct Layout<CalibrationBlock> : Shape<Kind::calibration, kCalibrat
         wire.number(block.index);
         wire.number(block.bytes);
     }
+    static constexpr bool is_valid(const CalibrationBlock & /*any*/) { return true; }
 };
 
 /// As the contents of block 0.
