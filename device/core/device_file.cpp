@@ -120,6 +120,9 @@ MotorParameters read_motor(StrictTomlTable &table) {
     if (table.has("torque_constant_tolerance")) {
         motor.torque_constant_tolerance = table.number("torque_constant_tolerance", {0.0, 0.5});
     }
+    if (table.has("greatest_brush_voltage_V")) {
+        motor.max_brush_voltage_V = table.number("greatest_brush_voltage_V", {0.0, 2.0});
+    }
     table.refuse_unknown_keys();
     return motor;
 }

@@ -59,7 +59,9 @@ struct ObservedMotor {
     double torque_constant_Nm_per_A = 0.0;
     double offset_A = 0.0; ///< of the current's sensor
     bool is_observed = false;
-    bool is_trusted = true; ///< false: what was measured contradicts the file, or itself
+    bool is_trusted = true;       ///< false: what was measured contradicts the file, or itself
+    double brush_voltage_V = 0.0; ///< V_b of brushes and bridge, with the sign of the current
+    double brush_deviation_V = 0.0;
 };
 
 using ObservedMotors = std::array<ObservedMotor, 3>;

@@ -9,9 +9,6 @@ namespace springdrive::servo {
 
 namespace {
 
-/// Of brushes and bridge together.
-constexpr double kMaxBrush_V = 0.5;
-
 /// k_T is at least so uncertain, as a share of it, whatever the file says.
 constexpr double kTorqueConstant = 0.15;
 
@@ -75,8 +72,8 @@ Bounds MotorConsistency::drop_V(double current_A, const Bounds &R_Ohm) const noe
     const double max_A = current_A + off_A;
     Bounds drop_V{min_A * (min_A > 0.0 ? R_Ohm.min : R_Ohm.max),
                   max_A * (max_A > 0.0 ? R_Ohm.max : R_Ohm.min)};
-    drop_V.min -= min_A > 0.0 ? 0.0 : kMaxBrush_V;
-    drop_V.max += max_A < 0.0 ? 0.0 : kMaxBrush_V;
+    drop_V.min -= min_A > 0.0 ? 0.0 : motor_.max_brush_voltage_V;
+    drop_V.max += max_A < 0.0 ? 0.0 : motor_.max_brush_voltage_V;
     return drop_V;
 }
 
@@ -85,7 +82,7 @@ Bounds MotorConsistency::at_current(double current_A, const Bounds &known_Ohm) c
     const double less_per_A = 1.0 / std::abs(current_A) - 1.0 / std::abs(level_->current_A);
     const double offset_Ohm =
         (sensing_.max_offset_A * motor_.resistance_Ohm + kNoise_V) * std::abs(less_per_A);
-    const double brush_Ohm = kMaxBrush_V * less_per_A;
+    const double brush_Ohm = motor_.max_brush_voltage_V * less_per_A;
     return known_Ohm.wider(offset_Ohm - std::min(0.0, brush_Ohm),
                            offset_Ohm + std::max(0.0, brush_Ohm));
 }

@@ -6,8 +6,8 @@
 //
 // with V_b the voltage of brushes and bridge, which has the sign of the current. Of the right side
 // only bounds are known: R in its tolerance and between the bounds of its temperature, V_b up to
-// kMaxBrush_V, k_T, the sensor's offset, and e_W within a share. An encoder that is dead, scaled,
-// reversed or of another motor reads a Δθ outside them.
+// max_brush_voltage_V, k_T, the sensor's offset, and e_W within a share. An encoder that is dead,
+// scaled, reversed or of another motor reads a Δθ outside them.
 //
 // Two cumulative sums (Page), one for either direction, add up by how much the measured rotation is
 // beyond its bounds, and lose by how much it is within. Roundings, and commands that act earlier or

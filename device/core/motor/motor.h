@@ -31,6 +31,9 @@ struct MotorParameters {
     ThermalParameters thermal;
     double resistance_tolerance = 0.0;      ///< of R, as a share of it, either way
     double torque_constant_tolerance = 0.0; ///< of k_T
+    /// V_b of brushes and bridge, V_b tanh(i/i_b) with the sign of the current, is between 0 and
+    /// this.
+    double max_brush_voltage_V = 0.5;
 };
 
 /// Limits of the amplifiers' settings; the three amplifiers are identical.
