@@ -123,6 +123,12 @@ MotorParameters read_motor(StrictTomlTable &table) {
     if (table.has("greatest_brush_voltage_V")) {
         motor.max_brush_voltage_V = table.number("greatest_brush_voltage_V", {0.0, 2.0});
     }
+    if (table.has("torque_constant_fall_per_K")) {
+        motor.torque_constant_fall_per_K = table.number("torque_constant_fall_per_K", {0.0, 0.005});
+    }
+    if (table.has("greatest_torque_ripple")) {
+        motor.max_torque_ripple = table.number("greatest_torque_ripple", {0.0, 0.2});
+    }
     table.refuse_unknown_keys();
     return motor;
 }

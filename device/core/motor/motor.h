@@ -28,12 +28,17 @@ struct MotorParameters {
     double commutation_ripple = 0.0;    ///< of R(θ): amplitude as a share of R
     int commutator_segments = 0;        ///< ripples per turn
     double commutator_phase_rad = 0.0;  ///< of the ripple at θ = 0; unknown of a real motor
+    /// Of the ripple's second harmonic, of a simulated motor: amplitude as a share of R, and phase.
+    double second_harmonic = 0.0;
+    double second_harmonic_phase_rad = 0.0;
     ThermalParameters thermal;
     double resistance_tolerance = 0.0;      ///< of R, as a share of it, either way
     double torque_constant_tolerance = 0.0; ///< of k_T
     /// V_b of brushes and bridge, V_b tanh(i/i_b) with the sign of the current, is between 0 and
     /// this.
     double max_brush_voltage_V = 0.5;
+    double torque_constant_fall_per_K = 0.0; ///< of k_T, relative to k_T with the housing at 25 °C
+    double max_torque_ripple = 0.0;          ///< of k_T(θ): amplitude as a share of k_T
 };
 
 /// Limits of the amplifiers' settings; the three amplifiers are identical.

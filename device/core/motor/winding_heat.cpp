@@ -33,8 +33,13 @@ double winding_resistance_Ohm(const MotorParameters &motor, double winding_C, do
     if (motor.commutation_ripple == 0.0) {
         return mean_Ohm;
     }
-    const double phase_rad = motor.commutator_segments * theta_rad + motor.commutator_phase_rad;
-    return mean_Ohm * (1.0 + motor.commutation_ripple * std::cos(phase_rad));
+    const double turned_rad = motor.commutator_segments * theta_rad;
+    double ripple = motor.commutation_ripple * std::cos(turned_rad + motor.commutator_phase_rad);
+    if (motor.second_harmonic != 0.0) {
+        ripple +=
+            motor.second_harmonic * std::cos(2.0 * turned_rad + motor.second_harmonic_phase_rad);
+    }
+    return mean_Ohm * (1.0 + ripple);
 }
 
 double min_resistance_Ohm(const MotorParameters &motor, double winding_C) {

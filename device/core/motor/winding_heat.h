@@ -23,7 +23,8 @@ namespace springdrive::device {
 inline constexpr double kReferenceTemperature_C = 25.0;
 
 /// R(T, θ) = R [1 + ρ (T − 25 °C)] [1 + c cos(s θ + φ)] (7): copper's temperature coefficient and
-/// the commutator's ripple of amplitude c with s segments and the phase φ. RT-safe.
+/// the commutator's ripple of amplitude c with s segments and the phase φ; of a simulated motor
+/// with a second harmonic, too. RT-safe.
 [[nodiscard]] double winding_resistance_Ohm(const MotorParameters &motor, double winding_C,
                                             double theta_rad);
 

@@ -51,6 +51,8 @@ TEST(DeviceFile, HoldsTheDataSheet) {
     EXPECT_EQ(device.geometry.upper_arm_m, 0.1397);
     EXPECT_EQ(device.geometry.transmission_ratio, Vector3(13.3, 11.2, 11.2));
     EXPECT_EQ(device.motor[2].inductance_H, 0.238e-3);
+    EXPECT_EQ(device.motor[2].torque_constant_fall_per_K, 0.001);
+    EXPECT_EQ(device.motor[2].max_torque_ripple, 0.02);
     EXPECT_EQ(device.encoder_counts_per_turn, 4096);
     EXPECT_DOUBLE_EQ(device.rad_per_count(), std::numbers::pi / 2048.0);
     EXPECT_EQ(testing::phantom_premium_1_5().geometry.forearm_m, 0.170);

@@ -472,6 +472,31 @@ TEST(WindingResistance, RisesAsCopperAndRipplesWithTheCommutator) {
                 winding_resistance_Ohm(m, 60.0, 0.3 + a_segment_rad), 1e-14);
 }
 
+/// A simulated motor's two harmonics share the file's ripple, so the file's bounds hold.
+TEST(WindingResistance, OfTwoHarmonicsIsWithinTheBoundsOfTheirSum) {
+    const MotorParameters file = testing::phantom_motor();
+    MotorParameters own = file;
+    const double second = 0.25;
+    own.commutation_ripple /= 1.0 + second;
+    own.second_harmonic = second * own.commutation_ripple;
+    double largest = 0.0;
+    for (int phase = 0; phase < 8; ++phase) {
+        own.second_harmonic_phase_rad = 0.25 * std::numbers::pi * phase;
+        for (int i = 0; i < 2200; ++i) {
+            const double theta_rad = 2.0 * std::numbers::pi * i / 2200;
+            const double ripple =
+                winding_resistance_Ohm(own, 15.0, theta_rad) / (0.961 * file.resistance_Ohm) - 1.0;
+            largest = std::max(largest, std::abs(ripple));
+            const double turned_rad = own.commutator_segments * theta_rad;
+            EXPECT_NEAR(ripple,
+                        0.016 * std::cos(turned_rad) +
+                            0.004 * std::cos(2.0 * turned_rad + own.second_harmonic_phase_rad),
+                        1e-14);
+        }
+    }
+    EXPECT_NEAR(largest, file.commutation_ripple, 1e-12); // reached at phase 0
+}
+
 TEST(WindingResistance, BoundsAreTheExtremesOverATurn) {
     const MotorParameters m = testing::phantom_motor();
     for (const double winding_C : {15.0, 25.0, 60.0, 100.0}) {
