@@ -209,7 +209,9 @@ void draw_delay(session::Session &session, PlantTabState &state) {
 bool needs_seed(const simulated::PlantEffect &effect) {
     return effect.on == &simulated::PlantEffects::motor_tolerances ||
            effect.on == &simulated::PlantEffects::commutator_phase ||
-           effect.on == &simulated::PlantEffects::current_sensing;
+           effect.on == &simulated::PlantEffects::current_sensing ||
+           effect.on == &simulated::PlantEffects::brush_voltage ||
+           effect.on == &simulated::PlantEffects::torque_ripple;
 }
 
 void draw_effects(session::Session &session, PlantTabState &state) {

@@ -22,6 +22,12 @@ namespace {
     return 2.0 * split_mix::unit_share(random()) - 1.0;
 }
 
+/// Its logarithm is uniform between theirs; zero where they are.
+[[nodiscard]] double draw_scale(double min, double max, std::mt19937_64 &random) {
+    const double exponent = 0.5 * (1.0 + either_way(random));
+    return max > 0.0 ? min * std::pow(max / min, exponent) : 0.0;
+}
+
 [[nodiscard]] SensorError draw_sensor(const device::CurrentSensing &sensing,
                                       std::mt19937_64 &random) {
     SensorError error;
@@ -78,34 +84,66 @@ LinkagePlant linkage_plant(const device::DeviceDescription &description,
     return plant;
 }
 
+/// The deviations of the options' seed, ideal where they are switched off.
+SampledDevice simulated_deviations(const device::DeviceDescription &description,
+                                   const SimulationOptions &options) {
+    const PlantEffects &effects = options.effects;
+    SampledDevice device = sampled_device(description, options.device_seed);
+    for (SampledMotor &own : device.motor) {
+        if (!effects.motor_tolerances) {
+            own.resistance_share = 1.0;
+            own.torque_constant_share = 1.0;
+            own.winding_housing_share = 1.0;
+            own.ripples_per_segment = 1;
+            own.second_harmonic_ratio = 0.0;
+        }
+        if (!effects.commutator_phase) {
+            own.commutator_phase_rad = 0.0;
+            own.second_harmonic_phase_rad = 0.0;
+            own.torque_ripple_phase_rad = 0.0;
+        }
+        if (!effects.current_sensing) {
+            own.sensing = {};
+        }
+        if (!effects.brush_voltage) {
+            own.brush_voltage_V = 0.0;
+        }
+        if (options.brush_voltage_V) {
+            own.brush_voltage_V = *options.brush_voltage_V;
+            own.brush_current_A = options.brush_current_A;
+            own.carried_brush_current_A = options.brush_current_A;
+        }
+        own.torque_ripple *= effects.torque_ripple ? 1.0 : 0.0;
+    }
+    return device;
+}
+
 /// The true motor parameters.
 std::array<device::MotorParameters, 3> true_motors(const device::DeviceDescription &description,
                                                    const SimulationOptions &options,
-                                                   const SampledDevice &drawn) {
+                                                   const SampledDevice &device) {
     std::array<device::MotorParameters, 3> motors = description.motor;
     for (std::size_t j = 0; j < motors.size(); ++j) {
-        const SampledMotor &own = drawn.motor[j];
-        motors[j].resistance_Ohm *= options.resistance_share[static_cast<Eigen::Index>(j)];
-        if (options.effects.motor_tolerances) {
-            motors[j].resistance_Ohm *= own.resistance_share;
-            motors[j].torque_constant_Nm_per_A *= own.torque_constant_share;
-        }
-        motors[j].commutator_phase_rad =
-            options.effects.commutator_phase ? own.commutator_phase_rad : 0.0;
-        motors[j].commutation_ripple *= options.effects.commutation_ripple ? 1.0 : 0.0;
+        const SampledMotor &own = device.motor[j];
+        device::MotorParameters &motor = motors[j];
+        motor.resistance_Ohm *=
+            options.resistance_share[static_cast<Eigen::Index>(j)] * own.resistance_share;
+        motor.torque_constant_Nm_per_A *= own.torque_constant_share;
+        motor.torque_constant_fall_per_K *= options.effects.magnet_heat ? 1.0 : 0.0;
+        motor.commutator_phase_rad = own.commutator_phase_rad;
+        motor.commutator_segments *= own.ripples_per_segment;
+        motor.commutation_ripple *= options.effects.commutation_ripple ? 1.0 : 0.0;
+        motor.commutation_ripple /= 1.0 + own.second_harmonic_ratio;
+        motor.second_harmonic = own.second_harmonic_ratio * motor.commutation_ripple;
+        motor.second_harmonic_phase_rad = own.second_harmonic_phase_rad;
+        // The copper that R_wh leads heat away from stays the same.
+        motor.thermal.winding_housing_K_per_W *= own.winding_housing_share;
+        motor.thermal.winding_time_s *= own.winding_housing_share;
         if (options.dynamics != PlantDynamics::electromechanical) {
-            motors[j].inductance_H = 0.0; // stores no energy
+            motor.inductance_H = 0.0; // stores no energy
         }
     }
     return motors;
-}
-
-/// Ideal where it is switched off.
-std::array<MotorSensing, 3> sensing(const SimulationOptions &options, const SampledDevice &drawn) {
-    if (!options.effects.current_sensing) {
-        return {};
-    }
-    return {drawn.motor[0].sensing, drawn.motor[1].sensing, drawn.motor[2].sensing};
 }
 
 /// Initial temperatures of winding and housing.
@@ -137,6 +175,22 @@ SampledDevice sampled_device(const device::DeviceDescription &description, std::
         own.sensing.resolution_A = sensing.resolution_A;
         own.sensing.noise_A = sensing.noise_A;
     }
+    const bool commutates_twice = either_way(random) > 0.0;
+    for (std::size_t j = 0; j < drawn.motor.size(); ++j) {
+        const device::MotorParameters &motor = description.motor[j];
+        SampledMotor &own = drawn.motor[j];
+        const double max_V = motor.max_brush_voltage_V;
+        own.brush_voltage_V = draw_scale(0.02 * max_V, max_V, random);
+        own.brush_current_A = draw_scale(0.01, 0.2, random);
+        own.carried_brush_current_A = draw_scale(0.01, 0.2, random);
+        own.brush_film_s = draw_scale(2.0, 60.0, random);
+        own.winding_housing_share = draw_scale(0.5, 2.0, random);
+        own.ripples_per_segment = commutates_twice && motor.commutator_segments % 2 == 1 ? 2 : 1;
+        own.second_harmonic_ratio = 0.125 * (1.0 + either_way(random));
+        own.second_harmonic_phase_rad = std::numbers::pi * either_way(random);
+        own.torque_ripple = motor.max_torque_ripple * (0.75 + 0.25 * either_way(random));
+        own.torque_ripple_phase_rad = std::numbers::pi * either_way(random);
+    }
     return drawn;
 }
 
@@ -160,6 +214,12 @@ void check_options(const device::DeviceDescription &description, const Simulatio
         throw InputError("simulated device: the delay is " + std::to_string(options.delay_periods) +
                          " periods; it must be 0 to " +
                          std::to_string(SimulationOptions::kMaxDelay));
+    }
+    const double brush_voltage_V = options.brush_voltage_V.value_or(0.0);
+    if (!(std::isfinite(brush_voltage_V) && brush_voltage_V >= 0.0 &&
+          options.brush_current_A > 0.0)) {
+        throw InputError("simulated device: the brushes' voltage must be finite and not negative, "
+                         "their current positive");
     }
     if (!(options.resistance_share.minCoeff() > 0.0 && options.resistance_share.allFinite()) ||
         !std::isfinite(options.ambient_C)) {
@@ -213,7 +273,8 @@ device::DeviceDescription simulated_description(const device::DeviceDescription 
 PlantParts plant_parts(const device::DeviceDescription &description,
                        const SimulationOptions &options) {
     check_options(description, options);
-    const SampledDevice drawn = sampled_device(description, options.device_seed);
+    const SampledDevice own = simulated_deviations(description, options);
+    const std::array<device::MotorParameters, 3> motor = true_motors(description, options, own);
     device::HandParameters hand = options.hand;
     hand.mass_kg = options.dynamics == PlantDynamics::coupling ? 0.0 : hand.mass_kg;
     return {options.dynamics,
@@ -222,10 +283,10 @@ PlantParts plant_parts(const device::DeviceDescription &description,
             options.delay_periods,
             hand,
             linkage_plant(description, options),
-            true_motors(description, options, drawn),
-            sensing(options, drawn),
-            {temperature(description.motor[0], options), temperature(description.motor[1], options),
-             temperature(description.motor[2], options)}};
+            motor,
+            own,
+            {temperature(motor[0], options), temperature(motor[1], options),
+             temperature(motor[2], options)}};
 }
 
 int fine_encoder_factor(const device::DeviceDescription &description) {

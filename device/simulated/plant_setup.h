@@ -30,6 +30,17 @@ struct SampledMotor {
     double torque_constant_share = 1.0; ///< k_T relative to the file's
     double commutator_phase_rad = 0.0;
     MotorSensing sensing;
+    double winding_housing_share = 1.0;    ///< R_wh relative to the file's
+    double brush_voltage_V = 0.0;          ///< V_b of brushes and bridge
+    double brush_current_A = 0.01;         ///< i_b after a rest
+    double carried_brush_current_A = 0.01; ///< i_b after large currents
+    double brush_film_s = 10.0;            ///< time constant of i_b
+    // The file's ripple of R is the sum of its two harmonics' amplitudes.
+    int ripples_per_segment = 1;        ///< 2: as brushes on an odd number of segments commutate
+    double second_harmonic_ratio = 0.0; ///< of the ripple, relative to its fundamental
+    double second_harmonic_phase_rad = 0.0;
+    double torque_ripple = 0.0; ///< of k_T(θ): amplitude as a share; as many periods as R's ripple
+    double torque_ripple_phase_rad = 0.0;
 };
 
 /// One device of a kind: its motors and current sensors, drawn at random within the tolerances of
@@ -38,9 +49,14 @@ struct SampledDevice {
     std::array<SampledMotor, 3> motor;
 };
 
-/// The device of a seed. Its deviations are independent, each uniform from minus to plus its
-/// tolerance, and the phase is uniform over a period of the ripple. Seed 0 is the device of the
-/// file, with ideal sensors.
+/// The device of a seed. Seed 0 is the device of the file, with ideal brushes and sensors. Else its
+/// deviations are independent, uniform from minus to plus their tolerances, phases over a period,
+/// and in particular:
+/// - V_b from 1/50 of the file's greatest to that, i_b from 10 to 200 mA, the film's time constant
+///   from 2 to 60 s, R_wh from half to twice the file's: uniform in their logarithms
+/// - the second harmonic of R's ripple from 0 to 1/4 of the first; the ripple of k_T from half of
+///   the file's greatest to that
+/// - of an odd number of segments each second device has two ripples per segment
 [[nodiscard]] SampledDevice sampled_device(const device::DeviceDescription &description,
                                            std::uint64_t seed);
 
@@ -65,7 +81,7 @@ struct PlantParts {
     /// True parameters: R is the file's times the `resistance_share` of the options and of the
     /// sampled motor; ripple and L are zero unless they are simulated.
     std::array<device::MotorParameters, 3> motor;
-    std::array<MotorSensing, 3> sensing;
+    SampledDevice own; ///< its deviations, as far as they are simulated
     std::array<device::WindingTemperature, 3> temperature; ///< winding and housing at the start
     std::uint32_t number = 0;                              ///< counts the parts that were published
 };

@@ -1,6 +1,7 @@
 #include "device/simulated/simulated_phantom.h"
 
 #include "device/core/phantom/kinematics.h"
+#include "device/simulated/brushes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -151,7 +152,7 @@ device::Measurement SimulatedPhantom::measurement() noexcept {
         measured.counts[motor] = static_cast<std::int32_t>(
             std::lround((truth_.theta_rad[j] - count_zero_rad_[j]) * counts_per_rad_));
         measured.current_A[j] =
-            converter_[motor].reading_A(parts_.sensing[motor], truth_.current_A[j]);
+            converter_[motor].reading_A(parts_.own.motor[motor].sensing, truth_.current_A[j]);
     }
     measured.number = periods_;
     measured.time_s = clock_s();
@@ -246,17 +247,40 @@ void SimulatedPhantom::note_rigid_tip() noexcept {
     truth_.tip_velocity_m_per_s = place.jacobian_m_per_rad * linkage_.rate_rad_per_s;
 }
 
-/// Updates temperatures from the heat of the last period, and the resistances from those.
+/// R and k_T at an angle, with the present temperatures.
+void SimulatedPhantom::set_angle_dependent(Eigen::Index j, double theta_rad) noexcept {
+    const auto index = static_cast<std::size_t>(j);
+    const device::MotorParameters &motor = parts_.motor[index];
+    const device::WindingTemperature &temperature = temperature_[index];
+    truth_.resistance_Ohm[j] =
+        device::winding_resistance_Ohm(motor, temperature.winding_C(), theta_rad);
+    double k_T = motor.torque_constant_Nm_per_A *
+                 (1.0 - motor.torque_constant_fall_per_K *
+                            (temperature.housing_C() - device::kReferenceTemperature_C));
+    if (const SampledMotor &own = parts_.own.motor[index]; own.torque_ripple != 0.0) {
+        k_T *= 1.0 + own.torque_ripple * std::cos(motor.commutator_segments * theta_rad +
+                                                  own.torque_ripple_phase_rad);
+    }
+    truth_.torque_constant_Nm_per_A[j] = k_T;
+}
+
+/// Updates temperatures from the heat of the last period and the brushes' film from its current,
+/// and what depends on them.
 void SimulatedPhantom::warm_windings() noexcept {
     for (Eigen::Index j = 0; j < 3; ++j) {
         device::WindingTemperature &motor = temperature_[static_cast<std::size_t>(j)];
+        const SampledMotor &own = parts_.own.motor[static_cast<std::size_t>(j)];
+        carried_A_[j] += options_.servo_period_s / (own.brush_film_s + options_.servo_period_s) *
+                         (std::abs(truth_.current_A[j]) - carried_A_[j]);
+        truth_.brush_current_A[j] =
+            own.brush_current_A +
+            film_share(carried_A_[j]) * (own.carried_brush_current_A - own.brush_current_A);
         if (parts_.effects.winding_heat) {
             motor.update(heat_J_[j] / options_.servo_period_s);
         }
         truth_.winding_C[j] = motor.winding_C();
         truth_.housing_C[j] = motor.housing_C();
-        truth_.resistance_Ohm[j] = device::winding_resistance_Ohm(
-            parts_.motor[static_cast<std::size_t>(j)], motor.winding_C(), truth_.theta_rad[j]);
+        set_angle_dependent(j, truth_.theta_rad[j]);
     }
     heat_J_.setZero();
 }
@@ -299,27 +323,32 @@ SimulatedPhantom::CurrentSteps SimulatedPhantom::drive(const PlantCommand &comma
 
 device::CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const PlantCommand &command,
                                                   double h) noexcept {
-    const auto index = static_cast<std::size_t>(j);
-    const device::MotorParameters &motor = parts_.motor[index];
-    // At the sub-step's midpoint, so that the commutator's ripple is second order, too.
-    const double middle_rad = truth_.theta_rad[j] + 0.5 * h * truth_.theta_rate_rad_per_s[j];
-    truth_.resistance_Ohm[j] =
-        device::winding_resistance_Ohm(motor, temperature_[index].winding_C(), middle_rad);
-    const double current_A = truth_.current_A[j];
-    // V_b tanh(i/i_b) as a resistance at the present current, which can only dissipate.
-    const double brush_Ohm =
-        std::abs(current_A) > 1e-3 * options_.brush_current_A
-            ? options_.brush_voltage_V * std::tanh(current_A / options_.brush_current_A) / current_A
-            : options_.brush_voltage_V / options_.brush_current_A;
-    const device::DriveState now{truth_.resistance_Ohm[j] + brush_Ohm, current_A,
-                                 truth_.theta_rate_rad_per_s[j], parts_.effects.amplifier_limits};
+    const SampledMotor &own = parts_.own.motor[static_cast<std::size_t>(j)];
+    // At the sub-step's midpoint, so that the commutator's ripples are second order, too.
+    set_angle_dependent(j, truth_.theta_rad[j] + 0.5 * h * truth_.theta_rate_rad_per_s[j]);
+    device::MotorParameters motor = parts_.motor[static_cast<std::size_t>(j)];
+    motor.torque_constant_Nm_per_A = truth_.torque_constant_Nm_per_A[j];
+    device::DriveState now{truth_.resistance_Ohm[j], truth_.current_A[j],
+                           truth_.theta_rate_rad_per_s[j], parts_.effects.amplifier_limits};
+    const double brush_V = own.brush_voltage_V;
+    const double brush_A = truth_.brush_current_A[j];
     const bool at_once = parts_.dynamics != PlantDynamics::electromechanical;
     if (options_.amplifier == device::AmplifierKind::current_drive) {
         const double bandwidth_rad_per_s =
             2.0 * std::numbers::pi * description_.amplifier.current_bandwidth_hz;
-        return at_once ? device::current_drive_at_once(motor, now, command.current_A[j])
-                       : device::current_drive_step(motor, now, command.current_A[j],
-                                                    bandwidth_rad_per_s, h);
+        const auto driven = [&] {
+            return at_once ? device::current_drive_at_once(motor, now, command.current_A[j])
+                           : device::current_drive_step(motor, now, command.current_A[j],
+                                                        bandwidth_rad_per_s, h);
+        };
+        // The brushes matter only where the supply does not suffice; then each iteration leaves a
+        // share V_b/(R i) of the error.
+        for (int i = 0; i < 3 && brush_V > 0.0 && now.limited; ++i) {
+            const double mean_A = driven().mean_at(now.rate_rad_per_s);
+            now.resistance_Ohm =
+                truth_.resistance_Ohm[j] + brush_resistance_Ohm(brush_V, brush_A, mean_A);
+        }
+        return driven();
     }
     const device::DeviceCommand &spring = command.spring_drive;
     if (spring.mode == device::CommandMode::open) {
@@ -329,9 +358,14 @@ device::CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const PlantCom
     const double set_Ohm = std::clamp(drives ? spring.cancelled_resistance_Ohm[j] : 0.0, 0.0,
                                       description_.amplifier.max_cancelled_Ohm);
     // (6) with the current that the amplifier's sensor reads.
-    const SensorError &sensor = parts_.sensing[index].amplifier;
+    const SensorError &sensor = own.sensing.amplifier;
     const double cancelled_Ohm = sensor.gain * set_Ohm;
     const double e_W_V = (drives ? spring.e_W_V[j] : 0.0) + set_Ohm * sensor.offset_A;
+    if (brush_V > 0.0) {
+        now.resistance_Ohm += brush_resistance_Ohm(
+            brush_V, brush_A,
+            mean_behind_brushes_A(brush_V, brush_A, motor, now, e_W_V, cancelled_Ohm, h));
+    }
     return at_once ? device::spring_drive_at_once(motor, now, e_W_V, cancelled_Ohm)
                    : device::spring_drive_step(motor, now, e_W_V, cancelled_Ohm, h);
 }
@@ -344,7 +378,7 @@ LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
     for (Eigen::Index j = 0; j < 3; ++j) {
         const device::CurrentStep &current = drive[static_cast<std::size_t>(j)];
         const double N = description_.geometry.transmission_ratio[j];
-        const double k_T = parts_.motor[static_cast<std::size_t>(j)].torque_constant_Nm_per_A;
+        const double k_T = truth_.torque_constant_Nm_per_A[j];
         load.torque_Nm[j] = N * k_T * current.mean_A;
         load.damping_Nms_per_rad[j] =
             -N * N * k_T * current.mean_As_per_rad +

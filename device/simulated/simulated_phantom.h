@@ -1,9 +1,14 @@
 // A simulated PHANTOM: motors behind amplifiers, the linkage with its masses, friction and stops,
 // quantising encoders, and a hand that holds the tip. In joint coordinates, θ = N q:
 //
-//   L di/dt = e_A − R(T, θ) i − k_T θ̇                                (1), (2), (6), each motor
+//   L di/dt = e_A − R(T, θ) i − V_b tanh(i/i_b) − k_T(T, θ) θ̇        (1), (2), (6), each motor
 //   (M(q) + N² J_m) q̈ + C q̇ + g = N k_T i − b q̇ − friction + stops + Jᵀ F      (3), J = ∂x/∂q
 //   F = k (x_target − x) + b_hand (ẋ_target − ẋ) − m_hand ẍ          the hand, limited in force
+//   k_T(T, θ) = k_T [1 − a (T − 25 °C)] [1 + c cos(s θ + φ)]   T of the magnet, that is the housing
+//
+// V_b, of brushes and bridge (brushes.h), heats neither winding nor housing: the bridge's share is
+// not in the motor, and of half a volt at 1 A the housing would be warmer by 7 K after half an
+// hour.
 //
 // With structural compliance the hand holds a separate mass, connected to the end of the linkage by
 // a spring and a damper.
@@ -191,7 +196,9 @@ public:
         Vector3 theta_rad{Vector3::Zero()};
         Vector3 theta_rate_rad_per_s{Vector3::Zero()};
         Vector3 current_A{Vector3::Zero()};
-        Vector3 resistance_Ohm{Vector3::Zero()}; ///< R(T, θ)
+        Vector3 resistance_Ohm{Vector3::Zero()};           ///< R(T, θ)
+        Vector3 torque_constant_Nm_per_A{Vector3::Zero()}; ///< k_T(T, θ)
+        Vector3 brush_current_A{Vector3::Zero()};          ///< i_b
         Vector3 winding_C{Vector3::Zero()};
         Vector3 housing_C{Vector3::Zero()};
         Vector3 tip_m{Vector3::Zero()};
@@ -224,6 +231,7 @@ private:
                                    const VelocityLoad &tip) const noexcept;
     [[nodiscard]] VelocityLoad hand_load(double h) const noexcept;
     [[nodiscard]] VelocityLoad with_weight(const VelocityLoad &hand) const noexcept;
+    void set_angle_dependent(Eigen::Index motor, double theta_rad) noexcept;
     [[nodiscard]] device::CurrentStep drive_motor(Eigen::Index motor, const PlantCommand &command,
                                                   double h) noexcept;
     void settle_currents(const CurrentSteps &drive, const LinkageMotion &motion, double h) noexcept;
@@ -257,7 +265,8 @@ private:
     std::array<FrictionMode, 3> friction_mode_{};
     std::array<device::WindingTemperature, 3> temperature_;
     std::array<CurrentConverter, 3> converter_;
-    Vector3 heat_J_{Vector3::Zero()}; ///< in the windings, since the last period
+    Vector3 heat_J_{Vector3::Zero()};    ///< in the windings, since the last period
+    Vector3 carried_A_{Vector3::Zero()}; ///< mean of |i| through the brushes' film
     Truth truth_;
     PlantCommand written_; ///< last
     /// Active command of each period, newest first.

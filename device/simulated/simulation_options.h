@@ -33,13 +33,17 @@ struct PlantEffects {
     bool winding_heat = true;       ///< R(T); if off, windings stay as they are, at first at 25 °C
     bool commutation_ripple = true; ///< R(θ)
     bool structural_compliance = false; ///< between transmission and tip; needs a mass at the tip
+    bool magnet_heat = true;            ///< k_T(T) of the housing, as warm as with winding_heat
     // With a `device_seed` only:
-    bool motor_tolerances = true; ///< of R and k_T, each motor its own
-    bool commutator_phase = true; ///< of the ripple, against the encoder's zero
+    bool motor_tolerances = true; ///< of R, its ripple, k_T and the winding's heat path
+    bool commutator_phase = true; ///< of the ripples, against the encoder's zero
     bool current_sensing = true;  ///< resolution, noise, offset and gain of the current sensors
+    bool brush_voltage = true;    ///< of brushes and bridge, with the sign of the current
+    bool torque_ripple = true;    ///< k_T(θ)
 
     [[nodiscard]] static constexpr PlantEffects none() {
-        return {false, false, false, false, false, false, false, false, false, false, false};
+        return {false, false, false, false, false, false, false,
+                false, false, false, false, false, false, false};
     }
 };
 
@@ -50,7 +54,7 @@ struct PlantEffect {
 };
 
 /// The list of all effects, read by command line and tests.
-inline constexpr std::array<PlantEffect, 11> kPlantEffects{{
+inline constexpr std::array<PlantEffect, 14> kPlantEffects{{
     {"gravity", &PlantEffects::gravity},
     {"viscous_friction", &PlantEffects::viscous_friction},
     {"coulomb_friction", &PlantEffects::coulomb_friction},
@@ -59,9 +63,12 @@ inline constexpr std::array<PlantEffect, 11> kPlantEffects{{
     {"winding_heat", &PlantEffects::winding_heat},
     {"commutation_ripple", &PlantEffects::commutation_ripple},
     {"structural_compliance", &PlantEffects::structural_compliance},
+    {"magnet_heat", &PlantEffects::magnet_heat},
     {"motor_tolerances", &PlantEffects::motor_tolerances},
     {"commutator_phase", &PlantEffects::commutator_phase},
     {"current_sensing", &PlantEffects::current_sensing},
+    {"brush_voltage", &PlantEffects::brush_voltage},
+    {"torque_ripple", &PlantEffects::torque_ripple},
 }};
 
 struct SimulationOptions {
@@ -82,8 +89,9 @@ struct SimulationOptions {
     device::AmplifierKind amplifier = device::AmplifierKind::spring_drive;
     Vector3 resistance_share{Vector3::Ones()}; ///< each motor's true R relative to its data sheet's
     double ambient_C = device::kReferenceTemperature_C;
-    /// V_b and i_b of the brushes' and bridges' voltage V_b tanh(i/i_b).
-    double brush_voltage_V = 0.0;
+    /// V_b of all motors' brushes and bridges, V_b tanh(i/i_b), with a constant i_b: in place of
+    /// the drawn ones, whatever the effects.
+    std::optional<double> brush_voltage_V;
     double brush_current_A = 0.01;
     /// Which device of its kind it is: its motors' and sensors' deviations are drawn from this. 0
     /// is the device that its file describes, with ideal sensors.

@@ -101,7 +101,8 @@ TEST_F(Record, OfASampledDeviceIsThatOfItsSeed) {
     EXPECT_NE(currents(drawn), currents(make("other.rec", {"--device-seed", "8"})));
     EXPECT_EQ(currents(make("nominal.rec")),
               currents(make("without.rec", {"--device-seed", "7", "--without",
-                                            "motor_tolerances,commutator_phase,current_sensing"})));
+                                            "motor_tolerances,commutator_phase,current_sensing,"
+                                            "brush_voltage,torque_ripple"})));
 
     const auto observed = [](const std::string &record) {
         const std::string csv = exported(record, "R_observed*,R_trusted*");

@@ -80,11 +80,15 @@ TEST(SimulatedPhantom, ASampledDeviceHasItsOwnMotorsAndSensors) {
                 const device::MotorParameters &motor =
                     description.motor[static_cast<std::size_t>(j)];
                 const SampledMotor &deviation = own.motor[static_cast<std::size_t>(j)];
+                const double turned_rad =
+                    deviation.ripples_per_segment * motor.commutator_segments * truth.theta_rad[j];
+                const double second = deviation.second_harmonic_ratio;
+                const double ripple =
+                    motor.commutation_ripple / (1.0 + second) *
+                    (std::cos(turned_rad + deviation.commutator_phase_rad) +
+                     second * std::cos(2.0 * turned_rad + deviation.second_harmonic_phase_rad));
                 const double R_Ohm =
-                    deviation.resistance_share * motor.resistance_Ohm *
-                    (1.0 + motor.commutation_ripple *
-                               std::cos(motor.commutator_segments * truth.theta_rad[j] +
-                                        deviation.commutator_phase_rad));
+                    deviation.resistance_share * motor.resistance_Ohm * (1.0 + ripple);
                 const SensorError &amplifier = deviation.sensing.amplifier;
                 const double expected_A = (e_W_V[j] + R_hat_Ohm * amplifier.offset_A) /
                                           (R_Ohm - R_hat_Ohm * amplifier.gain);
@@ -398,6 +402,19 @@ std::vector<double> deviations(const device::DeviceDescription &device, std::uin
             found.push_back((sensor.gain - 1.0) / device.current_sensing.gain_tolerance);
             found.push_back(sensor.offset_A / device.current_sensing.max_offset_A);
         }
+        const auto on_scale = [](double value, double min, double max) {
+            return 2.0 * std::log(value / min) / std::log(max / min) - 1.0;
+        };
+        const double max_V = motor.max_brush_voltage_V;
+        found.push_back(on_scale(own.brush_voltage_V, max_V / 50.0, max_V));
+        found.push_back(on_scale(own.brush_current_A, 0.01, 0.2));
+        found.push_back(on_scale(own.carried_brush_current_A, 0.01, 0.2));
+        found.push_back(on_scale(own.brush_film_s, 2.0, 60.0));
+        found.push_back(on_scale(own.winding_housing_share, 0.5, 2.0));
+        found.push_back(8.0 * own.second_harmonic_ratio - 1.0);
+        found.push_back(own.second_harmonic_phase_rad / std::numbers::pi);
+        found.push_back(4.0 * own.torque_ripple / motor.max_torque_ripple - 3.0);
+        found.push_back(own.torque_ripple_phase_rad / std::numbers::pi);
     }
     return found;
 }
@@ -411,11 +428,40 @@ TEST(SampledDevice, IsThatOfTheFileForSeedZero) {
         EXPECT_EQ(own.sensing.converter.gain, 1.0);
         EXPECT_EQ(own.sensing.amplifier.offset_A, 0.0);
         EXPECT_EQ(own.sensing.noise_A, 0.0);
+        EXPECT_EQ(own.winding_housing_share, 1.0);
+        EXPECT_EQ(own.brush_voltage_V, 0.0);
+        EXPECT_EQ(own.ripples_per_segment, 1);
+        EXPECT_EQ(own.second_harmonic_ratio, 0.0);
+        EXPECT_EQ(own.torque_ripple, 0.0);
+    }
+}
+
+/// What was drawn before there were brushes, kept so that a seed names the same device.
+TEST(SampledDevice, KeepsTheMotorsAndSensorsOfItsSeed) {
+    const SampledMotor own = sampled_device(testing::phantom_1_0(), 7).motor[2];
+    EXPECT_NEAR(own.resistance_share, 1.0332168372376, 1e-12);
+    EXPECT_NEAR(own.torque_constant_share, 0.9882403098655, 1e-12);
+    EXPECT_NEAR(own.commutator_phase_rad, 3.1118218332226, 1e-12);
+    EXPECT_NEAR(own.sensing.converter.offset_A, 0.0146617004374, 1e-12);
+}
+
+/// One in two of an odd number of segments, and none of an even one: within five standard errors.
+TEST(SampledDevice, CommutatesTwiceASegmentOnlyIfTheyAreOdd) {
+    device::DeviceDescription device = testing::phantom_1_0();
+    for (const int segments : {11, 12}) {
+        device.motor[1].commutator_segments = segments;
+        constexpr int kSeeds = 1000;
+        int twice = 0;
+        for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+            twice += sampled_device(device, seed).motor[1].ripples_per_segment == 2 ? 1 : 0;
+        }
+        EXPECT_NEAR(twice, segments % 2 * 0.5 * kSeeds,
+                    5.0 * 0.5 * std::sqrt(kSeeds) * (segments % 2));
     }
 }
 
 /// Uniform within the tolerances, and independent: mean 0, variance 1/3, no correlation. Bounds of
-/// five standard errors: one in a million if it is so, for each of some 250 comparisons.
+/// five standard errors: one in a million if it is so, for each of some 1,200 comparisons.
 TEST(SampledDevice, IsUniformWithinTheTolerances) {
     device::DeviceDescription device = testing::phantom_1_0();
     device.current_sensing.is_shared = false;
