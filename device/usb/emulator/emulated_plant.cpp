@@ -38,13 +38,6 @@ simulated::SimulationOptions plant_options(const device::DeviceDescription &desc
     return options;
 }
 
-Vector3 torque_constants(const device::DeviceDescription &description,
-                         const simulated::SimulationOptions &options) {
-    const simulated::PlantParts parts = simulated::plant_parts(description, options);
-    return {parts.motor[0].torque_constant_Nm_per_A, parts.motor[1].torque_constant_Nm_per_A,
-            parts.motor[2].torque_constant_Nm_per_A};
-}
-
 } // namespace
 
 EmulatedPlant::EmulatedPlant(const device::DeviceDescription &description,
@@ -53,8 +46,6 @@ EmulatedPlant::EmulatedPlant(const device::DeviceDescription &description,
                              const Vector3 &start_tip_m, std::uint32_t start_us)
     : settings_(settings),
       phantom_(description, plant_options(description, settings, simulation), start_tip_m),
-      torque_constant_Nm_per_A_(
-          torque_constants(description, plant_options(description, settings, simulation))),
       start_us_(start_us), faults_(settings.loop_rate_hz) {}
 
 double EmulatedPlant::supply_V() const {
@@ -132,7 +123,8 @@ void EmulatedPlant::sample_currents(const device::Measurement &measured,
 double EmulatedPlant::voltage_V(const board::BridgeOrder &order, std::size_t channel,
                                 Eigen::Index motor) const {
     if (order.stage[channel] == Stage::open || faults_.find(FaultKind::open_winding, channel)) {
-        return torque_constant_Nm_per_A_[motor] * phantom_.truth().theta_rate_rad_per_s[motor];
+        const simulated::SimulatedPhantom::Truth &truth = phantom_.truth();
+        return truth.torque_constant_Nm_per_A[motor] * truth.theta_rate_rad_per_s[motor];
     }
     return order.stage[channel] == Stage::drive
                ? supply_V() * static_cast<double>(order.duty_ratio[channel])

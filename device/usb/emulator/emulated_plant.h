@@ -67,7 +67,6 @@ private:
 
     board::BoardSettings settings_;
     simulated::SimulatedPhantom phantom_;
-    Vector3 torque_constant_Nm_per_A_; ///< true
     std::uint32_t start_us_;
     device::FaultInjector faults_; ///< between the board and the motors, by channel; and the link's
     device::DeviceCommand applied_ = device::DeviceCommand::braking();

@@ -322,6 +322,30 @@ TEST(EmulatedPlant, OpensSomeStagesWhileOthersDrive) {
     EXPECT_LT(current_of(board::Stage::open), 5e-3);
 }
 
+/// Where no rotor turns, the bridge's voltage is R i + V_b tanh(i/i_b).
+TEST(EmulatedPlant, HasBrushesAndBridgesWithTheSignOfTheCurrent) {
+    simulated::SimulationOptions simulation = emulated_options().simulation;
+    simulation.hand = {1e6, 1e6, 1e9, 1e9, 1.0};
+    simulation.brush_voltage_V = 0.2;
+    simulation.brush_current_A = 0.05;
+    EmulatedPlant plant(testing::phantom_1_0(), {}, simulation, testing::kOffCentre_m, 0);
+    board::BridgeOrder drive;
+    drive.stage.fill(board::Stage::drive);
+    drive.duty_ratio = {0.005F, -0.02F, 0.04F};
+    for (int loop = 0; loop < 200; ++loop) { // 5 ms; L/R is 0.1 ms
+        plant.apply(drive);
+        static_cast<void>(plant.sample());
+    }
+    const simulated::SimulatedPhantom::Truth &truth = plant.phantom().truth();
+    for (Eigen::Index i = 0; i < 3; ++i) {
+        const double e_A_V =
+            15.0 * static_cast<double>(drive.duty_ratio[static_cast<std::size_t>(i)]);
+        EXPECT_NEAR(truth.resistance_Ohm[i] * truth.current_A[i] +
+                        0.2 * std::tanh(truth.current_A[i] / 0.05),
+                    e_A_V, 1e-5); // the hand yields by 1 µm per kN
+    }
+}
+
 TEST(EmulatedPlant, LosesCountsAndTimeInARestart) {
     EmulatedPlant plant = bare_plant(1'000'000);
     plant.phantom().set_in_motion({1.0, 1.0, -1.0}, Vector3::Zero());
