@@ -131,8 +131,10 @@ room(device PLACES device/core USES base)
 room(simulated PLACES device/simulated USES device)
 # The wire protocol, for both ends.
 room(usb_protocol PLACES device/usb/protocol.h PUBLIC_LIBRARIES springdrive_options)
+# What boards and hosts compute of a winding alike.
+room(winding_balance PLACES device/core/motor/winding_balance.h PUBLIC_LIBRARIES springdrive_options)
 # The core of a board's firmware; device/usb/board/arm/build compiles it for a Cortex-M4.
-room(usb_board PLACES device/usb/board USES usb_protocol EXCEPT /arm/
+room(usb_board PLACES device/usb/board USES usb_protocol winding_balance EXCEPT /arm/
     LIBRARIES Eigen3::Eigen fmt::fmt) # only for the precompiled headers
 # A board as a haptic device, over libusb or in process.
 room(usb_driver PLACES device/usb/driver USES usb_protocol device OPENS libusb)

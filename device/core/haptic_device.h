@@ -198,6 +198,8 @@ struct Measurement {
     double supply_V = std::numeric_limits<double>::quiet_NaN(); ///< if the board measures it
     /// 0 while counts do not give the rotors' angles; another number after each zeroing.
     std::uint8_t zeroing = 1;
+    /// Whether a command reached the amplifiers since the measurement before.
+    bool has_new_command = true;
 };
 
 /// The clock that times a device's measurements.

@@ -26,10 +26,35 @@ constexpr double kObservedDeviations = 4.0;
 /// An observation counts once its standard deviation is below this share of R.
 constexpr double kObserved = 0.02;
 
+/// By how many periods a command may act earlier or later than known.
+constexpr double kDelay_periods = 0.3;
+
+/// Above this share of the supply an amplifier may do less than it is told.
+constexpr double kWithinSupply = 0.9;
+
+/// Of the standard deviation of a difference of two currents: none is more.
+constexpr double kNoiseDeviations = 6.0;
+
 device::WindingGuard guard_of(const device::DeviceDescription &device, std::size_t motor,
                               double period_s) {
     return {device.motor[motor], device.amplifier.max_cancelled_Ohm, period_s,
             device.resistance_tolerance(motor)};
+}
+
+device::WindingBalance balance_of(const device::DeviceDescription &device, std::size_t motor,
+                                  double period_s) {
+    const device::MotorParameters &file = device.motor[motor];
+    const device::CurrentSensing &sensing = device.current_sensing;
+    const double hot_Ohm = (1.0 + device.resistance_tolerance(motor)) *
+                           device::max_resistance_Ohm(file, file.thermal.max_winding_C);
+    const double noise_A = kNoiseDeviations * std::sqrt(2.0) * sensing.noise_A;
+    return device::WindingBalance(
+        {static_cast<float>(hot_Ohm), static_cast<float>(file.inductance_H),
+         static_cast<float>(file.torque_constant_Nm_per_A),
+         static_cast<float>(device.rad_per_count()),
+         static_cast<float>(noise_A + sensing.resolution_A),
+         static_cast<float>(sensing.max_offset_A), static_cast<float>(kDelay_periods * period_s),
+         static_cast<float>(file.max_brush_voltage_V), sensing.is_shared});
 }
 
 double latched(device::BoardFaults faults) { return faults.bits & ~device::BoardFaults::kPressed; }
@@ -47,6 +72,8 @@ SafetyMonitor::SafetyMonitor(device::DeviceDescription device, double period_s)
       limits_(device_limits_), max_R_hat_rate_Ohm_per_s_(max_resistance_change_Ohm_per_s(device_)),
       guard_{guard_of(device_, 0, period_s), guard_of(device_, 1, period_s),
              guard_of(device_, 2, period_s)},
+      balance_{balance_of(device_, 0, period_s), balance_of(device_, 1, period_s),
+               balance_of(device_, 2, period_s)},
       consistency_{MotorConsistency(device_, 0, period_s), MotorConsistency(device_, 1, period_s),
                    MotorConsistency(device_, 2, period_s)},
       energy_(period_s), rest_(period_s) {
@@ -59,6 +86,10 @@ void SafetyMonitor::set_period(double period_s) noexcept {
     period_s_ = period_s;
     for (device::WindingGuard &guard : guard_) {
         guard.set_period(period_s);
+    }
+    for (device::WindingBalance &balance : balance_) {
+        balance.set_delay(static_cast<float>(kDelay_periods * period_s));
+        balance.forget();
     }
     for (MotorConsistency &motor : consistency_) {
         motor.set_period(period_s);
@@ -74,6 +105,9 @@ bool SafetyMonitor::reset(std::uint32_t released_stop) noexcept {
     }
     for (device::WindingGuard &guard : guard_) {
         guard.forget_observations();
+    }
+    for (device::WindingBalance &balance : balance_) {
+        balance.reset();
     }
     status_ = {};
     board_reset_left_s_ = board_has_faults_ ? kBoardReset_s : 0.0;
@@ -138,16 +172,62 @@ void SafetyMonitor::watch_windings(const Observation &seen) noexcept {
         }
         const double before_Ohm = winding_[j].R_hat_limit_Ohm;
         const double step_Ohm = max_R_hat_rate_Ohm_per_s_ * period_s_;
-        const double limit_Ohm =
-            std::clamp(guard.max_cancelled_Ohm(), before_Ohm - step_Ohm, before_Ohm + step_Ohm);
-        winding_[j] = {guard.min_C(), guard.max_C(), limit_Ohm, false, guard.is_contradicted()};
-        winding_[j].max_housing_C = guard.hottest().housing_C;
+        const double limit_Ohm = std::min(
+            std::clamp(guard.max_cancelled_Ohm(), before_Ohm - step_Ohm, before_Ohm + step_Ohm),
+            static_cast<double>(balance_[j].limit_Ohm()));
+        const bool generates = balance_[j].generates();
+        winding_[j] = {guard.min_C(),
+                       guard.max_C(),
+                       limit_Ohm,
+                       false,
+                       guard.is_contradicted() || generates,
+                       guard.hottest().housing_C,
+                       generates};
+    }
+}
+
+/// Where a channel is at its supply, amplifiers may pass on less of all voltages: of one against
+/// the current that would look as if the winding drove itself.
+void SafetyMonitor::watch_balances(const Observation &seen) noexcept {
+    bool is_cut_off = false;
+    for (std::size_t j = 0; j < balance_.size(); ++j) {
+        if (const auto &interval = seen.interval[j]) {
+            const double largest_A =
+                std::max(std::abs(interval->before_A), std::abs(interval->after_A));
+            is_cut_off = is_cut_off || std::abs(interval->e_W_V) + std::abs(interval->e_W_step_V) +
+                                               interval->R_hat_Ohm * largest_A >
+                                           kWithinSupply * device_.motor[j].supply_V;
+        }
+    }
+    for (std::size_t j = 0; j < balance_.size(); ++j) {
+        const auto &interval = seen.interval[j];
+        if (!interval || !seen.has_inductance) {
+            balance_[j].forget();
+            continue;
+        }
+        const double sign = std::copysign(1.0, interval->after_A);
+        const double least_A = std::min(sign * interval->before_A, sign * interval->after_A);
+        const double along_V =
+            sign * interval->e_W_V - std::abs(interval->e_W_step_V) + interval->R_hat_Ohm * least_A;
+        if (is_cut_off && !(along_V > 0.0)) {
+            balance_[j].forget();
+            continue;
+        }
+        const double last_V = interval->e_W_V + interval->step_at * interval->e_W_step_V;
+        balance_[j].update({static_cast<float>(interval->duration_s),
+                            static_cast<float>(interval->e_W_V), static_cast<float>(last_V),
+                            static_cast<float>(passed_e_W_V_[static_cast<Eigen::Index>(j)]),
+                            static_cast<float>(interval->R_hat_Ohm),
+                            static_cast<float>(interval->before_A),
+                            static_cast<float>(interval->after_A),
+                            static_cast<float>(interval->after_rad - interval->before_rad)});
     }
 }
 
 void SafetyMonitor::resume_watch(const std::array<device::MotorTemperature, 3> &hottest) noexcept {
     for (std::size_t j = 0; j < guard_.size(); ++j) {
         guard_[j].resume(hottest[j]);
+        balance_[j].forget();
         winding_[j].R_hat_limit_Ohm =
             std::min(winding_[j].R_hat_limit_Ohm, guard_[j].max_cancelled_Ohm());
     }
@@ -369,7 +449,9 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &requested
     approach_limits(orders.limits);
     active_limits_ = {};
     voids_zero_ = false;
-    watch_windings(seen); // also while tripped
+    watch_balances(seen); // also while tripped, as the next
+    watch_windings(seen);
+    passed_e_W_V_.setZero();
     const std::uint32_t unwatched =
         seen.missed_periods - std::min(seen.missed_periods, std::exchange(held_ticks_, 0U));
     const double elapsed_s = (1.0 + unwatched) * period_s_;
@@ -392,6 +474,7 @@ device::DeviceCommand SafetyMonitor::pass(const device::DeviceCommand &requested
     }
     active_limits_ = passed.active_limits;
     force_share_ = passed.force_share;
+    passed_e_W_V_ = passed.command.e_W_V;
     return passed.command;
 }
 

@@ -15,11 +15,13 @@
 // so that nothing undoes a stop that nobody has seen. The safe state is
 // braking (e_W = 0 and R̂ = 0); only a fault of an amplifier itself opens the windings. Limits come
 // from the device file, and may be lowered, never raised; that of R̂ follows the estimates of each
-// winding's temperature and resistance, see winding_heat.h.
+// winding's temperature and resistance, see winding_heat.h, and falls at once, until a reset, where
+// a winding generates, whatever is believed of it, see winding_balance.h.
 #pragma once
 
 #include "base/vector.h"
 #include "device/core/haptic_device.h"
+#include "device/core/motor/winding_balance.h"
 #include "device/core/motor/winding_heat.h"
 #include "engine/control/motion_control.h"
 #include "engine/servo/command_limiter.h"
@@ -179,6 +181,7 @@ struct Observation {
     std::array<control::ResistanceEstimate, 3> unheated{};
     /// What happened to each motor since the last measurement, if that is known.
     std::array<std::optional<control::DrivenInterval>, 3> interval;
+    bool has_inductance = true;       ///< currents are those of windings with the file's L
     bool scene_is_new = false;        ///< the spring is not that of the previous tick
     bool all_finite = true;           ///< of everything else on the signal path
     std::uint32_t missed_periods = 0; ///< since the last new measurement
@@ -235,6 +238,7 @@ public:
 private:
     void approach_limits(const SafetyLimits &requested) noexcept;
     void watch_windings(const Observation &seen) noexcept;
+    void watch_balances(const Observation &seen) noexcept;
     void watch_window(const SafetyOrders &orders, double elapsed_s) noexcept;
     void watch_link(const Link &link, double elapsed_s) noexcept;
     void watch_stops(const Link &link, const SafetyOrders &orders) noexcept;
@@ -262,6 +266,8 @@ private:
     SafetyLimits limits_; ///< active
     double max_R_hat_rate_Ohm_per_s_;
     std::array<device::WindingGuard, 3> guard_;
+    std::array<device::WindingBalance, 3> balance_;
+    Vector3 passed_e_W_V_{Vector3::Zero()}; ///< of the previous tick's command
     std::array<MotorConsistency, 3> consistency_;
     std::array<WindingStatus, 3> winding_{};
     EnergyObserver energy_;

@@ -54,6 +54,7 @@ struct ServoInputs : LawInputs {
     /// A change resets a tripped monitor, unless a stop is held that is not released.
     std::uint32_t reset_count = 0;
     bool observes_resistance = false; ///< R̂ follows the windings' resistances
+    bool has_inductance = true;       ///< windings have; those of a cheaper simulation do not
     bool release = false; ///< release the device: gains ramp down and stay at zero while set
     /// A running window changes it regularly; zero when running without a window.
     std::uint32_t heartbeat = 0;

@@ -166,7 +166,7 @@ void ServoLoop::observe_motors(const device::Measurement &measured, const Vector
     constexpr double kOnTime = 0.05; // of a period
     const bool is_next = has_measured_ && held_ticks_ == 0 && since.missed_periods == 0 &&
                          std::abs(since.since_last_s - period_s_) < kOnTime * period_s_ &&
-                         measured.arrival == device::Arrival::fresh &&
+                         measured.arrival == device::Arrival::fresh && measured.has_new_command &&
                          measured.current_A.allFinite();
     // With two sensors for a current, the amplifier's has an offset of its own, which is not known.
     if (!inputs_.observes_resistance || !device_.description().current_sensing.is_shared) {
@@ -220,6 +220,7 @@ Observation ServoLoop::observation(const control::Configuration &now,
         seen.unheated[j] = observers_.unheated(j);
         seen.interval[j] = observers_.interval(j);
     }
+    seen.has_inductance = inputs_.has_inductance;
     seen.scene_is_new = scene_is_new_;
     seen.all_finite = sample.contact.x0_m.allFinite();
     seen.missed_periods = since.missed_periods;

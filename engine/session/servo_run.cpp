@@ -33,8 +33,9 @@ void ServoRun::set_global_alpha(double alpha_rad2_per_m2) {
     publish();
 }
 
-void ServoRun::observe_resistance(bool on) {
-    inputs_.observes_resistance = on;
+void ServoRun::observe_resistance(bool on, bool has_inductance) {
+    inputs_.observes_resistance = on && has_inductance;
+    inputs_.has_inductance = has_inductance;
     publish();
 }
 

@@ -48,7 +48,7 @@ public:
 
     // Requests; active from the next tick.
     void set_global_alpha(double alpha_rad2_per_m2);
-    void observe_resistance(bool on);
+    void observe_resistance(bool on, bool has_inductance);
     void lower_limits(const servo::SafetyLimits &limits);
     void emergency_stop();
     /// After a trip; not by a person: without effect while a stop is held.

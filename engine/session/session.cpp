@@ -257,7 +257,7 @@ void Session::observe_resistance(bool on) {
 void Session::observe_as_requested() {
     const bool has_inductance = !device_->has_world() ||
                                 simulation_.dynamics == simulated::PlantDynamics::electromechanical;
-    servo_->observe_resistance(options_.observes_resistance && has_inductance);
+    servo_->observe_resistance(options_.observes_resistance, has_inductance);
 }
 
 void Session::set_servo_rate(double servo_hz) {

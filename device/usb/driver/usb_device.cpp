@@ -246,6 +246,7 @@ Measurement UsbDevice::read() noexcept {
     tick_s_ = port_->now_s();
     const double deadline_s = read_deadline_s(tick_s_);
     bool has_new = false;
+    const std::uint32_t command_before = stream_.newest().command_number;
     for (Packet packet; port_->receive(packet, has_new ? tick_s_ : deadline_s);) {
         if (!stream_.take(packet)) {
             continue;
@@ -268,6 +269,7 @@ Measurement UsbDevice::read() noexcept {
     if (stream_.has_restarted()) {
         is_zeroed_ = false;
     }
+    has_new_command_ = stream_.newest().command_number != command_before;
     delay_s_.store(meter_.delay().mean_s(), std::memory_order_relaxed);
     if (++ticks_ % kTicksBetweenSnapshots == 0) {
         publish();
@@ -295,6 +297,7 @@ Measurement UsbDevice::measurement(Arrival arrival) const noexcept {
     }
     measured.supply_V = static_cast<double>(report.supply_V);
     measured.zeroing = is_zeroed_ ? static_cast<std::uint8_t>(1 + zeroings_) : std::uint8_t{0};
+    measured.has_new_command = has_new_command_;
     return measured;
 }
 

@@ -164,6 +164,7 @@ ServoRig::ServoRig(const device::DeviceDescription &device,
       phantom_(std::in_place, device, simulation, start_tip_m), device_(*phantom_),
       loop_(device_, simulation.servo_period_s) {
     inputs.surface = surface;
+    inputs.has_inductance = simulation.dynamics == simulated::PlantDynamics::electromechanical;
 }
 
 ServoRig::ServoRig(const Scenario &scenario)
