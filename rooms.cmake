@@ -126,13 +126,13 @@ room(base PLACES base OPENS libmd tomlplusplus
 
 # ---- device: what is in the hand, real or simulated
 # The device interface, device files, kinematics and motors.
-room(device PLACES device/core USES base)
+room(device PLACES device/core USES base winding_balance)
+# What a board computes of a winding, too.
+room(winding_balance PLACES device/core/motor/winding_balance.h PUBLIC_LIBRARIES springdrive_options)
 # The simulated plant: linkage, motors, encoders and hand.
 room(simulated PLACES device/simulated USES device)
 # The wire protocol, for both ends.
 room(usb_protocol PLACES device/usb/protocol.h PUBLIC_LIBRARIES springdrive_options)
-# What boards and hosts compute of a winding alike.
-room(winding_balance PLACES device/core/motor/winding_balance.h PUBLIC_LIBRARIES springdrive_options)
 # The core of a board's firmware; device/usb/board/arm/build compiles it for a Cortex-M4.
 room(usb_board PLACES device/usb/board USES usb_protocol winding_balance EXCEPT /arm/
     LIBRARIES Eigen3::Eigen fmt::fmt) # only for the precompiled headers

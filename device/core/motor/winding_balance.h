@@ -71,7 +71,7 @@ class WindingBalance {
 public:
     static constexpr float kTorqueConstant = 0.15F; ///< magnets lose 0.2 %/K; tolerance
     static constexpr float kAmplifier = 0.02F;
-    static constexpr float kInductance = 0.1F;
+    static constexpr float kInductance = 0.25F; ///< as a self-test lets it differ
     /// Currents below this [A] may have the other sign in an interval's middle.
     static constexpr float kLeast_A = 0.1F;
     /// For how long a motor has to stand for its offset [s], and what is then left of it [A].

@@ -14,7 +14,8 @@ bool is_due(std::uint32_t now_us, std::uint32_t due_us) {
 
 Loop::Loop(const BoardSettings &settings)
     : settings_(settings), loop_period_us_(1e6F * settings.loop_period_s()),
-      lag_s_(settings.actuation_lag_periods * settings.loop_period_s()), amplifier_(settings) {
+      lag_s_(settings.actuation_lag_periods * settings.loop_period_s()), balances_(settings),
+      amplifier_(settings) {
     for (std::size_t i = 0; i < kChannels; ++i) {
         heat_[i] =
             WindingHeat(settings.winding[i], settings.gain_tolerance, settings.motors_start_cold);
@@ -77,6 +78,7 @@ void Loop::measure(const Samples &samples) {
     }
     if (has_gap_) {
         amplifier_.forget(current_A_);
+        balances_.spoil();
         has_gap_ = false;
     } else {
         amplifier_.observe(current_A_);
@@ -108,6 +110,7 @@ void Loop::check_fast(const Samples &samples) {
             current_A_[i] = 0.0F; // nothing below may see it
             square_sum_A2us_[i] = 0.0F;
             amplifier_.forget(current_A_);
+            balances_.spoil();
         } else {
             is_over = is_over || magnitude(current_A_[i]) > settings_.current_trip_A ||
                       magnitude(samples.current_A[i]) > kNearRange * settings_.current_range_A;
@@ -159,6 +162,10 @@ void Loop::check_slow(const Samples &samples) {
         }
     }
     check_timer();
+    // Its R̂ is above its R: what the host believes is wrong, and a fault says so at once.
+    if (balances_.update(current_A_, counts_) && (faults_ & Faults::kOverCurrent) == 0) {
+        raise(Faults::kOverCurrent);
+    }
     heat_windings();
     for (const WindingHeat &heat : heat_) {
         if (heat.is_too_hot()) {
@@ -216,6 +223,7 @@ void Loop::handle(Event event) {
 void Loop::request_reset() {
     if (present_ == 0) {
         faults_ = 0;
+        balances_.reset();
         handle(Event::reset);
     }
 }
@@ -327,14 +335,17 @@ BridgeOrder Loop::order(const Samples &samples) {
 }
 
 BridgeOrder Loop::order_of_state(float supply_V) {
+    balances_.apply(state_ == State::driving ? drive_ : DriveSettings());
     switch (state_) {
     case State::driving:
         return order_of_drive(supply_V);
     case State::testing:
+        balances_.spoil();
         return order_of_test(supply_V);
     case State::starting:
     case State::opened:
     case State::fault_open:
+        balances_.spoil();
         return BridgeOrder::opening();
     case State::braking:
     case State::fault_braking:
@@ -344,8 +355,13 @@ BridgeOrder Loop::order_of_state(float supply_V) {
 }
 
 BridgeOrder Loop::order_of_drive(float supply_V) {
+    std::uint8_t acting = 0;
     const Triple voltage_V =
-        amplifier_.limited_V(amplifier_.voltage_V(drive_), usable_V(supply_V), acting_);
+        amplifier_.limited_V(amplifier_.voltage_V(drive_), usable_V(supply_V), acting);
+    if ((acting & usb::ActingLimits::kVoltage) != 0) {
+        balances_.spoil();
+    }
+    acting_ |= acting;
     BridgeOrder order;
     for (std::size_t i = 0; i < kChannels; ++i) {
         order.stage[i] = Stage::drive;

@@ -77,6 +77,7 @@ private:
     Triple current_A_{}; ///< without offsets, with calibrated gains
     CurrentOffsets offsets_;
     std::array<WindingHeat, kChannels> heat_;
+    Balances balances_;
     Triple square_sum_A2us_{};    ///< of currents, by the time that each stands for
     std::uint32_t passed_us_ = 0; ///< in the last loop
     std::uint32_t summed_us_ = 0;

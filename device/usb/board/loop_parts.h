@@ -1,8 +1,9 @@
 // The parts of the amplifiers' loop that have a state of their own: the board's states as a table,
-// encoders, offsets of the current sensors, and heat of the windings.
+// encoders, offsets of the current sensors, heat of the windings, and whether they generate.
 #pragma once
 
-#include "device/usb/board/settings.h"
+#include "device/core/motor/winding_balance.h"
+#include "device/usb/board/amplifier.h"
 #include "device/usb/board/values.h"
 #include "device/usb/protocol.h"
 
@@ -211,6 +212,98 @@ private:
     float gain_tolerance_ = 0.0F;
     Bodies lower_;
     Bodies upper_;
+};
+
+/// Whether a winding generates, by what acted on it and what came of it since the last check: see
+/// device/core/motor/winding_balance.h. L̂ adds L̂ di/dt to e_W.
+class Balances {
+public:
+    Balances() = default;
+    explicit Balances(const BoardSettings &settings)
+        : loop_period_s_(settings.loop_period_s()),
+          lag_s_(settings.actuation_lag_periods * settings.loop_period_s()) {
+        const float older = settings.actuation_lag_periods - 0.5F;
+        older_share_ = older < 0.0F ? 0.0F : older > 1.0F ? 1.0F : older;
+        for (std::size_t i = 0; i < kChannels; ++i) {
+            const WindingSettings &winding = settings.winding[i];
+            const float hottest = 1.0F + winding.rise_per_K * (winding.largest_winding_C - 25.0F);
+            count_rad_[i] = 6.2831853F / static_cast<float>(settings.counts_per_turn[i]);
+            balance_[i] = device::WindingBalance(
+                {winding.resistance_Ohm * (1.0F + winding.resistance_tolerance) * hottest,
+                 winding.inductance_H, winding.torque_constant_Nm_per_A, count_rad_[i],
+                 kNoiseDeviations * settings.current_noise_A + settings.current_resolution_A,
+                 settings.offset_drift_A, loop_period_s_, winding.largest_brush_V, true});
+        }
+    }
+
+    /// What the windings are driven with after the last sample: zero where they brake.
+    void apply(const DriveSettings &drive) {
+        older_e_W_V_ = newer_e_W_V_;
+        newer_e_W_V_ = drive.e_W_V;
+        is_known_ = is_known_ && drive.is_diagonal;
+        for (std::size_t i = 0; i < kChannels; ++i) {
+            e_W_sum_V_[i] += newer_e_W_V_[i] + older_share_ * (older_e_W_V_[i] - newer_e_W_V_[i]);
+            R_hat_sum_Ohm_[i] += drive.cancelled_Ohm.diagonal[i];
+            lead_H_[i] = drive.lead_H.diagonal[i] - lag_s_ * drive.cancelled_Ohm.diagonal[i];
+        }
+        ++loops_;
+    }
+
+    /// What acts is not known: windings are open, a limit acts, or a sample is missing.
+    void spoil() { is_known_ = false; }
+
+    /// @return whether one is found to generate, until `reset`
+    [[nodiscard]] bool update(const Triple &current_A,
+                              const std::array<std::int32_t, kChannels> &counts) {
+        bool generates = false;
+        const float share = loops_ > 0 ? 1.0F / static_cast<float>(loops_) : 0.0F;
+        for (std::size_t i = 0; i < kChannels; ++i) {
+            if (is_known_) {
+                const float T = static_cast<float>(loops_) * loop_period_s_;
+                const float lead_V = lead_H_[i] * (current_A[i] - current_A_[i]) / T;
+                const float turned = static_cast<float>(usb::difference(
+                    static_cast<std::uint32_t>(counts[i]), static_cast<std::uint32_t>(counts_[i])));
+                balance_[i].update({T, e_W_sum_V_[i] * share + lead_V, newer_e_W_V_[i],
+                                    newer_e_W_V_[i], R_hat_sum_Ohm_[i] * share, current_A_[i],
+                                    current_A[i], count_rad_[i] * turned});
+            } else {
+                balance_[i].forget();
+            }
+            generates = generates || balance_[i].generates();
+        }
+        current_A_ = current_A;
+        counts_ = counts;
+        e_W_sum_V_ = {};
+        R_hat_sum_Ohm_ = {};
+        loops_ = 0;
+        is_known_ = true;
+        return generates;
+    }
+
+    void reset() {
+        for (device::WindingBalance &balance : balance_) {
+            balance.reset();
+        }
+    }
+
+private:
+    /// Of the difference of two currents: none is more.
+    static constexpr float kNoiseDeviations = 8.5F;
+
+    float loop_period_s_ = 0.0F;
+    float lag_s_ = 0.0F;
+    float older_share_ = 0.0F; ///< by which the older of two commands acts between two samples
+    Triple count_rad_{};
+    std::array<device::WindingBalance, kChannels> balance_;
+    bool is_known_ = false;
+    std::uint32_t loops_ = 0;
+    Triple e_W_sum_V_{};
+    Triple R_hat_sum_Ohm_{};
+    Triple lead_H_{}; ///< L̂
+    Triple newer_e_W_V_{};
+    Triple older_e_W_V_{};
+    Triple current_A_{}; ///< at the last check
+    std::array<std::int32_t, kChannels> counts_{};
 };
 
 } // namespace springdrive::board

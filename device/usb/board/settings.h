@@ -7,11 +7,13 @@
 
 namespace springdrive::board {
 
-/// A motor's winding: R and L, its two-body thermal network, and the bounds on R and air
+/// A motor's winding: R, L and k_T, its two-body thermal network, and the bounds on R and air
 /// temperature with which a board estimates it.
 struct WindingSettings {
     float resistance_Ohm = 2.18F; ///< at 25 °C
     float inductance_H = 0.238e-3F;
+    float torque_constant_Nm_per_A = 23.4e-3F;
+    float largest_brush_V = 0.5F; ///< of brushes and bridge, with the sign of the current
     float resistance_tolerance = 0.05F;
     float commutation_ripple = 0.02F;
     float rise_per_K = 0.0039F; ///< of R, relative to R at 25 °C
@@ -54,8 +56,10 @@ struct BoardSettings {
     float current_trip_A = 6.6F;
     float current_range_A = 8.0F; ///< of the sensors: a current near it is not known
     float current_resolution_A = 16.0F / 4096.0F;
-    float largest_offset_A = 0.1F; ///< of a sensor
-    float gain_tolerance = 0.01F;  ///< of a sensor
+    float largest_offset_A = 0.1F;  ///< of a sensor
+    float gain_tolerance = 0.01F;   ///< of a sensor
+    float current_noise_A = 0.003F; ///< of a sensor, r.m.s.
+    float offset_drift_A = 0.005F;  ///< of a sensor, since it was measured
 
     /// Diagonal bound of R̂ for a winding at 25 °C, the file's R with its tolerance. The bound
     /// rises with the rise of R that the measured currents make certain.

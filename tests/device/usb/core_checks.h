@@ -88,7 +88,8 @@ public:
     [[nodiscard]] bool is_safe() const { return is_safe_; }
 
 private:
-    /// One PWM period of 25 µs: e^(−R h/L) is 0.7953 for 2.18 Ω and 0.238 mH.
+    /// One PWM period of 25 µs: e^(−R h/L) is 0.7953 for 2.18 Ω and 0.238 mH. Rotors turn so slowly,
+    /// 3.8 rad/s, that a back-EMF, which is not there, would leave the most of dR i.
     void settle_windings() {
         constexpr float kDecay = 0.7953F;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -97,7 +98,7 @@ private:
                                        ? 0.0F
                                        : settled_A + kDecay * (samples.current_A[i] - settled_A);
             samples.encoder[i] = static_cast<std::uint16_t>(
-                samples.encoder[i] + (order.duty_ratio[i] > 0.01F ? 1U : 0U));
+                samples.encoder[i] + (order.duty_ratio[i] > 0.01F && loop_ % 16 == 0 ? 1U : 0U));
         }
     }
 
