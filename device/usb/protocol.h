@@ -139,6 +139,9 @@ struct Faults {
     static constexpr std::uint16_t kSensor = 1U << 8U;      ///< a current sensor: opens
     static constexpr std::uint16_t kOverrun = 1U << 9U;     ///< the amplifiers' loop was late
     static constexpr std::uint16_t kKnown = (1U << 10U) - 1U;
+    /// A winding generates: R̂ is above R, or its encoder does not say how it turns. Nobody can tell
+    /// which, so both are said, and the counts' zero is void.
+    static constexpr std::uint16_t kGenerating = kOverCurrent | kEncoder;
 };
 
 /// Limits that act at the time of a report, one bit each.

@@ -162,9 +162,12 @@ void Loop::check_slow(const Samples &samples) {
         }
     }
     check_timer();
-    // Its R̂ is above its R: what the host believes is wrong, and a fault says so at once.
-    if (balances_.update(current_A_, counts_) && (faults_ & Faults::kOverCurrent) == 0) {
-        raise(Faults::kOverCurrent);
+    if (balances_.update(current_A_, counts_) &&
+        (faults_ & Faults::kGenerating) != Faults::kGenerating) {
+        if ((faults_ & Faults::kEncoder) == 0) {
+            renumber_counts();
+        }
+        raise(Faults::kGenerating);
     }
     heat_windings();
     for (const WindingHeat &heat : heat_) {

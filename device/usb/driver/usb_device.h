@@ -154,7 +154,7 @@ private:
     std::array<MeasuredAt, kRememberedReports> measured_at_{}; ///< by report
     double tick_s_ = 0.0;                                      ///< when `read` was called last
     std::uint32_t number_ = 0;                                 ///< of the last command
-    bool has_new_command_ = false; ///< accepted since the report before
+    bool has_new_command_ = false;                             ///< accepted since the report before
     std::uint64_t answered_ = 0; ///< the report from which the last command was computed
     std::uint16_t watchdog_us_ = 5000;
     std::uint64_t unsent_ = 0;

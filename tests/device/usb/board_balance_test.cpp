@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <random>
 #include <string>
 
@@ -61,11 +62,11 @@ TEST(BoardBalance, BrakesAWindingThatGeneratesBelowThePeakWithinThreeMillisecond
             longest_s = std::max(longest_s, above.update(motor.current_A, kLoop_s));
             ASSERT_LE(longest_s, 3e-3);
         }
-        ASSERT_EQ(rig.faults(), Faults::kOverCurrent);
+        ASSERT_EQ(rig.faults(), Faults::kGenerating);
         EXPECT_EQ(rig.state(), State::fault_braking);
         EXPECT_TRUE(testing::all_stages(rig.order, Stage::brake));
         rig.run_ms(2);
-        EXPECT_EQ(rig.report.faults, Faults::kOverCurrent);
+        EXPECT_EQ(rig.report.faults, Faults::kGenerating);
     }
     EXPECT_LT(largest_A, 5.5);
     std::printf("largest of %d: %.2f A; found after at most %.2f ms\n", runs, largest_A,
@@ -77,7 +78,7 @@ TEST(BoardBalance, LatchesUntilAReset) {
     DrivingRig rig;
     rig.motor[1].resistance_Ohm = 1.38;
     rig.run_ms(20);
-    ASSERT_EQ(rig.faults(), Faults::kOverCurrent);
+    ASSERT_EQ(rig.faults(), Faults::kGenerating);
     rig.run_ms(20);
     EXPECT_EQ(rig.state(), State::fault_braking);
     for (const double R_Ohm : {1.38, 2.18}) {
@@ -148,7 +149,7 @@ TEST(BoardBalance, StopsTheSimulatedPlantBelowItsPeak) {
             above = current_A > 0.17 ? above + 1 : 0;
             found = std::max(found, above);
         }
-        EXPECT_EQ(host.faults(), Faults::kOverCurrent) << e_W_V;
+        EXPECT_EQ(host.faults(), Faults::kGenerating) << e_W_V;
         EXPECT_LE(found, 3) << e_W_V;
         EXPECT_LT(largest_A, 5.5) << e_W_V;
     }

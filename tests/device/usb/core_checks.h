@@ -88,8 +88,8 @@ public:
     [[nodiscard]] bool is_safe() const { return is_safe_; }
 
 private:
-    /// One PWM period of 25 µs: e^(−R h/L) is 0.7953 for 2.18 Ω and 0.238 mH. Rotors turn so slowly,
-    /// 3.8 rad/s, that a back-EMF, which is not there, would leave the most of dR i.
+    /// One PWM period of 25 µs: e^(−R h/L) is 0.7953 for 2.18 Ω and 0.238 mH. Rotors turn so
+    /// slowly, 3.8 rad/s, that a back-EMF, which is not there, would leave the most of dR i.
     void settle_windings() {
         constexpr float kDecay = 0.7953F;
         for (std::size_t i = 0; i < 3; ++i) {

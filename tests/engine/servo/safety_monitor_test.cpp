@@ -384,5 +384,50 @@ TEST_F(SafetyMonitorTest, CountsThatNoMechanismHasVoidTheirZeroInAnyState) {
     }
 }
 
+// A current that doubles by itself, twice.
+TEST_F(SafetyMonitorTest, LowersRHatAtOnceWhereAWindingGeneratesUntilAReset) {
+    for (const bool has_inductance : {false, true}) {
+        monitor = SafetyMonitor(device, kPeriod_s);
+        start_up();
+        const double before_Ohm = monitor.windings()[1].R_hat_limit_Ohm;
+        Observation seen = calm();
+        seen.has_inductance = has_inductance;
+        for (const double before_A : {0.5, 0.5, 1.0}) {
+            EXPECT_FALSE(monitor.windings()[1].generates);
+            const double after_A = seen.interval[1] ? 2.0 * before_A : before_A;
+            seen.interval[1] =
+                control::DrivenInterval{kPeriod_s, 0.0, 0.0, 0.0, 1.8, before_A, after_A, 0.0, 0.0};
+            pass(seen);
+        }
+        EXPECT_EQ(monitor.windings()[1].generates, has_inductance);
+        EXPECT_EQ(monitor.windings()[1].is_contradicted, has_inductance);
+        EXPECT_FALSE(monitor.windings()[0].generates);
+        if (!has_inductance) {
+            continue;
+        }
+        // Of the two intervals, t 2 ms: R̂ + (2 W − V_b t)/∫i dt, W = −L Δi.
+        const device::MotorParameters &motor = device.motor[1];
+        const double limit_Ohm =
+            1.8 - (2.0 * motor.inductance_H * 1.5 + motor.max_brush_voltage_V * 2e-3) / 2.25e-3;
+        EXPECT_NEAR(monitor.windings()[1].R_hat_limit_Ohm, limit_Ohm, 1e-5); // of float
+        const device::DeviceCommand command = pass(calm());
+        EXPECT_NEAR(command.cancelled_resistance_Ohm[1], limit_Ohm, 1e-5);
+        EXPECT_EQ(command.cancelled_resistance_Ohm[0], 1.5);
+        pass_calm(1000);
+        EXPECT_NEAR(monitor.windings()[1].R_hat_limit_Ohm, limit_Ohm, 1e-5);
+
+        SafetyOrders stop;
+        stop.requested_stop = 1;
+        pass(calm(), stop);
+        EXPECT_TRUE(monitor.windings()[1].generates); // a stop alone is no reset
+        ASSERT_TRUE(monitor.reset(1));
+        pass_calm(1);
+        EXPECT_FALSE(monitor.windings()[1].generates);
+        EXPECT_LT(monitor.windings()[1].R_hat_limit_Ohm, limit_Ohm + 0.1); // rises slowly
+        pass_calm(5000);
+        EXPECT_NEAR(monitor.windings()[1].R_hat_limit_Ohm, before_Ohm, 0.01);
+    }
+}
+
 } // namespace
 } // namespace springdrive::servo
