@@ -30,6 +30,8 @@ struct MotorCalibration {
     double torque_constant_deviation_Nm_per_A = 0.0;
     double offset_A = 0.0; ///< of the current's sensor
     double offset_deviation_A = 0.0;
+    double brush_voltage_V = 0.0; ///< V_b of brushes and bridge
+    double brush_deviation_V = 0.0;
 };
 
 /// By which an angle may be off that a person found by eye, the zero pose of a joint [rad]: 2°.

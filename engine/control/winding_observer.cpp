@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace springdrive::control {
@@ -11,12 +12,19 @@ namespace springdrive::control {
 namespace {
 
 // The states, in this order; cosine and sine of each harmonic follow each other.
-constexpr Eigen::Index kResistance = 0; ///< mean over the angles, at 25 °C [Ω]
-constexpr Eigen::Index kRipple = 1;     ///< four amplitudes [Ω]
-constexpr Eigen::Index kRippleEnd = 5;
-constexpr Eigen::Index kOffset = 5;         ///< of the current [A]
-constexpr Eigen::Index kTorqueConstant = 6; ///< [N·m/A]
-constexpr Eigen::Index kRounding = 7;       ///< of the last angle [rad]
+constexpr Eigen::Index kResistance = 0;      ///< mean over the angles, at 25 °C [Ω]
+constexpr Eigen::Index kRipple = 1;          ///< six amplitudes [Ω]
+constexpr Eigen::Index kBrushes = 7;         ///< the voltage's parts by i_b [V]
+constexpr Eigen::Index kOffset = 11;         ///< of the current [A]
+constexpr Eigen::Index kTorqueConstant = 12; ///< [N·m/A]
+constexpr Eigen::Index kRounding = 13;       ///< of the last angle [rad]
+
+/// The harmonics of s that the ripple has.
+constexpr std::array kHarmonics{1, 2, 4};
+
+/// i_b is between the first and the last, evenly in its logarithm.
+constexpr std::array kBrushCurrents_A{0.01, 0.02714, 0.07368, 0.2};
+constexpr auto kBrushCount = static_cast<Eigen::Index>(kBrushCurrents_A.size());
 
 /// By how much the file's R may be wrong, whatever tolerance it states: it may be another motor's.
 /// Only a file without any tolerance is of a device that is exactly known.
@@ -36,9 +44,54 @@ constexpr double kOutlier = 4.0;
 constexpr double kMaxDisbelief = 8.0;
 constexpr double kBelief = 0.25;
 
-/// The second harmonic's amplitude as a share of the first's, as assumed before it is observed: the
-/// r.m.s. of what lies between none and a rectified sine's 0.2.
-constexpr double kSecondHarmonic = 0.12;
+/// What a window can tell of the states has to exceed its noise by this factor, in variance, to
+/// tell R, V_b and offset apart.
+constexpr double kTellingApart = 3.0;
+
+/// So many outliers, and an estimate is not settled.
+constexpr double kDoubt = 3.0;
+
+/// What was measured is explained if it is off by no more than this variance, in expected ones.
+constexpr double kExplained = 3.0;
+
+/// For how long what is measured has to agree with an estimate that is settled until it is trusted
+/// again; doubled by each further distrust.
+constexpr double kRegain_s = 3.0;
+constexpr int kMaxDoublings = 10;
+
+/// Amplitudes of the harmonics as shares of the file's ripple, as assumed before they are observed.
+/// An odd number of segments passes two brushes in turn: then all of the ripple has the period of
+/// 2 s, with a harmonic of its own.
+constexpr std::array kHarmonicShares{1.0, 1.0, 0.25};
+
+/// k_T falls by at most this share as its magnets warm by 1 K, of ferrite, and its drift is that of
+/// a random walk that reaches the same after kMagnetChange_K.
+constexpr double kMagnetFall_per_K = 0.002;
+constexpr double kMagnetChange_K = 10.0;
+
+/// Amplitude of the ripple of k_T over the commutator's angle, as a share.
+constexpr double kTorqueRipple = 0.02;
+
+/// By how many periods e_W may act earlier or later than assumed.
+constexpr double kDelayError = 0.3;
+
+/// How far each part of the brushes' voltage may drift [V²/s]: 0.1 mV in a second.
+constexpr double kBrushDrift_V2_per_s = 1e-8;
+
+/// A film between brush and commutator changes i_b within seconds: variance by which parts pass
+/// into each other in a second, as a share of V_b².
+constexpr double kFilmDrift_per_s = 0.01;
+
+/// Variance of the parts that leaves their sum as it is, as a share of E[V_b²]. Without it, all of
+/// the largest V_b at one end of i_b would be five standard deviations off; with it, it is 2.2.
+constexpr double kPartsSpread = 0.42;
+
+/// By which share of V_b a sum of parts may differ from V_b tanh(i/i_b) where |i| is below i_b. It
+/// is a few per cent, but of one sign: at the same current it is the same in each window.
+constexpr double kBrushMisfit = 0.4;
+
+/// Near the supply an amplifier may be at its limit.
+constexpr double kWithinSupply = 0.98;
 
 /// How far R may drift while its temperature is constant [Ω²/s]: 0.03 mΩ in a second.
 constexpr double kDrift_Ohm2_per_s = 1e-9;
@@ -95,6 +148,23 @@ constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
     return std::expm1(-z * x) / std::expm1(-z);
 }
 
+/// Mean of tanh, and of its derivative, on a straight way between two arguments.
+struct MeanTanh {
+    double value = 0.0;
+    double slope = 0.0;
+};
+[[nodiscard]] MeanTanh mean_tanh(double from, double to) noexcept {
+    const auto ln_cosh = [](double x) {
+        return std::abs(x) + std::log1p(std::exp(-2.0 * std::abs(x))); // less ln 2
+    };
+    const double way = to - from;
+    if (std::abs(way) < 1e-3) {
+        const double middle = std::tanh(0.5 * (from + to)); // to 1e-7
+        return {middle, 1.0 - middle * middle};
+    }
+    return {(ln_cosh(to) - ln_cosh(from)) / way, (std::tanh(to) - std::tanh(from)) / way};
+}
+
 /// The mean square of a current between two, for a constant net voltage: what warms.
 [[nodiscard]] double mean_square_A2(double z, double from_A, double to_A) noexcept {
     const double q = -std::expm1(-z);
@@ -105,21 +175,33 @@ constexpr double kAir_K = 0.5 * (device::kWarmestAir_C - device::kColdestAir_C);
     return from_A * from_A + 2.0 * from_A * change_A * way + change_A * change_A * way2;
 }
 
-/// The same with a step of the net voltage. Where the voltage changes its sign with every tick, the
-/// mean current is none, and there is heat.
-[[nodiscard]] double mean_square_A2(double z, const DrivenInterval &interval,
-                                    double step_A) noexcept {
-    const double at = interval.step_at;
-    const double rest = 1.0 - at;
-    const double by_step_A =
-        step_A * (std::abs(z) < 1e-3 ? rest * (1.0 - 0.5 * z * rest) : -std::expm1(-z * rest) / z);
-    const double at_step_A =
-        interval.before_A + (interval.after_A - interval.before_A - by_step_A) * way_after(z, at);
-    return at * mean_square_A2(z * at, interval.before_A, at_step_A) +
-           rest * mean_square_A2(z * rest, at_step_A, interval.after_A);
-}
-
 } // namespace
+
+/// The current within an interval: to that at the step of e_W, and from there.
+struct WindingObserver::Course {
+    double before_A;
+    double at_step_A;
+    double after_A;
+    double z;
+    double step_at;
+
+    Course(double z_of_interval, const DrivenInterval &interval, double step_A) noexcept
+        : before_A(interval.before_A), at_step_A(interval.before_A), after_A(interval.after_A),
+          z(z_of_interval), step_at(interval.step_at) {
+        const double rest = 1.0 - step_at;
+        const double by_step_A = step_A * (std::abs(z) < 1e-3 ? rest * (1.0 - 0.5 * z * rest)
+                                                              : -std::expm1(-z * rest) / z);
+        at_step_A += (after_A - before_A - by_step_A) * way_after(z, step_at);
+    }
+
+    /// Where the voltage changes its sign with every tick, the mean current is none, and there is
+    /// heat.
+    [[nodiscard]] double mean_square() const noexcept {
+        const double rest = 1.0 - step_at;
+        return step_at * mean_square_A2(z * step_at, before_A, at_step_A) +
+               rest * mean_square_A2(z * rest, at_step_A, after_A);
+    }
+};
 
 double mean_current_A(const DrivenInterval &interval, double dR_Ohm, double inductance_H) noexcept {
     const double z = dR_Ohm * interval.duration_s / inductance_H;
@@ -147,7 +229,11 @@ double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
     }
     const double count_V = device.motor[motor].torque_constant_Nm_per_A * device.rad_per_count() /
                            std::sqrt(6.0) / kWindow_s; // rounded at both ends
-    const double window_Ohm = count_V / std::abs(current_A);
+    // R apart from V_b shows only as far as |i| varies: taken as one that a hand does not hold
+    // still.
+    constexpr double kVaried = 0.3;
+    const double used_A = (known.brush_deviation_V > 0.0 ? kVaried : 1.0) * std::abs(current_A);
+    const double window_Ohm = count_V / used_A;
     return kWindow_s * window_Ohm * window_Ohm *
            (1.0 / (enough_Ohm * enough_Ohm) - 1.0 / (deviation_Ohm * deviation_Ohm));
 }
@@ -166,6 +252,9 @@ WindingObserver::WindingObserver(const device::DeviceDescription &device, std::s
         air_variance_K2_ = uniform_variance(calibration->air_error_K) + uniform_variance(kAir_K);
         has_zero_of_calibration_ = calibration->has_lasting_zero();
     }
+    start_from_file();
+    file_state_ = state_;
+    file_covariance_ = covariance_;
     restart();
 }
 
@@ -178,6 +267,8 @@ void WindingObserver::restart() noexcept {
     mean_before_A_ = 0.0;
     settled_windows_ = 0;
     disbelief_ = 0.0;
+    other_ripple_Ohm2_ = calibration_ ? 0.0 : max_other_ripple_Ohm2();
+    distrusts_ = 0;
     is_trusted_ = true;
 }
 
@@ -194,14 +285,38 @@ void WindingObserver::start_from_file() noexcept {
         (uniform_variance(file_error) + uniform_variance(sensing_.gain_tolerance) +
          uniform_variance(motor_.resistance_rise_per_K * kAir_K));
     const double ripple_Ohm = R_Ohm * motor_.commutation_ripple;
-    for (Eigen::Index i = 0; i < 4; ++i) {
-        const double amplitude_Ohm = i < 2 ? ripple_Ohm : kSecondHarmonic * ripple_Ohm;
-        covariance_(kRipple + i, kRipple + i) = 0.5 * amplitude_Ohm * amplitude_Ohm;
+    for (Eigen::Index i = kRipple; i < kBrushes; ++i) {
+        const double amplitude_Ohm =
+            kHarmonicShares[static_cast<std::size_t>(i - kRipple) / 2] * ripple_Ohm;
+        covariance_(i, i) = 0.5 * amplitude_Ohm * amplitude_Ohm;
     }
+    const double max_V = is_exactly_known() ? 0.0 : motor_.max_brush_voltage_V;
+    start_brushes(0.5 * max_V, uniform_variance(0.5 * max_V));
     covariance_(kOffset, kOffset) = uniform_variance(sensing_.max_offset_A);
     covariance_(kTorqueConstant, kTorqueConstant) =
-        uniform_variance(motor_.torque_constant_tolerance * motor_.torque_constant_Nm_per_A);
+        uniform_variance(motor_.torque_constant_tolerance * motor_.torque_constant_Nm_per_A) +
+        uniform_variance(magnet_fall_per_K() * kAir_K * motor_.torque_constant_Nm_per_A);
     covariance_(kRounding, kRounding) = count_variance_rad2_;
+}
+
+/// With i_b anywhere between the first and the last of kBrushCurrents_A: V_b is shared by the two
+/// next to it, linearly in its logarithm.
+void WindingObserver::start_brushes(double mean_V, double variance_V2) noexcept {
+    constexpr double kBetween = 1.0 / static_cast<double>(kBrushCount - 1);
+    using Shares = Eigen::Matrix<double, kBrushCount, 1>;
+    Shares mean = Shares::Constant(kBetween);
+    mean[0] = mean[kBrushCount - 1] = 0.5 * kBetween;
+    Eigen::Matrix<double, kBrushCount, kBrushCount> square; // E[share · share]
+    square.setZero();
+    for (Eigen::Index i = 0; i + 1 < kBrushCount; ++i) {
+        square(i, i) += kBetween / 3.0;
+        square(i + 1, i + 1) += kBetween / 3.0;
+        square(i, i + 1) = square(i + 1, i) = kBetween / 6.0;
+    }
+    state_.segment<kBrushCount>(kBrushes) = mean_V * mean;
+    covariance_.block<kBrushCount, kBrushCount>(kBrushes, kBrushes) =
+        (mean_V * mean_V + variance_V2) * square - mean_V * mean_V * mean * mean.transpose();
+    spread_brushes(kPartsSpread * (mean_V * mean_V + variance_V2));
 }
 
 void WindingObserver::start_from_calibration() noexcept {
@@ -214,9 +329,13 @@ void WindingObserver::start_from_calibration() noexcept {
                 calibration_->ripple_deviation_Ohm);
     take_ripple(2, calibration_->ripple_cos_2_Ohm, calibration_->ripple_sin_2_Ohm,
                 calibration_->ripple_2_deviation_Ohm);
+    if (calibration_->brush_deviation_V > 0.0) {
+        start_brushes(calibration_->brush_voltage_V, square(calibration_->brush_deviation_V));
+    }
     state_[kTorqueConstant] = calibration_->torque_constant_Nm_per_A;
     covariance_(kTorqueConstant, kTorqueConstant) =
-        square(calibration_->torque_constant_deviation_Nm_per_A);
+        square(calibration_->torque_constant_deviation_Nm_per_A) +
+        uniform_variance(magnet_fall_per_K() * kAir_K * motor_.torque_constant_Nm_per_A);
     if (has_zero_of_calibration_) {
         state_[kOffset] = calibration_->offset_A;
         covariance_(kOffset, kOffset) = square(calibration_->offset_deviation_A);
@@ -242,6 +361,31 @@ void WindingObserver::take_ripple(Eigen::Index harmonic, double cos_Ohm, double 
     covariance_(i + 1, i) = covariance_(i, i + 1);
 }
 
+/// Adds this variance to each of the parts, and none to their sum.
+void WindingObserver::spread_brushes(double variance_V2) noexcept {
+    auto parts = covariance_.block<kBrushCount, kBrushCount>(kBrushes, kBrushes);
+    parts.diagonal().array() += variance_V2 * kBrushCount / (kBrushCount - 1);
+    parts.array() -= variance_V2 / (kBrushCount - 1);
+}
+
+/// By which share k_T falls as its magnets warm by 1 K.
+double WindingObserver::magnet_fall_per_K() const noexcept {
+    return is_exactly_known() ? 0.0 : kMagnetFall_per_K;
+}
+
+/// E[V_b²].
+double WindingObserver::mean_square_brush_V2() const noexcept {
+    const double mean_V = brushes().dot(state_);
+    return mean_V * mean_V + brushes().dot(covariance_ * brushes());
+}
+
+/// V_b: the sum of its parts.
+WindingObserver::State WindingObserver::brushes() noexcept {
+    State weights = State::Zero();
+    weights.segment<kBrushCount>(kBrushes).setOnes();
+    return weights;
+}
+
 /// R(T)/R at 25 °C.
 double WindingObserver::warmth() const noexcept {
     return 1.0 + motor_.resistance_rise_per_K *
@@ -252,10 +396,11 @@ WindingObserver::State WindingObserver::weights_of_resistance(double theta_rad) 
     const double phase_rad = motor_.commutator_segments * theta_rad;
     State weights = State::Zero();
     weights[kResistance] = 1.0;
-    weights[kRipple] = std::cos(phase_rad);
-    weights[kRipple + 1] = std::sin(phase_rad);
-    weights[kRipple + 2] = std::cos(2.0 * phase_rad);
-    weights[kRipple + 3] = std::sin(2.0 * phase_rad);
+    for (std::size_t k = 0; k < kHarmonics.size(); ++k) {
+        const auto i = kRipple + 2 * static_cast<Eigen::Index>(k);
+        weights[i] = std::cos(kHarmonics[k] * phase_rad);
+        weights[i + 1] = std::sin(kHarmonics[k] * phase_rad);
+    }
     return warmth() * weights;
 }
 
@@ -274,33 +419,99 @@ void WindingObserver::skip(double current_A, std::uint32_t periods) noexcept {
 
 void WindingObserver::update(const DrivenInterval &interval) noexcept {
     const double T = interval.duration_s;
-    period_s_ = T;
     const State of_resistance =
         weights_of_resistance(0.5 * (interval.before_rad + interval.after_rad));
     const double R_Ohm = of_resistance.dot(state_);
     const double dR_Ohm = R_Ohm - interval.R_hat_Ohm;
     const double z = dR_Ohm * T / motor_.inductance_H;
     const double step_A = interval.e_W_step_V * T / motor_.inductance_H;
+    const Course course(z, interval, step_A);
+    if (!is_within_supply(interval, course)) {
+        skip(interval.after_A);
+        return;
+    }
+    period_s_ = T;
     const double mean_A = mean_current_A(interval, dR_Ohm, motor_.inductance_H);
     voltage_Vs_ += interval.e_W_V * T + interval.R_hat_Ohm * mean_A * T -
                    motor_.inductance_H * (interval.after_A - interval.before_A);
     weights_ += (mean_A - state_[kOffset]) * T * of_resistance;
-    weights_[kOffset] -= R_Ohm * T;
+    of_noise_ += T * of_resistance;
+    const double slope_Ohm = R_Ohm + add_brushes(course, T);
+    weights_[kOffset] -= slope_Ohm * T;
+    const double net_Ohm = slope_Ohm - interval.R_hat_Ohm;
     const double charge_As2 = T * T * current_variance_A2_;
     charge_As2_ += charge_As2;
-    bias_VAs2_ += dR_Ohm * charge_As2;
-    current_Vs2_ += dR_Ohm * dR_Ohm * charge_As2;
-    of_noise_ += T * of_resistance;
+    bias_VAs2_ += net_Ohm * charge_As2;
+    current_Vs2_ += net_Ohm * net_Ohm * charge_As2;
     const double rate_rad_per_s = (interval.after_rad - interval.before_rad) / T;
-    first_rate_rad_per_s_ = window_s_ > 0.0 ? first_rate_rad_per_s_ : rate_rad_per_s;
+    if (window_s_ == 0.0) {
+        first_rate_rad_per_s_ = rate_rad_per_s;
+        first_e_W_V_ = interval.e_W_V;
+        first_R_hat_Ohm_ = interval.R_hat_Ohm;
+    }
     last_rate_rad_per_s_ = rate_rad_per_s;
+    last_e_W_V_ = interval.e_W_V;
+    last_R_hat_Ohm_ = interval.R_hat_Ohm;
     asymmetry_s_ += (0.5 - weight_of_first(z)) * T;
     turned_rad_ += interval.after_rad - interval.before_rad;
     window_s_ += T;
-    temperature_.update(std::max(0.0, R_Ohm) * mean_square_A2(z, interval, step_A));
+    temperature_.update(std::max(0.0, R_Ohm) * course.mean_square());
     if (window_s_ >= kWindow_s) {
         take_window();
     }
+}
+
+/// Whether R̂ i + e_W has not come near the supply, where the amplifier does not follow (6).
+bool WindingObserver::is_within_supply(const DrivenInterval &interval,
+                                       const Course &course) const noexcept {
+    const double older_V = interval.e_W_V - (1.0 - interval.step_at) * interval.e_W_step_V;
+    const double newer_V = older_V + interval.e_W_step_V;
+    const double limit_V = kWithinSupply * motor_.supply_V;
+    const auto is_within = [&](double e_W_V, double current_A) {
+        return std::abs(e_W_V + interval.R_hat_Ohm * current_A) < limit_V;
+    };
+    return (interval.step_at == 0.0 || is_within(older_V, course.before_A)) &&
+           is_within(older_V, course.at_step_A) && is_within(newer_V, course.at_step_A) &&
+           is_within(newer_V, course.after_A);
+}
+
+/// Adds what brushes and bridge drop in an interval.
+/// @return its slope over the current [Ω]
+double WindingObserver::add_brushes(const Course &course, double duration_s) noexcept {
+    if (is_exactly_known() || motor_.max_brush_voltage_V == 0.0) {
+        return 0.0;
+    }
+    // Each half of each part of the course is taken for linear in time, so that a change of sign is
+    // right: ∫tanh(x) dx = ln cosh x.
+    const double at = course.step_at;
+    const std::array<double, 5> shares{0.5 * at, 0.5 * at, 0.5 * (1.0 - at), 0.5 * (1.0 - at)};
+    std::array<double, 5> current_A{course.before_A,
+                                    course.before_A + (course.at_step_A - course.before_A) *
+                                                          way_after(course.z * at, 0.5),
+                                    course.at_step_A,
+                                    course.at_step_A + (course.after_A - course.at_step_A) *
+                                                           way_after(course.z * (1.0 - at), 0.5),
+                                    course.after_A};
+    double slope_Ohm = 0.0;
+    double misfit = 0.0;
+    for (Eigen::Index part = 0; part < kBrushCount; ++part) {
+        const double i_b_A = kBrushCurrents_A[static_cast<std::size_t>(part)];
+        double mean = 0.0; // of tanh(i/i_b)
+        double mean_slope_per_A = 0.0;
+        for (std::size_t piece = at > 0.0 ? 0 : 2; piece < 4; ++piece) {
+            const double from = (current_A[piece] - state_[kOffset]) / i_b_A;
+            const double to = (current_A[piece + 1] - state_[kOffset]) / i_b_A;
+            const MeanTanh found = mean_tanh(from, to);
+            mean += shares[piece] * found.value;
+            mean_slope_per_A += shares[piece] * found.slope / i_b_A;
+        }
+        weights_[kBrushes + part] += duration_s * mean;
+        of_noise_[kBrushes + part] += duration_s * mean_slope_per_A;
+        slope_Ohm += state_[kBrushes + part] * mean_slope_per_A;
+        misfit += 1.0 - mean * mean;
+    }
+    misfit_s_ += kBrushMisfit / static_cast<double>(kBrushCount) * misfit * duration_s;
+    return slope_Ohm;
 }
 
 /// Ends the present window.
@@ -317,8 +528,32 @@ void WindingObserver::take_window() noexcept {
     covariance_(kResistance, kResistance) +=
         kDrift_Ohm2_per_s * window_s_ + network_Ohm * network_Ohm * kWarmthChange * warmed;
     covariance_(kOffset, kOffset) += kOffsetDrift_A2_per_s * window_s_;
+    if (!is_exactly_known()) {
+        const double fall = magnet_fall_per_K() * k_T;
+        covariance_(kTorqueConstant, kTorqueConstant) +=
+            fall * fall * kMagnetChange_K *
+            std::abs(temperature_.housing_C() -
+                     std::exchange(housing_before_C_, temperature_.housing_C()));
+        covariance_.diagonal().segment<kBrushCount>(kBrushes).array() +=
+            kBrushDrift_V2_per_s * window_s_;
+        spread_brushes(kFilmDrift_per_s * window_s_ * mean_square_brush_V2());
+        covariance_.diagonal().segment<kBrushes - kRipple>(kRipple).array() +=
+            kDrift_Ohm2_per_s * window_s_;
+    }
     const bool has_evidence = had_current();
     mean_before_A_ = weights_[kResistance] / (warmth() * window_s_);
+    // e_W that acts at another time than assumed: of all steps together, the change over the
+    // window.
+    const double stepped_V =
+        last_e_W_V_ - first_e_W_V_ + (last_R_hat_Ohm_ - first_R_hat_Ohm_) * mean_before_A_;
+    const double delayed_Vs2 =
+        is_exactly_known() ? 0.0
+                           : uniform_variance(kDelayError * period_s_) * stepped_V * stepped_V;
+    // ∫k_T(θ) dθ: the ripple's ends.
+    const double segments = std::max(1, motor_.commutator_segments);
+    const double torque_ripple_Vs = is_exactly_known() ? 0.0 : k_T * kTorqueRipple / segments;
+    const double swept = std::min(std::abs(segments * turned_rad_), std::numbers::pi / 2.0);
+    const double torque_ripple_Vs2 = torque_ripple_Vs * torque_ripple_Vs * (1.0 - std::cos(swept));
     // Within an interval the speed changes, and the back-EMF's part of the current with it: of a
     // constant acceleration, dR times what the mean current differs by is this. It goes with the
     // current, so that it would be taken for R. Its rates are known to a count in an interval.
@@ -336,11 +571,15 @@ void WindingObserver::take_window() noexcept {
     const double product_Vs2 = window_s_ * window_s_ *
                                (of_current.dot(spread) * covariance_(kOffset, kOffset) +
                                 spread[kOffset] * spread[kOffset]);
-    const Noise noise{ends_Vs2 + current_Vs2_ + product_Vs2, charge_As2_, bias_VAs2_, of_current};
+    const Noise noise{ends_Vs2 + current_Vs2_ + product_Vs2 + delayed_Vs2 + torque_ripple_Vs2 +
+                          misfit_s_ * misfit_s_ * mean_square_brush_V2(),
+                      charge_As2_,
+                      bias_VAs2_,
+                      weights_[kResistance] * weights_[kResistance],
+                      1.0 - std::cos(swept),
+                      of_current};
     begin_window();
-    if (is_trusted_) {
-        learn(h, surprise_Vs, noise, has_evidence);
-    }
+    learn(h, surprise_Vs, noise, has_evidence);
 }
 
 /// Whether the mean current is far above noise and what is not known of its offset. If it is not, a
@@ -354,8 +593,8 @@ bool WindingObserver::had_current() const noexcept {
 }
 
 void WindingObserver::begin_window() noexcept {
-    voltage_Vs_ = current_Vs2_ = charge_As2_ = bias_VAs2_ = asymmetry_s_ = turned_rad_ = window_s_ =
-        0.0;
+    voltage_Vs_ = current_Vs2_ = charge_As2_ = bias_VAs2_ = misfit_s_ = asymmetry_s_ = turned_rad_ =
+        window_s_ = 0.0;
     weights_.setZero();
     of_noise_.setZero();
 }
@@ -369,7 +608,16 @@ void WindingObserver::learn(const State &h, double surprise_Vs, const Noise &noi
     const double k_T = h[kRounding];
     const State gain_numerator = covariance_ * h;
     const double rounding_Vs2 = k_T * k_T * count_variance_rad2_;
-    const double variance_Vs2 = h.dot(gain_numerator) + rounding_Vs2 + noise.voltage_Vs2;
+    // Variance without what is not known of R and V_b, but of both angles.
+    const double rest_Vs2 = noise.voltage_Vs2 + rounding_Vs2 +
+                            k_T * k_T * covariance_(kRounding, kRounding) +
+                            other_ripple_Ohm2_ * noise.ripple_As2;
+    const double modelled_Vs2 = h.dot(gain_numerator) + rounding_Vs2 + noise.voltage_Vs2;
+    const double variance_Vs2 = modelled_Vs2 + other_ripple_Ohm2_ * noise.ripple_As2;
+    if (has_evidence) {
+        note_other_ripple(surprise_Vs * surprise_Vs - kExplained * modelled_Vs2,
+                          1.0 - modelled_Vs2 / variance_Vs2, noise);
+    }
     const bool is_outlier = !(surprise_Vs * surprise_Vs < kOutlier * kOutlier * variance_Vs2);
     note_surprise(is_outlier);
     if (is_outlier) {
@@ -377,8 +625,15 @@ void WindingObserver::learn(const State &h, double surprise_Vs, const Noise &noi
         return;
     }
     State gain = gain_numerator / variance_Vs2;
+    // At the same |i| as before R, V_b and the offset are not told apart, but by the current's
+    // noise and by where the product of R and offset is linearised: then the last two stay as they
+    // are.
+    const bool tells_apart = h.dot(gain_numerator) - k_T * k_T * covariance_(kRounding, kRounding) >
+                             kTellingApart * rest_Vs2;
     if (!has_evidence) {
-        gain.segment<kRippleEnd - kResistance>(kResistance).setZero();
+        gain.segment<kOffset - kResistance>(kResistance).setZero();
+    } else if (!tells_apart) {
+        gain.segment<kTorqueConstant - kBrushes>(kBrushes).setZero();
     }
     state_ += surprise_Vs * gain;
     const Covariance taken = gain * gain_numerator.transpose();
@@ -392,10 +647,39 @@ void WindingObserver::learn(const State &h, double surprise_Vs, const Noise &noi
     covariance_(kRounding, kRounding) =
         count_variance_rad2_ - rounding_gain * rounding_gain * variance_Vs2;
     if (has_evidence) {
-        compensate(noise, rounding_Vs2 + noise.voltage_Vs2);
-        const ResistanceEstimate R = unheated();
-        settled_windows_ += R.deviation_Ohm < kSettled * R.resistance_Ohm ? 1 : 0;
+        if (tells_apart) {
+            compensate(noise, rest_Vs2);
+        }
+        const double settled_Ohm = kSettled * state_[kResistance];
+        settled_windows_ +=
+            covariance_(kResistance, kResistance) < settled_Ohm * settled_Ohm ? 1 : 0;
+        const double regain_s = kRegain_s * std::exp2(std::clamp(distrusts_ - 1, 0, kMaxDoublings));
+        is_trusted_ = is_trusted_ || settled_windows_ * kWindow_s >= regain_s;
     }
+}
+
+/// The most that `note_other_ripple` finds: the file's ripple.
+double WindingObserver::max_other_ripple_Ohm2() const noexcept {
+    const double amplitude_Ohm = motor_.commutation_ripple * motor_.resistance_Ohm;
+    return is_exactly_known() ? 0.0 : 0.5 * amplitude_Ohm * amplitude_Ohm;
+}
+
+/// What the harmonics do not explain while the rotor turns may be ripple of another period, as of
+/// another number of segments: noise then. It is assumed until windows that would show it do not,
+/// and again as soon as one does.
+/// @param unexplained_Vs2  what surprised beyond what was expected without it
+/// @param share            of what was expected that is due to it
+void WindingObserver::note_other_ripple(double unexplained_Vs2, double share,
+                                        const Noise &noise) noexcept {
+    constexpr double kSeen = 0.3; // shares, each window in which the rotor turns
+    constexpr double kForgotten = 0.1;
+    const double max_Ohm2 = max_other_ripple_Ohm2();
+    const double seen_Ohm2 =
+        std::clamp(unexplained_Vs2 / std::max(noise.ripple_As2, 1e-12), 0.0, 4.0 * max_Ohm2);
+    const double followed =
+        noise.turning * (seen_Ohm2 > other_ripple_Ohm2_ ? kSeen : kForgotten * share);
+    other_ripple_Ohm2_ =
+        std::min(max_Ohm2, other_ripple_Ohm2_ + followed * (seen_Ohm2 - other_ripple_Ohm2_));
 }
 
 /// The current's noise is in h as well: it looks like a current that changes, whose voltage changes
@@ -421,59 +705,79 @@ void WindingObserver::forget_rounding() noexcept {
 
 void WindingObserver::note_surprise(bool is_outlier) noexcept {
     disbelief_ = std::max(0.0, disbelief_ + (is_outlier ? 1.0 : -kBelief));
-    settled_windows_ = disbelief_ > 0.0 ? 0 : settled_windows_;
+    settled_windows_ = disbelief_ >= kDoubt ? 0 : settled_windows_;
     if (disbelief_ >= kMaxDisbelief) {
         distrust();
     }
 }
 
 bool WindingObserver::is_settled() const noexcept {
-    return settled_windows_ * kWindow_s >= kSettling_s;
+    return is_trusted_ && settled_windows_ * kWindow_s >= kSettling_s;
 }
 
 void WindingObserver::distrust() noexcept {
+    const int before = distrusts_;
     restart();
     start_from_file(); // it may be the calibration that is wrong
+    other_ripple_Ohm2_ = max_other_ripple_Ohm2();
+    distrusts_ = before + 1;
     is_trusted_ = false;
 }
 
 ResistanceEstimate WindingObserver::estimate(const State &weights) const noexcept {
-    return {weights.dot(state_), std::sqrt(std::max(0.0, weights.dot(covariance_ * weights)))};
+    const Covariance &covariance = is_trusted_ ? covariance_ : file_covariance_;
+    return {weights.dot(published()), std::sqrt(std::max(0.0, weights.dot(covariance * weights)))};
 }
 
 device::MotorCalibration WindingObserver::learned() const noexcept {
-    const auto deviation = [this](Eigen::Index state) {
-        return std::sqrt(std::max(0.0, covariance_(state, state)));
+    const State &state = published();
+    const auto deviation = [this](Eigen::Index of) {
+        return estimate(State::Unit(of)).deviation_Ohm;
     };
     device::MotorCalibration learned;
-    learned.resistance_Ohm = state_[kResistance];
+    learned.resistance_Ohm = state[kResistance];
     learned.resistance_deviation_Ohm = deviation(kResistance);
-    learned.ripple_cos_Ohm = state_[kRipple];
-    learned.ripple_sin_Ohm = state_[kRipple + 1];
+    learned.ripple_cos_Ohm = state[kRipple];
+    learned.ripple_sin_Ohm = state[kRipple + 1];
     learned.ripple_deviation_Ohm = std::max(deviation(kRipple), deviation(kRipple + 1));
-    learned.ripple_cos_2_Ohm = state_[kRipple + 2];
-    learned.ripple_sin_2_Ohm = state_[kRipple + 3];
+    learned.ripple_cos_2_Ohm = state[kRipple + 2];
+    learned.ripple_sin_2_Ohm = state[kRipple + 3];
     learned.ripple_2_deviation_Ohm = std::max(deviation(kRipple + 2), deviation(kRipple + 3));
-    learned.torque_constant_Nm_per_A = state_[kTorqueConstant];
+    learned.torque_constant_Nm_per_A = state[kTorqueConstant];
     learned.torque_constant_deviation_Nm_per_A = deviation(kTorqueConstant);
-    learned.offset_A = state_[kOffset];
+    learned.offset_A = state[kOffset];
     learned.offset_deviation_A = deviation(kOffset);
+    const ResistanceEstimate brush = estimate(brushes());
+    learned.brush_voltage_V = std::clamp(brush.resistance_Ohm, 0.0, motor_.max_brush_voltage_V);
+    learned.brush_deviation_V = brush.deviation_Ohm;
     return learned;
 }
 
 ObservedMotor WindingObserver::motor(double theta_rad) const noexcept {
     const double k_T = motor_.torque_constant_Nm_per_A;
-    const double k_T_tolerance = motor_.torque_constant_tolerance * k_T;
+    // In warm magnets it is less than what the tolerance allows, and in cold ones more.
+    const double warm_K = temperature_.housing_C() - device::kReferenceTemperature_C;
+    const double fall = magnet_fall_per_K();
+    const double tolerance = motor_.torque_constant_tolerance;
+    const State &state = published();
+    const ResistanceEstimate brush = estimate(brushes());
     return {at(theta_rad),
             mean(),
-            std::clamp(state_[kTorqueConstant], k_T - k_T_tolerance, k_T + k_T_tolerance),
-            std::clamp(state_[kOffset], -sensing_.max_offset_A, sensing_.max_offset_A),
+            std::clamp(state[kTorqueConstant],
+                       k_T * (1.0 - tolerance - fall * (std::max(0.0, warm_K) + kAir_K)),
+                       k_T * (1.0 + tolerance + fall * kAir_K)),
+            std::clamp(state[kOffset], -sensing_.max_offset_A, sensing_.max_offset_A),
             true,
-            is_trusted_};
+            is_trusted_,
+            std::clamp(brush.resistance_Ohm, 0.0, motor_.max_brush_voltage_V),
+            brush.deviation_Ohm};
 }
 
 ResistanceEstimate WindingObserver::at(double theta_rad) const noexcept {
-    return estimate(weights_of_resistance(theta_rad));
+    ResistanceEstimate here = estimate(weights_of_resistance(theta_rad));
+    here.deviation_Ohm = std::sqrt(here.deviation_Ohm * here.deviation_Ohm +
+                                   (is_trusted_ ? other_ripple_Ohm2_ : 0.0));
+    return here;
 }
 
 ResistanceEstimate WindingObserver::mean() const noexcept {

@@ -5,19 +5,34 @@
 //
 //   ∫e_W dt + R̂ ∫i dt − L Δi = R(T, θ) ∫(i − o) dt + k_T Δθ
 //
-// with the current i as the amplifier's sensor reads it, and its offset o. The sensor's gain error
-// g scales R and R̂ alike: it costs a share g of dR, not of R. An extended Kalman filter estimates
+// with the current i as the amplifier's sensor reads it, and its offset o. Brushes and bridge drop
+// V_b tanh(i/i_b) as well, on the right-hand side. The sensor's gain error g scales R and R̂ alike:
+// it costs a share g of dR, not of R. An extended Kalman filter estimates
 //
-//   R(T, θ) = [1 + ρ (T − 25 °C)] [R + Σ aₙ cos(n s θ) + bₙ sin(n s θ)],  n = 1, 2
+//   R(T, θ) = [1 + ρ (T − 25 °C)] [R + Σ aₙ cos(n s θ) + bₙ sin(n s θ)],  n = 1, 2, 4
+//   V_b tanh(i/i_b) ≈ Σ V_k tanh(i/i_k),  i_k = 10 to 200 mA,  V_b = Σ V_k
 //
 // and with it k_T, o, and the rounding of the last angle: counts telescope, so that their error
 // does not grow with the number of intervals. T follows from the thermal network in air of 25 °C,
 // and from R times the mean square of i, by the same solution of (1), which is not that of its
 // mean; that the air is warmer or colder is part of R.
 //
-// A device that was calibrated starts from that: R in air of another temperature, k_T, and where
-// the counts' zero is the same, the offset and the ripple. Where the zero was found by eye, the
-// ripple's phase is another by δ, normal with a standard deviation of σ at the rotor:
+// R̂ takes R away, never V_b: at one level of |i| only R + V_b/|i| shows, and R is as unknown as
+// V_b/|i|. At two levels they part, far above i_b at once; i_b is not known, so that V_b is a sum
+// whose parts are between them. A constant |i| teaches nothing about it, and the variance says so.
+//
+// An odd number of segments has a ripple of 2 s periods a turn, with a harmonic of its own; any
+// other period is noise of what the harmonics were seen to miss, up to the file's amplitude, and
+// then R(T, θ) is no better known than that.
+//
+// Borne as noise are: the ripple of k_T, of which over a window only its ends count,
+// k_T (c/s) sin(s θ); e_W that acts δ earlier or later than assumed, by which ∫e_W dt changes by δ
+// times its change over the window. k_T drifts with the magnets' heat. Intervals in which R̂ i + e_W
+// comes near the supply are skipped: there (6) does not hold.
+//
+// A device that was calibrated starts from that: R in air of another temperature, k_T, V_b, and
+// where the counts' zero is the same, the offset and the ripple. Where the zero was found by eye,
+// the ripple's phase is another by δ, normal with a standard deviation of σ at the rotor:
 //
 //   E[cos n s δ] = e^(−(n s σ)²/2) = f,  E[cos² n s δ] = (1 + f⁴)/2
 //
@@ -27,7 +42,9 @@
 //
 // A sensor that is stuck, or drifts faster than the filter expects, shows in what was measured
 // against what was expected of it. Such intervals teach nothing; if they persist, nothing is
-// believed any more until `restart`.
+// believed any more. The filter starts again from the file, unseen: only after it has agreed with
+// what was measured for some seconds, at R and V_b that it tells apart, which a stuck sensor never
+// lets it, is it trusted again. Each further distrust doubles that time, until `restart`.
 #pragma once
 
 #include "base/vector.h"
@@ -96,8 +113,8 @@ motors_of_file(const std::array<device::MotorParameters, 3> &motor) {
 /// An unknown R may be so many standard deviations lower than it is taken for.
 inline constexpr double kHeldUpDeviations = 3.0;
 
-/// The least dR [Ω] that may be asked for with what is known of R: in the coldest air, at any angle
-/// and with a file that is wrong by a fifth, less could be an R̂ above R.
+/// The least dR [Ω] that may be asked for with what is known of R: in the coldest air, at any
+/// angle, with any V_b and with a file that is wrong by a fifth, less could be an R̂ above R.
 [[nodiscard]] constexpr double held_up_dR_Ohm(const ObservedMotor &motor) {
     return motor.is_observed
                ? kHeldUpDeviations * std::max(motor.here.deviation_Ohm, motor.mean.deviation_Ohm)
@@ -134,8 +151,8 @@ struct DrivenInterval {
                                            std::size_t motor);
 
 /// How long a motor has to be driven on with this current until dR needs no longer be held up [s],
-/// if its rotor turns; infinite without a current, 0 for one that is not trusted. An
-/// estimate: one count a window limits what is learned.
+/// if its rotor turns, and |i| varies by a third if V_b is not known; infinite without a current, 0
+/// for one that is not trusted. An estimate: one count a window limits what is learned.
 [[nodiscard]] double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
                                   const ObservedMotor &known, double dR_Ohm, double current_A);
 
@@ -149,7 +166,7 @@ public:
     /// Keeps the estimates. RT-safe.
     void set_period(double period_s) noexcept { temperature_.set_period(period_s); }
 
-    /// Takes an interval into account in which the amplifier was within its limits.
+    /// Takes an interval into account. One in which the amplifier came near the supply is skipped.
     void update(const DrivenInterval &interval) noexcept;
 
     /// Periods about which only the current is known: the winding's temperature follows.
@@ -158,7 +175,8 @@ public:
     /// Forgets what was observed, but not the winding's temperature.
     void restart() noexcept;
 
-    /// Forgets it, and observes nothing until `restart`.
+    /// Forgets it, and is not trusted until what is observed from now on has agreed with itself for
+    /// seconds, longer after each time.
     void distrust() noexcept;
 
     /// From the next `restart` on, the counts' zero is taken to be found by eye.
@@ -168,8 +186,8 @@ public:
     /// fails while little is known is not noticed at once.
     [[nodiscard]] bool is_settled() const noexcept;
 
-    /// Whether what was measured agrees with what was expected. If not, the estimates are those
-    /// before anything was observed.
+    /// Whether what was measured agrees with what was expected. If not, the estimates are those of
+    /// the file.
     [[nodiscard]] bool is_trusted() const noexcept { return is_trusted_; }
 
     /// k_T and offset are within what the device's tolerances allow.
@@ -177,7 +195,7 @@ public:
 
     /// The estimate of `at` alone.
     [[nodiscard]] double expected_Ohm(double theta_rad) const noexcept {
-        return weights_of_resistance(theta_rad).dot(state_);
+        return weights_of_resistance(theta_rad).dot(published());
     }
 
     /// R(T, θ) as the amplifier sees it: R/(1 + g).
@@ -193,7 +211,7 @@ public:
     [[nodiscard]] device::MotorCalibration learned() const noexcept;
 
 private:
-    static constexpr int kStates = 8;
+    static constexpr int kStates = 14;
     using State = Eigen::Matrix<double, kStates, 1>;
     using Covariance = Eigen::Matrix<double, kStates, kStates>;
 
@@ -202,8 +220,12 @@ private:
         double voltage_Vs2 = 0.0; ///< variance of what was measured, but of the angle's rounding
         double charge_As2 = 0.0;  ///< variance of the current's integral
         double bias_VAs2 = 0.0;   ///< covariance of the two, reversed
-        State of_current;         ///< derivatives of R
+        double ripple_As2 = 0.0;  ///< variance per that of a ripple of R of another period
+        double turning = 0.0;     ///< 0: the rotor stands, to 1: by a quarter of a ripple and more
+        State of_current;         ///< derivatives of the slope of the voltage over the current
     };
+
+    struct Course;
 
     [[nodiscard]] double warmth() const noexcept;
     [[nodiscard]] State weights_of_resistance(double theta_rad) const noexcept;
@@ -211,6 +233,17 @@ private:
 
     void start_from_file() noexcept;
     void start_from_calibration() noexcept;
+    void start_brushes(double mean_V, double variance_V2) noexcept;
+    [[nodiscard]] bool is_within_supply(const DrivenInterval &interval,
+                                        const Course &course) const noexcept;
+    double add_brushes(const Course &course, double duration_s) noexcept;
+    void spread_brushes(double variance_V2) noexcept;
+    [[nodiscard]] static State brushes() noexcept;
+    [[nodiscard]] double mean_square_brush_V2() const noexcept;
+    [[nodiscard]] double magnet_fall_per_K() const noexcept;
+    [[nodiscard]] const State &published() const noexcept {
+        return is_trusted_ ? state_ : file_state_;
+    }
     void take_ripple(Eigen::Index harmonic, double cos_Ohm, double sin_Ohm,
                      double deviation_Ohm) noexcept;
     void take_window() noexcept;
@@ -219,7 +252,12 @@ private:
     void learn(const State &h, double surprise_Vs, const Noise &noise, bool has_evidence) noexcept;
     void compensate(const Noise &noise, double variance_Vs2) noexcept;
     void forget_rounding() noexcept;
+    [[nodiscard]] double max_other_ripple_Ohm2() const noexcept;
+    void note_other_ripple(double unexplained_Vs2, double share, const Noise &noise) noexcept;
     void note_surprise(bool is_outlier) noexcept;
+    [[nodiscard]] bool is_exactly_known() const noexcept {
+        return motor_.resistance_tolerance == 0.0;
+    }
 
     device::MotorParameters motor_;
     device::CurrentSensing sensing_;
@@ -232,9 +270,14 @@ private:
     device::WindingTemperature temperature_;
     State state_{State::Zero()};
     Covariance covariance_{Covariance::Zero()};
+    State file_state_{State::Zero()}; ///< what is known by the file alone
+    Covariance file_covariance_{Covariance::Zero()};
     double warmth_before_ = 1.0; ///< at the end of the window before
+    double housing_before_C_ = device::kReferenceTemperature_C;
     int settled_windows_ = 0;
-    double disbelief_ = 0.0; ///< in outliers, of late
+    int distrusts_ = 0;              ///< since `restart`
+    double disbelief_ = 0.0;         ///< in outliers, of late
+    double other_ripple_Ohm2_ = 0.0; ///< variance of what the harmonics do not follow
     bool is_trusted_ = true;
 
     // Sums over the present window.
@@ -244,6 +287,11 @@ private:
     double charge_As2_ = 0.0;      ///< variance of the current's integral, by the same
     double bias_VAs2_ = 0.0;       ///< the same times dR
     State of_noise_{State::Zero()};
+    double misfit_s_ = 0.0; ///< deviation from V_b tanh(i/i_b), as a share of V_b, integrated
+    double first_e_W_V_ = 0.0;
+    double first_R_hat_Ohm_ = 0.0;
+    double last_e_W_V_ = 0.0;
+    double last_R_hat_Ohm_ = 0.0;
     double asymmetry_s_ = 0.0; ///< ½ less the weight of an interval's first current, integrated
     double first_rate_rad_per_s_ = 0.0;
     double last_rate_rad_per_s_ = 0.0;
