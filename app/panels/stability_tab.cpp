@@ -154,12 +154,12 @@ void show_margins(const limits::AutoTuned &found) {
     }
 }
 
-/// K_DC is less than what was found while dR is held up, as by windings that are still cold.
+/// K_DC is less than what was found where a motor whose dR is held up would lose margin.
 void show_held_K_DC(const session::Session &session, const limits::AutoTuned &found) {
-    const double held_Ohm = active_dR_Ohm(session);
-    if (held_Ohm > found.tuning.dR_Ohm * (1.0 + 1e-9)) {
+    const double share = session.latest().stiffness_share;
+    if (share < 1.0 - 1e-9) {
         ui::wrapped(kWarning, "now {:.3g} N·m/rad, as dR is held at {:.3g} Ω: see Gains",
-                    found.margins.K_DC_Nm_per_rad * found.tuning.dR_Ohm / held_Ohm, held_Ohm);
+                    found.margins.K_DC_Nm_per_rad * share, active_dR_Ohm(session));
     }
 }
 

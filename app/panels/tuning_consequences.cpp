@@ -27,6 +27,12 @@ double dR_of_motor_Ohm(const session::Session &session, std::size_t motor) {
                               : dR_Ohm;
 }
 
+/// With K_P raised where dR is held up, as far as the law does that.
+double acting_K_DC_Nm_per_rad(const session::Session &session) {
+    return session.latest().stiffness_share *
+           control::mean_static_stiffness_Nm_per_rad(session.description(), session.tuning().now());
+}
+
 /// A number with its unit, laid out as `label   value unit`; explained by its label.
 void show(const char *label, CheckedFormat<double> format, double value, const char *unit) {
     ImGui::TableNextColumn();
@@ -112,10 +118,9 @@ void show_held_up_dR(const session::Session &session) {
 }
 
 double tip_stiffness_N_per_m(const session::Session &session, const Vector3 &along) {
-    control::Tuning tuning = session.tuning().now();
-    tuning.dR_Ohm = active_dR_Ohm(session);
-    const double K_DC = control::mean_static_stiffness_Nm_per_rad(session.description(), tuning);
+    const control::Tuning &tuning = session.tuning().now();
     const servo::ServoSample &now = session.latest();
+    const double K_DC = acting_K_DC_Nm_per_rad(session);
     const double share = 1.0 - now.eta;
     if (tuning.map == control::MotionMap::transpose) {
         return share * now.alpha_rad2_per_m2 * K_DC;
@@ -140,7 +145,7 @@ void show_consequences(const session::Session &session) {
             device::joint_from_motor(session.description().geometry, now.theta_rad))
             .inverse();
     const double added_mass_g = 1000.0 * c.added_inertia_kg_m2 * J_inverse.squaredNorm() / 3.0;
-    c.K_DC_Nm_per_rad = control::mean_static_stiffness_Nm_per_rad(session.description(), tuning);
+    c.K_DC_Nm_per_rad = acting_K_DC_Nm_per_rad(session);
     const double stiffness = control::tip_stiffness_N_per_m(c, now.alpha_rad2_per_m2, tuning.eta);
 
     if (!ImGui::BeginTable("consequences", 4, ImGuiTableFlags_SizingFixedFit)) {

@@ -1,8 +1,10 @@
 #include "engine/control/haptic_law.h"
 
 #include "device/core/phantom/kinematics.h"
+#include "engine/control/drive_gains.h"
 #include "engine/control/rendered_force.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace springdrive::control {
@@ -36,7 +38,7 @@ Configuration HapticLaw::configuration(const Vector3 &theta_rad,
 
 LawOutcome HapticLaw::operator()(const Configuration &now, const contact::Contact &contact,
                                  const Tuning &tuning, double global_alpha_rad2_per_m2,
-                                 const ObservedMotors &motors) const noexcept {
+                                 const ObservedMotors &motors, double lag_s) const noexcept {
     LawOutcome found;
     found.eta = combined_eta(contact.eta, tuning.eta);
     found.alpha_bound_rad2_per_m2 = alpha_bound(now.J, relative_stiffness_);
@@ -51,12 +53,26 @@ LawOutcome HapticLaw::operator()(const Configuration &now, const contact::Contac
     found.used = tuning.map == MotionMap::transpose ? found.transpose
                                                     : found.inverse.value_or(no_force(now));
 
-    const Vector3 k_T = torque_constants(motors);
-    found.command.e_W_V =
-        drift_compensation_V(k_T, tuning, now, found.used, k_T_.cwiseQuotient(k_T));
+    Vector3 gain = k_T_.cwiseQuotient(torque_constants(motors));
     for (std::size_t j = 0; j < motor_.size(); ++j) {
-        found.command.cancelled_resistance_Ohm[static_cast<Eigen::Index>(j)] =
+        const auto index = static_cast<Eigen::Index>(j);
+        double &dR_Ohm = found.dR_Ohm[index];
+        dR_Ohm = acting_dR_Ohm(motor_[j], motors[j], tuning.dR_Ohm);
+        gain[index] *= dR_Ohm / device::residual_resistance_Ohm(motor_[j], tuning.dR_Ohm);
+        found.stiffness_share = std::min(found.stiffness_share,
+                                         allowed_stiffness_share(motor_[j], tuning, dR_Ohm, lag_s));
+        found.command.cancelled_resistance_Ohm[index] =
             cancelled_resistance_Ohm(motor_[j], motors[j], tuning.dR_Ohm);
+    }
+    gain *= found.stiffness_share;
+    found.command.e_W_V =
+        drift_compensation_V(torque_constants(motors), tuning, now, found.used, gain);
+    const Vector3 spring_V =
+        tuning.K_P_V_per_rad * gain.cwiseProduct(found.used.theta_Sd_rad - now.theta_rad);
+    for (std::size_t j = 0; j < motor_.size(); ++j) {
+        const auto index = static_cast<Eigen::Index>(j);
+        found.command.e_W_V[index] +=
+            brush_compensation_V(motors[j], spring_V[index], found.dR_Ohm[index]);
     }
     return found;
 }

@@ -24,6 +24,8 @@ struct LawOutcome {
     std::optional<MotorSetPoint> inverse; ///< (18), where it has a solution
     MotorSetPoint transpose;              ///< (23), (24)
     MotorSetPoint used;                   ///< of the active map; no force where it has no solution
+    Vector3 dR_Ohm{Vector3::Zero()};      ///< at which each motor is driven, as far as R is known
+    double stiffness_share = 1.0;         ///< of the tuning's K_q (20), the same for each motor
     device::DeviceCommand command;        ///< e_W (10) and R̂ (7)
 };
 
@@ -37,17 +39,19 @@ public:
                                               const Vector3 &theta_rate_rad_per_s) const noexcept;
 
     /// @param global_alpha_rad2_per_m2  the α of AlphaMode::global
-    /// @param motors  so that what is left of R is dR, and K_q (20) that of the file's k_T: K_P and
-    ///                K_D are larger where k_T is smaller. RT-safe.
+    /// @param motors  so that what is left of R is dR, and K_q (20) that of the file's k_T and the
+    ///                tuning's dR: K_P and K_D are larger where k_T is smaller and where dR is held
+    ///                up, see drive_gains.h
+    /// @param lag_s   T (½ + d). RT-safe.
     [[nodiscard]] LawOutcome operator()(const Configuration &now, const contact::Contact &contact,
                                         const Tuning &tuning, double global_alpha_rad2_per_m2,
-                                        const ObservedMotors &motors) const noexcept;
+                                        const ObservedMotors &motors, double lag_s) const noexcept;
 
-    /// The same with the motors of the device file. RT-safe.
+    /// The same with the motors of the device file, driven at the tuning's dR. RT-safe.
     [[nodiscard]] LawOutcome operator()(const Configuration &now, const contact::Contact &contact,
                                         const Tuning &tuning,
                                         double global_alpha_rad2_per_m2) const noexcept {
-        return (*this)(now, contact, tuning, global_alpha_rad2_per_m2, motors_of_file(motor_));
+        return (*this)(now, contact, tuning, global_alpha_rad2_per_m2, motors_of_file(motor_), 0.0);
     }
 
     /// The direction of the static tip force (19) of a motor set-point. RT-safe.
@@ -56,7 +60,7 @@ public:
 
     [[nodiscard]] const Vector3 &k_T() const { return k_T_; }
 
-    /// K_DC (13) of each motor [N·m/rad]. RT-safe.
+    /// K_DC (13) of each motor at the tuning's dR [N·m/rad]. RT-safe.
     [[nodiscard]] Vector3 static_stiffness_Nm_per_rad(const Tuning &tuning) const noexcept {
         return control::static_stiffness_Nm_per_rad(motor_, tuning);
     }

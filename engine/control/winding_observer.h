@@ -56,6 +56,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 namespace springdrive::control {
@@ -79,18 +80,17 @@ struct ObservedMotor {
     bool is_trusted = true;       ///< false: what was measured contradicts the file, or itself
     double brush_voltage_V = 0.0; ///< V_b of brushes and bridge, with the sign of the current
     double brush_deviation_V = 0.0;
+    /// The largest R̂ that is passed on to the amplifier, as of the tick before.
+    double R_hat_limit_Ohm = std::numeric_limits<double>::infinity();
 };
 
 using ObservedMotors = std::array<ObservedMotor, 3>;
 
 /// What the file says, which is taken as exact.
 [[nodiscard]] constexpr ObservedMotor motor_of_file(const device::MotorParameters &motor) {
-    return {{motor.resistance_Ohm, 0.0},
-            {motor.resistance_Ohm, 0.0},
-            motor.torque_constant_Nm_per_A,
-            0.0,
-            false,
-            true};
+    return {.here = {motor.resistance_Ohm, 0.0},
+            .mean = {motor.resistance_Ohm, 0.0},
+            .torque_constant_Nm_per_A = motor.torque_constant_Nm_per_A};
 }
 
 [[nodiscard]] constexpr ObservedMotors
@@ -126,6 +126,15 @@ inline constexpr double kHeldUpDeviations = 3.0;
                                                         const ObservedMotor &motor, double dR_Ohm) {
     const double residual_Ohm = device::residual_resistance_Ohm(file, dR_Ohm);
     return std::max(0.0, motor.here.resistance_Ohm - std::max(residual_Ohm, held_up_dR_Ohm(motor)));
+}
+
+/// The dR [Ω] at which the motor is then driven, as far as R is known.
+[[nodiscard]] constexpr double acting_dR_Ohm(const device::MotorParameters &file,
+                                             const ObservedMotor &motor, double dR_Ohm) {
+    const double R_hat_Ohm =
+        std::min(cancelled_resistance_Ohm(file, motor, dR_Ohm), motor.R_hat_limit_Ohm);
+    return std::max(motor.here.resistance_Ohm - R_hat_Ohm,
+                    device::kMinResidualShare * file.resistance_Ohm);
 }
 
 /// What happened to one motor between two measurements.

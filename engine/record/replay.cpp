@@ -78,8 +78,8 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
         theta_rate_rad_per_s_ = theta_rate_rad_per_s;
     }
     tick.now = law_.configuration(theta_rad, theta_rate_rad_per_s);
-    tick.found =
-        law_(tick.now, sample.contact, tuning, sample.global_alpha_rad2_per_m2, sample.motor);
+    tick.found = law_(tick.now, sample.contact, tuning, sample.global_alpha_rad2_per_m2,
+                      sample.motor, sample.lag_s);
     if (!servo::lets_pass(sample.safety.state)) {
         tick.command = device::DeviceCommand::braking();
     } else if (is_new) {

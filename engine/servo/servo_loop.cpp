@@ -128,25 +128,27 @@ ServoLoop::unchanged_law(control::VelocityFilter filter, double since_last_s,
     const LawSettings &before = transfer_.before();
     const double pole = control::velocity_filter_pole(before.tuning.lambda_rad_per_s, since_last_s);
     return law_(law_.configuration(theta_rad, filter.update(theta_rad, pole, since_last_s)),
-                contact, before.tuning, before.global_alpha_rad2_per_m2, motors_);
+                contact, before.tuning, before.global_alpha_rad2_per_m2, motors_, lag_s());
 }
 
 control::LawOutcome ServoLoop::law(const control::Configuration &now,
                                    ServoSample &sample) const noexcept {
     const LawSettings &active = transfer_.active();
-    const control::LawOutcome found =
-        law_(now, sample.contact, active.tuning, active.global_alpha_rad2_per_m2, motors_);
     sample.motor = motors_;
+    sample.lag_s = lag_s();
+    const control::LawOutcome found = law_(now, sample.contact, active.tuning,
+                                           active.global_alpha_rad2_per_m2, motors_, sample.lag_s);
     note_law(law_, now, found, sample);
     note_rendered_error(sample);
     return found;
 }
 
-/// Static force of the coupling K_DC (13) between tip and proxy.
+/// Static force of the coupling K_q (20) between tip and proxy, as it acts.
 Vector3 ServoLoop::spring_force_N(const control::Configuration &now, const control::Tuning &tuning,
-                                  const control::MotorSetPoint &set_point) const noexcept {
-    return control::static_tip_force(now.J, law_.static_stiffness_Nm_per_rad(tuning),
-                                     set_point.theta_Sd_rad - now.theta_rad);
+                                  const control::LawOutcome &found) const noexcept {
+    return control::static_tip_force(
+        now.J, found.stiffness_share * law_.static_stiffness_Nm_per_rad(tuning),
+        found.used.theta_Sd_rad - now.theta_rad);
 }
 
 /// From the measurement to θ, θ̇_f, x and J.
@@ -174,16 +176,18 @@ void ServoLoop::observe_motors(const device::Measurement &measured, const Vector
             observers_.restart();
         }
         observers_.rest(measured, theta_rad, is_next, since.missed_periods);
-        motors_ = observers_.motors();
-        return;
-    }
-    for (std::size_t j = 0; j < motors_.size(); ++j) {
-        if (motors_[j].is_trusted && safety_.windings()[j].is_contradicted) {
-            observers_.distrust(j);
+    } else {
+        for (std::size_t j = 0; j < motors_.size(); ++j) {
+            if (motors_[j].is_trusted && safety_.windings()[j].is_contradicted) {
+                observers_.distrust(j);
+            }
         }
+        observers_.update(measured, theta_rad, is_next, since.missed_periods);
     }
-    observers_.update(measured, theta_rad, is_next, since.missed_periods);
     motors_ = observers_.motors();
+    for (std::size_t j = 0; j < motors_.size(); ++j) {
+        motors_[j].R_hat_limit_Ohm = safety_.windings()[j].R_hat_limit_Ohm;
+    }
 }
 
 void ServoLoop::note_motion(const control::Configuration &now, ServoSample &sample) const noexcept {
@@ -210,9 +214,9 @@ Observation ServoLoop::observation(const control::Configuration &now,
     seen.touching = sample.contact.touching;
     if (sample.contact.touching) {
         seen.spring_stretch_m = sample.contact.x0_m - now.tip_m;
-        seen.spring_force_N = spring_force_N(now, transfer_.active().tuning, found.used);
+        seen.spring_force_N = spring_force_N(now, transfer_.active().tuning, found);
         seen.spring_force_before_N =
-            unchanged ? spring_force_N(now, transfer_.before().tuning, unchanged->used)
+            unchanged ? spring_force_N(now, transfer_.before().tuning, *unchanged)
                       : seen.spring_force_N;
     }
     seen.motors = motors_;

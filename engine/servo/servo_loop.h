@@ -106,13 +106,16 @@ private:
                                           ServoSample &sample) const noexcept;
     [[nodiscard]] Vector3 spring_force_N(const control::Configuration &now,
                                          const control::Tuning &tuning,
-                                         const control::MotorSetPoint &set_point) const noexcept;
+                                         const control::LawOutcome &found) const noexcept;
     [[nodiscard]] Observation observation(const control::Configuration &now,
                                           const control::LawOutcome &found,
                                           const std::optional<control::LawOutcome> &unchanged,
                                           const Passed &since, const device::Measurement &measured,
                                           const ServoSample &sample) const noexcept;
     [[nodiscard]] SafetyOrders orders() const noexcept;
+    [[nodiscard]] double lag_s() const noexcept {
+        return period_s_ * (0.5 + device_.delay_periods());
+    }
 
     device::HapticDevice &device_;
     double period_s_;

@@ -28,6 +28,8 @@ void note_law(const control::HapticLaw &law, const control::Configuration &now,
     sample.inverse_possible = found.inverse.has_value();
     sample.x_Sd_m = found.x_Sd_m;
     sample.theta_Sd_rad = found.used.theta_Sd_rad;
+    sample.dR_Ohm = found.dR_Ohm;
+    sample.stiffness_share = found.stiffness_share;
 
     const bool pushes = contact.touching && (found.x_Sd_m - now.tip_m).norm() > kMinSetPointGap_m;
     const auto static_error = [&](const control::MotorSetPoint &set_point) {

@@ -176,7 +176,8 @@ void FaultJudge::look_at_energy(const TipAt &now, const Vector3 &force_N,
     }
     double stored_J = 0.0;
     if (sample.contact.touching) {
-        const Vector3 K_DC = k_T_ * (sample.tuning.K_P_V_per_rad / sample.tuning.dR_Ohm);
+        const Vector3 K_DC =
+            sample.stiffness_share * k_T_ * (sample.tuning.K_P_V_per_rad / sample.tuning.dR_Ohm);
         const Vector3 spring_N =
             now.force_N(K_DC.cwiseProduct(sample.theta_Sd_rad - sample.theta_rad));
         const Vector3 stretch_m = sample.contact.x0_m - now.tip_m;
@@ -282,7 +283,7 @@ void FaultJudge::look(const device::Measurement &measured, const servo::ServoInp
     look_at_energy(now, force_N, sample);
     device::DeviceCommand requested =
         law_(law_.configuration(theta_rad, rate_rad_per_s_), sample.contact, sample.tuning,
-             sample.global_alpha_rad2_per_m2)
+             sample.global_alpha_rad2_per_m2, sample.motor, sample.lag_s)
             .command;
     requested.e_W_V += sample.transfer_offset_V;
     const Permissible passes = permissible(now, requested, sample);

@@ -153,7 +153,9 @@ void TuningStress::check_set(const servo::ServoSample &sample) {
 /// The law's e_W for the state of one sample with the tuning of another, within the supply.
 Vector3 TuningStress::requested_V(const servo::ServoSample &state, const servo::ServoSample &tuned,
                                   const control::Configuration &now) const {
-    return law_(now, state.contact, tuned.tuning, tuned.global_alpha_rad2_per_m2).command.e_W_V;
+    return law_(now, state.contact, tuned.tuning, tuned.global_alpha_rad2_per_m2, state.motor,
+                state.lag_s)
+        .command.e_W_V;
 }
 
 /// Checks the step of e_W due to this tick's changes alone: relative to e_W without them, or after

@@ -2,6 +2,7 @@
 #include "engine/control/haptic_law.h"
 
 #include "device/core/phantom/kinematics.h"
+#include "engine/control/rendered_force.h"
 #include "tests/support/configurations.h"
 #include "tests/support/devices.h"
 
@@ -10,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <numbers>
 #include <random>
 #include <utility>
@@ -18,6 +20,7 @@ namespace springdrive::control {
 namespace {
 
 constexpr double kGlobalAlpha = 1234.5;
+constexpr double kLag_s = 1.5e-3; ///< T (½ + d), 1 kHz and d 1
 
 class HapticLawTest : public ::testing::Test {
 protected:
@@ -159,18 +162,128 @@ TEST_F(HapticLawTest, TheStiffnessDoesNotDependOnTheObservedTorqueConstants) {
         const contact::Contact contact = any_contact(now);
         const Tuning tuning;
         ObservedMotors motors = motors_of_file(device.motor);
-        const LawOutcome expected = law(now, contact, tuning, kGlobalAlpha, motors);
+        const LawOutcome expected = law(now, contact, tuning, kGlobalAlpha, motors, kLag_s);
         const Vector3 share = Vector3::Ones() + testing::random_vector(random, 0.2);
         for (std::size_t j = 0; j < motors.size(); ++j) {
             motors[j].torque_constant_Nm_per_A *= share[static_cast<Eigen::Index>(j)];
         }
-        const LawOutcome found = law(now, contact, tuning, kGlobalAlpha, motors);
+        const LawOutcome found = law(now, contact, tuning, kGlobalAlpha, motors, kLag_s);
         const Vector3 back_emf_V = k_T * found.used.theta_Sd_rate_rad_per_s;
         const Vector3 added_V = found.command.e_W_V - share.cwiseProduct(back_emf_V);
         const Vector3 expected_V = expected.command.e_W_V - back_emf_V;
         EXPECT_LT((share.cwiseProduct(added_V) - expected_V).norm(), 1e-11) << run;
         EXPECT_EQ(found.command.cancelled_resistance_Ohm,
                   expected.command.cancelled_resistance_Ohm);
+    }
+}
+
+/// A motor that is driven at s times the tuning's dR: because little is known of its R, or because
+/// R̂ is limited.
+ObservedMotor held_up(const device::MotorParameters &file, double dR_Ohm, double s, bool by_limit) {
+    ObservedMotor motor = motor_of_file(file);
+    if (by_limit) {
+        motor.R_hat_limit_Ohm = file.resistance_Ohm - s * dR_Ohm;
+    } else {
+        motor.is_observed = true;
+        motor.mean.deviation_Ohm = s * dR_Ohm / kHeldUpDeviations;
+    }
+    return motor;
+}
+
+/// The tip force of the currents e_W/dR at rest, with R̂ as it is passed on: (19).
+Vector3 static_force_N(const device::DeviceDescription &device, const Configuration &now,
+                       const device::DeviceCommand &command, const ObservedMotors &motors) {
+    Vector3 torque_Nm;
+    for (std::size_t j = 0; j < motors.size(); ++j) {
+        const auto index = static_cast<Eigen::Index>(j);
+        const double R_hat_Ohm =
+            std::min(command.cancelled_resistance_Ohm[index], motors[j].R_hat_limit_Ohm);
+        torque_Nm[index] = device.motor[j].torque_constant_Nm_per_A * command.e_W_V[index] /
+                           (device.motor[j].resistance_Ohm - R_hat_Ohm);
+    }
+    return now.J.transpose().inverse() * torque_Nm;
+}
+
+TEST_F(HapticLawTest, TheForcePointsAlongTheNormalWhateverDREachMotorHas) {
+    double largest_unscaled_deg = 0.0;
+    for (int run = 0; run < 2000; ++run) {
+        Configuration now = any_configuration();
+        now.theta_rate_rad_per_s.setZero();
+        contact::Contact contact = any_contact(now);
+        contact.eta = 0.0;
+        const Tuning tuning;
+        ObservedMotors motors = motors_of_file(device.motor);
+        motors[static_cast<std::size_t>(run % 3)] =
+            held_up(device.motor[0], tuning.dR_Ohm, 2.5, run % 2 == 0);
+        motors[static_cast<std::size_t>((run + 1) % 3)] =
+            held_up(device.motor[0], tuning.dR_Ohm, 1.0 + 0.001 * (run % 600), run % 4 < 2);
+        const LawOutcome found = law(now, contact, tuning, kGlobalAlpha, motors, kLag_s);
+        const Vector3 force_N = static_force_N(device, now, found.command, motors);
+        const Vector3 expected_N = found.stiffness_share * found.alpha_rad2_per_m2 * k_T *
+                                   tuning.K_P_V_per_rad / tuning.dR_Ohm *
+                                   (contact.x0_m - now.tip_m);
+        EXPECT_LT((force_N - expected_N).norm(), 1e-9 * (1.0 + expected_N.norm()));
+        EXPECT_LT(direction_error_rad(force_N, contact.normal), 1e-7);
+        device::DeviceCommand same_gains = found.command;
+        same_gains.e_W_V = law(now, contact, tuning, kGlobalAlpha).command.e_W_V;
+        largest_unscaled_deg =
+            std::max(largest_unscaled_deg,
+                     180.0 / std::numbers::pi *
+                         direction_error_rad(static_force_N(device, now, same_gains, motors),
+                                             contact.normal));
+    }
+    EXPECT_GT(largest_unscaled_deg, 25.0); // with K_P as it is
+}
+
+TEST_F(HapticLawTest, BeyondTheLimitAllMotorsLoseTheSameStiffness) {
+    Configuration now = any_configuration();
+    const contact::Contact contact = any_contact(now);
+    const Tuning tuning;
+    ObservedMotors motors = motors_of_file(device.motor);
+    EXPECT_EQ(law(now, contact, tuning, kGlobalAlpha, motors, kLag_s).stiffness_share, 1.0);
+    motors[1] = held_up(device.motor[1], tuning.dR_Ohm, 2.5, true);
+    const LawOutcome found = law(now, contact, tuning, kGlobalAlpha, motors, kLag_s);
+    EXPECT_LT((found.dR_Ohm - Vector3(0.5, 1.25, 0.5)).norm(), 1e-12);
+    // k_T, K_D, L: P = 0.0334/(0.476e-3 + 1.5e-3) V/rad; c = k_T/(k_T + 1.5 (1.5e-3 P − K_D)).
+    EXPECT_NEAR(found.stiffness_share, 0.504, 1e-3);
+    const Vector3 expected_V =
+        k_T * found.used.theta_Sd_rate_rad_per_s +
+        found.stiffness_share *
+            Vector3(1.0, 2.5, 1.0)
+                .cwiseProduct(tuning.K_P_V_per_rad * (found.used.theta_Sd_rad - now.theta_rad) +
+                              tuning.K_D_Vs_per_rad *
+                                  (found.used.theta_Sd_rate_rad_per_s - now.theta_rate_rad_per_s));
+    EXPECT_LT((found.command.e_W_V - expected_V).norm(), 1e-12);
+    // Where the lag costs less than K_D gives, nothing is lost.
+    EXPECT_EQ(law(now, contact, tuning, kGlobalAlpha, motors, 0.0).stiffness_share, 1.0);
+}
+
+TEST_F(HapticLawTest, BrushesAreCompensatedInContactAlone) {
+    ObservedMotors motors = motors_of_file(device.motor);
+    ObservedMotors brushed = motors;
+    for (ObservedMotor &motor : brushed) {
+        motor.brush_voltage_V = 0.05;
+    }
+    const Tuning tuning;
+    for (int run = 0; run < 200; ++run) {
+        const Configuration now = any_configuration();
+        contact::Contact free;
+        free.x0_m = now.tip_m;
+        EXPECT_EQ(law(now, free, tuning, kGlobalAlpha, brushed, kLag_s).command.e_W_V,
+                  law(now, free, tuning, kGlobalAlpha, motors, kLag_s).command.e_W_V);
+        const contact::Contact contact = any_contact(now);
+        const LawOutcome found = law(now, contact, tuning, kGlobalAlpha, brushed, kLag_s);
+        const Vector3 added_V =
+            found.command.e_W_V -
+            law(now, contact, tuning, kGlobalAlpha, motors, kLag_s).command.e_W_V;
+        EXPECT_EQ(found.command.cancelled_resistance_Ohm,
+                  law(now, contact, tuning, kGlobalAlpha, motors, kLag_s)
+                      .command.cancelled_resistance_Ohm);
+        // V̂ tanh(i*/i_c), i_c = 0.05 V/(0.15 · 0.5 Ω)
+        const Vector3 current_A =
+            tuning.K_P_V_per_rad / tuning.dR_Ohm * (found.used.theta_Sd_rad - now.theta_rad);
+        const Vector3 expected_V = 0.05 * (1.5 * current_A.array()).tanh();
+        EXPECT_LT((added_V - expected_V).norm(), 1e-12);
     }
 }
 

@@ -203,7 +203,9 @@ Vector3 unchanged_V(const control::HapticLaw &law, const ServoSample &before,
     const double pole = control::velocity_filter_pole(before.tuning.lambda_rad_per_s, kPeriod_s);
     const control::Configuration state =
         law.configuration(now.theta_rad, filter.update(now.theta_rad, pole, kPeriod_s));
-    return law(state, now.contact, before.tuning, before.global_alpha_rad2_per_m2).command.e_W_V +
+    return law(state, now.contact, before.tuning, before.global_alpha_rad2_per_m2, now.motor,
+               now.lag_s)
+               .command.e_W_V +
            before.transfer_offset_V;
 }
 
