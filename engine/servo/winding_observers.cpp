@@ -14,16 +14,22 @@ namespace {
 /// that fails then would not be noticed at once.
 constexpr double kUnsettled = 0.05;
 
-/// How fast what is used of k_T, as a share of it, and of the current's offset approach what was
-/// learned: R̂ times the offset is a voltage, too, and so is a share of e_W.
+/// How fast what is used of k_T, as a share of it, of the current's offset and of V_b approach what
+/// was learned: R̂ times the offset is a voltage, too, and so is a share of e_W.
 constexpr double kMaxChangeOfShare_per_s = 0.2;
 constexpr double kMaxChange_A_per_s = 0.2;
+constexpr double kMaxBrushChange_V_per_s = 1.0;
 
 /// Near the peak current an amplifier may cut it off.
 constexpr double kWithinPeak = 0.95;
 
 [[nodiscard]] double limited_step(double from, double to, double most) noexcept {
     return std::clamp(to, from - most, from + most);
+}
+
+control::ObservedMotor unobserved(device::DeviceDescription device, std::size_t motor) {
+    device.calibration.reset(); // it may be the calibration that is wrong
+    return used_at_start(device, motor);
 }
 
 } // namespace
@@ -48,7 +54,9 @@ WindingObservers::WindingObservers(const device::DeviceDescription &device, doub
       observer_{control::WindingObserver(device, 0, period_s),
                 control::WindingObserver(device, 1, period_s),
                 control::WindingObserver(device, 2, period_s)},
-      motor_(device.motor), used_(control::motors_of_file(device.motor)) {}
+      motor_(device.motor), unobserved_{unobserved(device, 0), unobserved(device, 1),
+                                        unobserved(device, 2)},
+      used_(control::motors_of_file(device.motor)) {}
 
 std::size_t WindingObservers::whole_delay(double delay_periods) noexcept {
     return delay_periods <= static_cast<double>(kMaxDelay) ? static_cast<std::size_t>(delay_periods)
@@ -70,7 +78,7 @@ void WindingObservers::restart() noexcept {
     for (control::WindingObserver &observer : observer_) {
         observer.restart();
     }
-    is_restarted_.fill(true);
+    is_restarted_ = true;
     has_previous_ = false;
 }
 
@@ -109,7 +117,7 @@ void WindingObservers::rest(const device::Measurement &measured, const Vector3 &
         approach_constants(control::motor_of_file(motor_[j]), used);
         const bool are_constants =
             used.torque_constant_Nm_per_A == motor_[j].torque_constant_Nm_per_A &&
-            used.offset_A == 0.0;
+            used.offset_A == 0.0 && used.brush_voltage_V == 0.0;
         used.is_observed = used.is_observed && !(is_here && is_mean && are_constants);
         used.is_trusted = true;
     }
@@ -117,12 +125,9 @@ void WindingObservers::rest(const device::Measurement &measured, const Vector3 &
 
 void WindingObservers::update(const device::Measurement &measured, const Vector3 &theta_rad,
                               bool is_next, std::uint32_t missed_periods) noexcept {
-    Vector3 before_Ohm;
-    Vector3 mean_before_Ohm;
-    for (std::size_t j = 0; j < observer_.size(); ++j) {
-        const auto index = static_cast<Eigen::Index>(j);
-        before_Ohm[index] = observer_[j].expected_Ohm(theta_rad[index]);
-        mean_before_Ohm[index] = observer_[j].mean().resistance_Ohm;
+    control::ObservedMotors before;
+    for (std::size_t j = 0; j < before.size(); ++j) {
+        before[j] = known_of(j, theta_rad[static_cast<Eigen::Index>(j)]);
     }
     if (find_intervals(measured, theta_rad, is_next)) {
         for (std::size_t j = 0; j < observer_.size(); ++j) {
@@ -135,7 +140,7 @@ void WindingObservers::update(const device::Measurement &measured, const Vector3
     } else {
         skip_observers(measured.current_A, missed_periods);
     }
-    approach(theta_rad, before_Ohm, mean_before_Ohm);
+    approach(theta_rad, before);
 }
 
 /// With the commands that acted in the last period: the older one until a fraction of it. The
@@ -188,50 +193,67 @@ bool WindingObservers::find_intervals(const device::Measurement &measured, const
     return true;
 }
 
-/// Takes k_T and offset a tick nearer to what is known.
+bool WindingObservers::are_trusted() const noexcept {
+    return std::ranges::all_of(observer_, &control::WindingObserver::is_trusted);
+}
+
+/// What is known of a motor under the verdict on all three.
+control::ObservedMotor WindingObservers::known_of(std::size_t motor,
+                                                  double theta_rad) const noexcept {
+    if (!are_trusted()) {
+        return unobserved_[motor];
+    }
+    const control::WindingObserver &observer = observer_[motor];
+    control::ObservedMotor known = observer.motor(theta_rad);
+    if (motor_[motor].resistance_tolerance != 0.0 && !observer.is_settled()) {
+        known.mean.deviation_Ohm =
+            std::max(known.mean.deviation_Ohm, kUnsettled * known.mean.resistance_Ohm);
+    }
+    return known;
+}
+
+/// Takes k_T, offset and V_b a tick nearer to what is known.
 void WindingObservers::approach_constants(const control::ObservedMotor &known,
                                           control::ObservedMotor &used) const noexcept {
     double &k_T = used.torque_constant_Nm_per_A;
     k_T = limited_step(k_T, known.torque_constant_Nm_per_A,
                        kMaxChangeOfShare_per_s * period_s_ * k_T);
     used.offset_A = limited_step(used.offset_A, known.offset_A, kMaxChange_A_per_s * period_s_);
+    const double step_V = kMaxBrushChange_V_per_s * period_s_;
+    used.brush_voltage_V = limited_step(used.brush_voltage_V, known.brush_voltage_V, step_V);
+    used.brush_deviation_V = limited_step(used.brush_deviation_V, known.brush_deviation_V, step_V);
 }
 
 /// Estimates become better in steps, the force must not: what a step was is carried, and taken back
 /// slowly. What is left of it is a deviation, too.
-/// @param before_Ohm  what the estimates were at these angles before they became better
-void WindingObservers::approach(const Vector3 &theta_rad, const Vector3 &before_Ohm,
-                                const Vector3 &mean_before_Ohm) noexcept {
+/// @param before  what was known at these angles before the estimates became better
+void WindingObservers::approach(const Vector3 &theta_rad,
+                                const control::ObservedMotors &before) noexcept {
     const double step_Ohm = max_rate_Ohm_per_s_ * period_s_;
+    const bool used_observations = std::exchange(uses_observations_, are_trusted());
+    const bool is_restarted = std::exchange(is_restarted_, false);
+    const bool is_another_kind = is_restarted || used_observations != uses_observations_;
     for (std::size_t j = 0; j < observer_.size(); ++j) {
         const auto index = static_cast<Eigen::Index>(j);
-        const control::ObservedMotor now = observer_[j].motor(theta_rad[index]);
+        const control::ObservedMotor now = known_of(j, theta_rad[index]);
         control::ObservedMotor &used = used_[j];
-        if (!used.is_observed || is_restarted_[j]) {
-            is_restarted_[j] = false;
-            transfer_offset_here_Ohm_[index] = used.here.resistance_Ohm - now.here.resistance_Ohm;
-            transfer_offset_mean_Ohm_[index] = used.mean.resistance_Ohm - now.mean.resistance_Ohm;
-        } else {
-            transfer_offset_here_Ohm_[index] += before_Ohm[index] - now.here.resistance_Ohm;
-            transfer_offset_mean_Ohm_[index] += mean_before_Ohm[index] - now.mean.resistance_Ohm;
-        }
-        const bool is_known = motor_[j].resistance_tolerance == 0.0 || observer_[j].is_settled();
-        const double unsettled_Ohm = is_known ? 0.0 : kUnsettled * now.mean.resistance_Ohm;
-        const auto carried =
-            [&](Vector3 &transfer_offset_Ohm, const control::ResistanceEstimate &estimate,
-                double deviation_before_Ohm, double least_Ohm) -> control::ResistanceEstimate {
-            transfer_offset_Ohm[index] = limited_step(transfer_offset_Ohm[index], 0.0, step_Ohm);
-            const double deviation_Ohm =
-                std::max({estimate.deviation_Ohm, std::abs(transfer_offset_Ohm[index]), least_Ohm});
-            return {estimate.resistance_Ohm + transfer_offset_Ohm[index],
-                    limited_step(deviation_before_Ohm, deviation_Ohm, step_Ohm)};
+        const auto approach_estimate = [&](control::ResistanceEstimate &estimate,
+                                           double &offset_Ohm,
+                                           const control::ResistanceEstimate &known,
+                                           const control::ResistanceEstimate &known_before) {
+            offset_Ohm = !used.is_observed || is_another_kind
+                             ? estimate.resistance_Ohm - known.resistance_Ohm
+                             : offset_Ohm + known_before.resistance_Ohm - known.resistance_Ohm;
+            offset_Ohm = limited_step(offset_Ohm, 0.0, step_Ohm);
+            const double deviation_Ohm = std::max(known.deviation_Ohm, std::abs(offset_Ohm));
+            estimate = {known.resistance_Ohm + offset_Ohm,
+                        limited_step(estimate.deviation_Ohm, deviation_Ohm, step_Ohm)};
         };
-        used.here = carried(transfer_offset_here_Ohm_, now.here, used.here.deviation_Ohm, 0.0);
-        used.mean =
-            carried(transfer_offset_mean_Ohm_, now.mean, used.mean.deviation_Ohm, unsettled_Ohm);
+        approach_estimate(used.here, transfer_offset_here_Ohm_[index], now.here, before[j].here);
+        approach_estimate(used.mean, transfer_offset_mean_Ohm_[index], now.mean, before[j].mean);
         approach_constants(now, used);
         used.is_observed = true;
-        used.is_trusted = now.is_trusted;
+        used.is_trusted = observer_[j].is_trusted();
     }
 }
 

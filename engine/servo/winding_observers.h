@@ -1,6 +1,12 @@
-// Estimates R, k_T and the current's offset of each motor while the servo runs, from measurements
-// and the commands that acted between them, and moves the values in use towards them without a
-// step.
+// Estimates R, k_T, V_b and the current's offset of each motor while the servo runs, from
+// measurements and the commands that acted between them, and moves the values in use towards them
+// without a step.
+//
+// One verdict: what is observed of one motor and not of another turns the force. While any motor is
+// not trusted, all three are used as if nothing had been observed or calibrated: with the file's R
+// at 25 °C and its uncertainty, the file's k_T, and no V_b. The temperature follows from a current
+// that may be what is wrong. When all are trusted again, the values in use return to what is
+// observed.
 #pragma once
 
 #include "device/core/haptic_device.h"
@@ -64,10 +70,10 @@ public:
     /// Forgets everything but the windings' temperatures; the values in use follow without a step.
     void restart() noexcept;
 
-    /// Forgets what was observed of a motor, and does not observe it until `restart`.
+    /// Forgets what was observed of a motor, see WindingObserver::distrust.
     void distrust(std::size_t motor) noexcept {
         observer_[motor].distrust();
-        is_restarted_[motor] = true;
+        is_restarted_ = true;
     }
 
     /// The values in use, at the motor angles of the last measurement.
@@ -103,10 +109,12 @@ private:
     [[nodiscard]] bool find_intervals(const device::Measurement &measured, const Vector3 &theta_rad,
                                       bool is_next) noexcept;
     void skip_observers(const Vector3 &current_A, std::uint32_t missed_periods) noexcept;
+    [[nodiscard]] bool are_trusted() const noexcept;
+    [[nodiscard]] control::ObservedMotor known_of(std::size_t motor,
+                                                  double theta_rad) const noexcept;
     void approach_constants(const control::ObservedMotor &known,
                             control::ObservedMotor &used) const noexcept;
-    void approach(const Vector3 &theta_rad, const Vector3 &before_Ohm,
-                  const Vector3 &mean_before_Ohm) noexcept;
+    void approach(const Vector3 &theta_rad, const control::ObservedMotors &before) noexcept;
 
     double period_s_;
     double max_rate_Ohm_per_s_; ///< fastest change of a resistance in use, and of its deviation
@@ -114,8 +122,10 @@ private:
     double delay_fraction_;
     std::array<control::WindingObserver, 3> observer_;
     std::array<device::MotorParameters, 3> motor_;
+    control::ObservedMotors unobserved_; ///< by the file and its tolerances, at 25 °C
     control::ObservedMotors used_;
-    std::array<bool, 3> is_restarted_{}; ///< the next estimates are unrelated to the previous ones
+    bool uses_observations_ = true; ///< whether `used_` approaches them
+    bool is_restarted_ = false;     ///< the next estimates are unrelated to the previous ones
     /// The value in use less the estimate; decays to zero.
     Vector3 transfer_offset_here_Ohm_{Vector3::Zero()};
     Vector3 transfer_offset_mean_Ohm_{Vector3::Zero()};
