@@ -35,7 +35,11 @@ ServoLoop::ServoLoop(device::HapticDevice &device, double period_s)
       transfer_(device.description(), period_s),
       observers_(device.description(), device.delay_periods(), period_s),
       motors_(control::motors_of_file(device.description().motor)),
-      safety_(device.description(), period_s) {}
+      safety_(device.description(), period_s) {
+    for (control::ObservedMotor &motor : motors_) {
+        motor.R_hat_limit_Ohm = device.description().amplifier.max_cancelled_Ohm;
+    }
+}
 
 void ServoLoop::stop() noexcept {
     command_ = device::DeviceCommand::braking();
@@ -170,12 +174,18 @@ void ServoLoop::observe_motors(const device::Measurement &measured, const Vector
                          std::abs(since.since_last_s - period_s_) < kOnTime * period_s_ &&
                          measured.arrival == device::Arrival::fresh && measured.has_new_command &&
                          measured.current_A.allFinite();
+    // Of a motor that is not observed dR may be far less than the limit leaves of the file's R:
+    // then larger gains would be no remedy, and the law is not told.
+    Vector3 R_hat_limit_Ohm(safety_.windings()[0].R_hat_limit_Ohm,
+                            safety_.windings()[1].R_hat_limit_Ohm,
+                            safety_.windings()[2].R_hat_limit_Ohm);
     // With two sensors for a current, the amplifier's has an offset of its own, which is not known.
     if (!inputs_.observes_resistance || !device_.description().current_sensing.is_shared) {
         if (motors_.front().is_observed) {
             observers_.restart();
         }
         observers_.rest(measured, theta_rad, is_next, since.missed_periods);
+        R_hat_limit_Ohm = Vector3::Constant(device_.description().amplifier.max_cancelled_Ohm);
     } else {
         for (std::size_t j = 0; j < motors_.size(); ++j) {
             if (motors_[j].is_trusted && safety_.windings()[j].is_contradicted) {
@@ -184,9 +194,12 @@ void ServoLoop::observe_motors(const device::Measurement &measured, const Vector
         }
         observers_.update(measured, theta_rad, is_next, since.missed_periods);
     }
-    motors_ = observers_.motors();
+    const double step_Ohm = max_resistance_change_Ohm_per_s(device_.description()) * period_s_;
+    const control::ObservedMotors before = std::exchange(motors_, observers_.motors());
     for (std::size_t j = 0; j < motors_.size(); ++j) {
-        motors_[j].R_hat_limit_Ohm = safety_.windings()[j].R_hat_limit_Ohm;
+        motors_[j].R_hat_limit_Ohm =
+            std::clamp(R_hat_limit_Ohm[static_cast<Eigen::Index>(j)],
+                       before[j].R_hat_limit_Ohm - step_Ohm, before[j].R_hat_limit_Ohm + step_Ohm);
     }
 }
 
