@@ -110,10 +110,12 @@ void describe(const device::Calibration &calibration, const device::DeviceDescri
     for (std::size_t j = 0; j < 3; ++j) {
         const device::MotorCalibration &motor = calibration.motor[j];
         const device::MotorParameters &file = device.motor[j];
-        report.see("motor {}: R {:.4f} ± {:.4f} Ω ({:+.1f} % of the file's), ripple {:.1f} %, "
-                   "k_T {:.3f} ± {:.3f} mN·m/A ({:+.1f} %), sensor offset {:+.1f} mA",
+        report.see("motor {}: R {:.4f} ± {:.4f} Ω ({:+.1f} % of the file's), brushes {:.1f} ± "
+                   "{:.1f} mV, ripple {:.1f} %, k_T {:.3f} ± {:.3f} mN·m/A ({:+.1f} %), sensor "
+                   "offset {:+.1f} mA",
                    j + 1, motor.resistance_Ohm, k95 * motor.resistance_deviation_Ohm,
-                   beyond(motor.resistance_Ohm, file.resistance_Ohm),
+                   beyond(motor.resistance_Ohm, file.resistance_Ohm), 1e3 * motor.brush_voltage_V,
+                   1e3 * k95 * motor.brush_deviation_V,
                    100.0 * std::hypot(motor.ripple_cos_Ohm, motor.ripple_sin_Ohm) /
                        motor.resistance_Ohm,
                    1e3 * motor.torque_constant_Nm_per_A,

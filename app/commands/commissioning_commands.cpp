@@ -290,11 +290,15 @@ std::string text_of_file(const std::filesystem::path &file) {
 }
 
 void show_numbers(const device::Calibration &calibration) {
-    Table table = Table::with_columns("motor,R [Ohm],ripple [Ohm],k_T [mN.m/A],offset [mA]");
+    Table table = Table::with_columns(
+        "motor,R [Ohm],V_b [mV],i_b [mA],ripple [Ohm],k_T [mN.m/A],offset [mA]");
     for (const device::MotorCalibration &motor : calibration.motor) {
         table.rows.push_back(
             {table.rows.size() + 1,
              with_deviation(4, motor.resistance_Ohm, motor.resistance_deviation_Ohm),
+             with_deviation(1, 1e3 * motor.brush_voltage_V, 1e3 * motor.brush_deviation_V),
+             Cell::like_number(fmt::format("{:.0f} to {:.0f}", 1e3 * motor.min_brush_current_A,
+                                           1e3 * motor.max_brush_current_A)),
              Cell::like_number(fmt::format(
                  "{:.4f} at {:.0f} deg, {:.4f} (2nd)",
                  std::hypot(motor.ripple_cos_Ohm, motor.ripple_sin_Ohm),

@@ -30,8 +30,11 @@ struct MotorCalibration {
     double torque_constant_deviation_Nm_per_A = 0.0;
     double offset_A = 0.0; ///< of the current's sensor
     double offset_deviation_A = 0.0;
-    double brush_voltage_V = 0.0; ///< V_b of brushes and bridge
-    double brush_deviation_V = 0.0;
+    // Of brushes and bridge, V_b tanh(i/i_b); R is without it.
+    double brush_voltage_V = 0.0;     ///< V_b
+    double brush_deviation_V = 0.0;   ///< 0: not measured, as in calibrations of before
+    double min_brush_current_A = 0.0; ///< i_b, between this
+    double max_brush_current_A = 0.0; ///< and this, 95 of 100
 };
 
 /// By which an angle may be off that a person found by eye, the zero pose of a joint [rad]: 2°.

@@ -14,6 +14,7 @@
 #include <ctime>
 #include <limits>
 #include <optional>
+#include <span>
 #include <sstream>
 
 namespace springdrive::device {
@@ -33,6 +34,11 @@ constexpr double kLargerRipple = 1.5;
 
 constexpr NumberRange kAir_C{-20.0, 60.0};
 constexpr NumberRange kAirError_K{0.1, 20.0};
+
+/// V_b near zero may be measured as a little less, and the largest as a little more.
+constexpr double kBeyondBrush_V = 0.01;
+constexpr NumberRange kBrushDeviation_V{1e-5, 0.1};
+constexpr NumberRange kBrushCurrent_A{1e-3, 1.0};
 
 /// Years 1970 to 2105: a board has 32 bits for it.
 constexpr std::int64_t kLatest_s = 0xffffffff;
@@ -266,6 +272,19 @@ AmplifierParameters read_amplifier(StrictTomlTable table,
     return amplifier;
 }
 
+std::span<const CalibrationField>
+first_of(const std::array<CalibrationField, kCalibrationFields> &fields, bool has_brushes) {
+    return std::span(fields).first(has_brushes ? kCalibrationFields : kFirstBrushField);
+}
+
+/// Whether any number of them is known.
+bool has_brushes(const MotorCalibration &motor) {
+    const auto fields = calibration_fields({}, 0, 0.0);
+    return std::ranges::any_of(
+        std::span(fields).subspan(kFirstBrushField),
+        [&](const CalibrationField &field) { return motor.*field.value != 0.0; });
+}
+
 Calibration read_calibration(StrictTomlTable table, const DeviceDescription &device) {
     Calibration calibration;
     calibration.serial = table.text("serial");
@@ -280,8 +299,9 @@ Calibration read_calibration(StrictTomlTable table, const DeviceDescription &dev
     calibration.air_error_K = table.number("air_error_K", kAirError_K);
     const int motors = table.tables("motor", 3, [&](int index, StrictTomlTable &motor) {
         const auto j = static_cast<std::size_t>(index);
-        for (const CalibrationField &field :
-             calibration_fields(device, j, calibration.air_error_K)) {
+        const auto fields = calibration_fields(device, j, calibration.air_error_K);
+        const bool has_brushes = motor.has(fields[kFirstBrushField].key); // not in older files
+        for (const CalibrationField &field : first_of(fields, has_brushes)) {
             calibration.motor[j].*field.value = motor.number(field.key, field.range);
         }
         motor.refuse_unknown_keys();
@@ -357,8 +377,8 @@ std::string text_of_utc(std::int64_t seconds_since_1970) {
                        parts.tm_mon + 1, parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec);
 }
 
-std::array<CalibrationField, 12> calibration_fields(const DeviceDescription &device,
-                                                    std::size_t motor, double air_error_K) {
+std::array<CalibrationField, kCalibrationFields>
+calibration_fields(const DeviceDescription &device, std::size_t motor, double air_error_K) {
     const MotorParameters &file = device.motor[motor];
     const double R = file.resistance_Ohm;
     const double share = device.resistance_tolerance(motor) +
@@ -386,6 +406,12 @@ std::array<CalibrationField, 12> calibration_fields(const DeviceDescription &dev
          {kDeviation.minimum * k_T, kDeviation.maximum * k_T}},
         {"offset_A", &Motor::offset_A, {-offset_A, offset_A}},
         {"offset_deviation_A", &Motor::offset_deviation_A, {1e-9, 0.1}},
+        {"brush_voltage_V",
+         &Motor::brush_voltage_V,
+         {-kBeyondBrush_V, file.max_brush_voltage_V + kBeyondBrush_V}},
+        {"brush_deviation_V", &Motor::brush_deviation_V, kBrushDeviation_V},
+        {"least_brush_current_A", &Motor::min_brush_current_A, kBrushCurrent_A},
+        {"greatest_brush_current_A", &Motor::max_brush_current_A, kBrushCurrent_A},
     }};
 }
 
@@ -398,8 +424,8 @@ std::string validate(const Calibration &calibration, const DeviceDescription &de
         wrong = check("air_error_K", calibration.air_error_K, kAirError_K);
     }
     for (std::size_t j = 0; j < 3; ++j) {
-        for (const CalibrationField &field :
-             calibration_fields(device, j, calibration.air_error_K)) {
+        const auto fields = calibration_fields(device, j, calibration.air_error_K);
+        for (const CalibrationField &field : first_of(fields, has_brushes(calibration.motor[j]))) {
             if (wrong.empty()) {
                 wrong = check(fmt::format("motor {}: {}", j + 1, field.key),
                               calibration.motor[j].*field.value, field.range);
@@ -420,7 +446,8 @@ std::string with_calibration(const std::string &device_text, const Calibration &
     const DeviceDescription any; // keys are the same for all
     for (std::size_t j = 0; j < 3; ++j) {
         text += "\n[[calibration.motor]]\n";
-        for (const CalibrationField &field : calibration_fields(any, j, 0.0)) {
+        const auto fields = calibration_fields(any, j, 0.0);
+        for (const CalibrationField &field : first_of(fields, has_brushes(calibration.motor[j]))) {
             text += fmt::format("{} = {:.9g}\n", field.key, calibration.motor[j].*field.value);
         }
     }

@@ -6,6 +6,7 @@
 #include "device/core/device_description.h"
 
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -29,10 +30,15 @@ struct CalibrationField {
     NumberRange range;
 };
 
+inline constexpr std::size_t kCalibrationFields = 16;
+/// From this one on they are of the brushes: all of them are given, or, as in calibrations of
+/// before, none and all are 0.
+inline constexpr std::size_t kFirstBrushField = 12;
+
 /// In the order of file and board. R and k_T must be within the tolerances of the device's kind,
 /// or it is another motor.
 /// @param air_error_K  by which the air may have been warmer or colder than the calibration says
-[[nodiscard]] std::array<CalibrationField, 12>
+[[nodiscard]] std::array<CalibrationField, kCalibrationFields>
 calibration_fields(const DeviceDescription &device, std::size_t motor, double air_error_K);
 
 /// Empty, or in one line which number is impossible for this kind of device, and its range.

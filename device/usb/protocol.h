@@ -260,18 +260,19 @@ struct BoardCalibration {
     std::array<std::int8_t, kChannels> encoder_sign{1, 1, 1}; ///< 1 or −1
 };
 
-/// Layout of the blocks from kFirstMotorBlock on.
-inline constexpr std::uint8_t kMotorBlockLayout = 1;
+/// Layout of the blocks from kFirstMotorBlock on: 1 has twelve numbers, each with 32 bits.
+inline constexpr std::uint8_t kMotorBlockLayout = 2;
 /// Calibration block of the first motor; the others follow. Blocks full of zeros hold none.
 inline constexpr std::uint16_t kFirstMotorBlock = 1;
 
 /// Contents of a motor's calibration block, which the host uses.
 struct MotorCalibrationBlock {
     std::uint8_t layout = kMotorBlockLayout;
-    std::uint8_t air_error_dK = 0;  ///< of the air's temperature, in 0.1 K
-    std::int16_t air_cC = 0;        ///< in 0.01 °C
-    std::uint32_t made_at_s = 0;    ///< UTC, since 1970; the same in all three blocks
-    std::array<float, 12> number{}; ///< those of a device file's [[calibration.motor]], in order
+    std::uint8_t air_error_dK = 0; ///< of the air's temperature, in 0.1 K
+    std::int16_t air_cC = 0;       ///< in 0.01 °C
+    std::uint32_t made_at_s = 0;   ///< UTC, since 1970; the same in all three blocks
+    /// Those of a device file's [[calibration.motor]], in order, as float24.
+    std::array<float, 16> number{};
 };
 
 /// A board needs as many loops for each pulse.
@@ -748,10 +749,17 @@ template <> struct Layout<MotorCalibrationBlock> : Shape<Kind::calibration, kCal
         wire.number(motor.air_error_dK);
         wire.number(motor.air_cC);
         wire.number(motor.made_at_s);
-        wire.number(motor.number);
+        for (std::size_t i = 0; i < motor.number.size(); ++i) {
+            if (motor.layout != 1) {
+                wire.float24(motor.number[i]);
+            } else if (i < 12) {
+                wire.number(motor.number[i]);
+            }
+        }
     }
     static constexpr bool is_valid(const MotorCalibrationBlock &motor) {
-        return motor.layout == kMotorBlockLayout && motor.air_error_dK > 0 && motor.made_at_s > 0;
+        return (motor.layout == 1 || motor.layout == kMotorBlockLayout) && motor.air_error_dK > 0 &&
+               motor.made_at_s > 0;
     }
 };
 

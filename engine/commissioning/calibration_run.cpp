@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -31,14 +32,27 @@ constexpr int kBraking_ticks = 20;
 
 /// Of the three drags [Hz]: no two of them, nor a hand's motion, stay in step.
 constexpr std::array<double, 3> kDrag_hz{0.9, 1.1, 1.3};
-/// ω: from this rate on the drag is whole [rad/s of the rotor]. As a damper it is then well below
-/// what a rotor's inertia allows at a delay of some periods.
-constexpr double kWholeDrag_rad_per_s = 6.0;
+/// I₀ as a share of I.
+constexpr double kLowLevel = 0.3;
+/// ω, δ and τ: from this rate of the rotor on, or after this way, the drag is whole. As a damper it
+/// is then well below what a rotor's inertia allows at a delay of some periods.
+constexpr double kWholeDrag_rad_per_s = 20.0;
+constexpr double kWholeDrag_rad = 0.5;
+constexpr double kFading_s = 0.5;
+/// How fast the voltage follows that a current takes beside dR, once the drag is nearly whole.
+constexpr double kFollowing_s = 0.3;
+constexpr double kNearlyWhole = 0.9;
 
 /// The standard deviations of R and of the ripple that end a calibration, and those that are good
 /// enough if nothing more is learned, as shares of R.
 constexpr double kRequested = 5e-4;
 constexpr double kEnough = 2e-3;
+/// A deviation of V_b is one of R at this current, between the levels [A].
+constexpr double kBetweenLevels_A = 0.5;
+/// Estimates that differ by more than this many deviations, and by more than is good enough,
+/// contradict each other.
+constexpr double kContradiction = 4.0;
+constexpr int kFit_ticks = 1000;
 /// So long without progress, and nothing more is learned.
 constexpr int kNoGain_ticks = 20'000;
 constexpr double kGain = 0.01;
@@ -49,8 +63,11 @@ constexpr std::array<const char *, 3> kMotions{"swing the stylus to the left and
                                                "push the stylus away from you and pull it back"};
 
 double worst_deviation_Ohm(const device::MotorCalibration &motor) {
-    return std::max(
-        {motor.resistance_deviation_Ohm, motor.ripple_deviation_Ohm, motor.ripple_2_deviation_Ohm});
+    const double brush_Ohm = motor.brush_deviation_V > 0.0
+                                 ? motor.brush_deviation_V / kBetweenLevels_A
+                                 : std::numeric_limits<double>::infinity();
+    return std::max({motor.resistance_deviation_Ohm, motor.ripple_deviation_Ohm,
+                     motor.ripple_2_deviation_Ohm, brush_Ohm});
 }
 
 /// R as the guard knows it at a start.
@@ -73,7 +90,10 @@ Cancellable cancellable(const device::MotorParameters &file, control::ObservedMo
 
 CalibrationRun::CalibrationRun(device::HapticDevice &device, const CalibrationOptions &options,
                                Mover mover)
-    : device_(device), options_(options), mover_(std::move(mover)), reset_(options.lets_go_on) {
+    : device_(device), options_(options), mover_(std::move(mover)),
+      reset_(options.lets_go_on), fit_{BrushFit(device.description().motor[0], kPeriod_s),
+                                       BrushFit(device.description().motor[1], kPeriod_s),
+                                       BrushFit(device.description().motor[2], kPeriod_s)} {
     const device::DeviceDescription &file = device.description();
     SPRINGDRIVE_ASSERT(!file.calibration); // what was known before would be part of the result
     if (!file.current_sensing.is_shared) {
@@ -92,6 +112,8 @@ CalibrationRun::CalibrationRun(device::HapticDevice &device, const CalibrationOp
         drag_A_[index] = options.drag_N * link_m /
                          (file.geometry.transmission_ratio[index] * motor.torque_constant_Nm_per_A);
         at_first_[j] = control::WindingObserver(file, j, kPeriod_s).learned();
+        at_first_[j].brush_deviation_V =
+            std::max(at_first_[j].brush_deviation_V, motor.max_brush_voltage_V / std::sqrt(12.0));
         motor_[j].before = cancellable(file.motor[j], servo::used_at_start(file, j),
                                        guarded_Ohm(file, j), options.dR_Ohm);
     }
@@ -161,7 +183,7 @@ void CalibrationRun::tick() {
         if (state == SafetyState::running) {
             stage_ = CalibrationStage::motion;
             ticks_ = 0;
-            lowest_rad_ = highest_rad_ = sample_.theta_rad;
+            lowest_rad_ = highest_rad_ = before_rad_ = sample_.theta_rad;
             if (mover_) {
                 mover_(motion_left_s());
             }
@@ -186,18 +208,46 @@ void CalibrationRun::tick() {
 void CalibrationRun::excite() {
     for (Eigen::Index j = 0; j < 3; ++j) {
         const auto motor = static_cast<std::size_t>(j);
+        const double turned_rad = sample_.theta_rad[j] - before_rad_[j];
+        way_[j] += (turned_rad - std::abs(turned_rad) * way_[j]) / kWholeDrag_rad -
+                   way_[j] * kPeriod_s / kFading_s;
+        const double share =
+            std::clamp(way_[j] + sample_.theta_rate_rad_per_s[j] / kWholeDrag_rad_per_s, -1.0, 1.0);
         const double phase_rad = 2.0 * std::numbers::pi * kDrag_hz[motor] * time_s();
-        const double now_A = -0.5 * drag_A_[j] * (1.0 - std::cos(phase_rad)) *
-                             std::tanh(sample_.theta_rate_rad_per_s[j] / kWholeDrag_rad_per_s);
-        const double residual_Ohm =
-            sample_.motor[motor].mean.resistance_Ohm - sample_.command.cancelled_resistance_Ohm[j];
-        inputs_.excitation_V[j] = std::max(0.0, residual_Ohm) * now_A;
+        const double level_A =
+            drag_A_[j] * (kLowLevel + 0.5 * (1.0 - kLowLevel) * (1.0 - std::cos(phase_rad)));
+        const double residual_Ohm = std::max(0.0, sample_.motor[motor].mean.resistance_Ohm -
+                                                      sample_.command.cancelled_resistance_Ohm[j]);
+        if (std::abs(share) > kNearlyWhole) {
+            const double missing_A =
+                std::abs(share) * level_A + std::copysign(1.0, share) * sample_.current_A[j];
+            brush_V_[j] =
+                std::clamp(brush_V_[j] + residual_Ohm * missing_A * kPeriod_s / kFollowing_s, 0.0,
+                           device_.description().motor[motor].max_brush_voltage_V);
+        }
+        inputs_.excitation_V[j] = -(residual_Ohm * level_A + brush_V_[j]) * share;
         motor_[motor].turned_rad += std::abs(sample_.theta_rate_rad_per_s[j]) * kPeriod_s;
+    }
+    before_rad_ = sample_.theta_rad;
+}
+
+void CalibrationRun::note_brushes() {
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (const std::optional<control::DrivenInterval> &interval =
+                servo_->observers().interval(j)) {
+            fit_[j].update(*interval);
+        } else {
+            fit_[j].skip(sample_.current_A[static_cast<Eigen::Index>(j)]);
+        }
+        if ((motion_ticks_ + static_cast<int>(j) * kFit_ticks / 3) % kFit_ticks == 0) {
+            fitted_[j] = fit_[j].estimate();
+        }
     }
 }
 
 void CalibrationRun::watch_progress() {
     ++motion_ticks_;
+    note_brushes();
     lowest_rad_ = lowest_rad_.cwiseMin(sample_.theta_rad);
     highest_rad_ = highest_rad_.cwiseMax(sample_.theta_rad);
     for (std::size_t j = 0; j < 3; ++j) {
@@ -234,6 +284,7 @@ void CalibrationRun::finish() {
     const device::DeviceDescription &file = device_.description();
     has_moved_ = true;
     for (std::size_t j = 0; j < 3; ++j) {
+        fitted_[j] = fit_[j].estimate();
         learned_[j] = learned(j);
         motor_[j].now = cancellable(file.motor[j], sample_.motor[j],
                                     sample_.winding[j].R_hat_limit_Ohm, options_.dR_Ohm);
@@ -243,6 +294,10 @@ void CalibrationRun::finish() {
                    fmt::format("motor {} was not turned enough: R is known to {:.2g} Ohm only; "
                                "begin anew, and {}",
                                j + 1, worst_deviation_Ohm(learned_[j]), kMotions[j]));
+        }
+        if (const std::string contradicts = contradiction(j);
+            problem_.empty() && !contradicts.empty()) {
+            refuse(CalibrationProblem::contradiction, contradicts);
         }
     }
     device::DeviceDescription calibrated = file;
@@ -276,27 +331,61 @@ void CalibrationRun::stop_for(CalibrationProblem kind, std::string problem) {
 }
 
 device::MotorCalibration CalibrationRun::learned(std::size_t motor) const {
-    return servo_->observers().observer(motor).learned();
+    device::MotorCalibration learned = servo_->observers().observer(motor).learned();
+    const BrushEstimate &fitted = fitted_[motor];
+    if (learned.brush_deviation_V == 0.0 && std::isfinite(fitted.deviation_V)) {
+        learned.resistance_Ohm = fitted.resistance.resistance_Ohm;
+        learned.resistance_deviation_Ohm = fitted.resistance.deviation_Ohm;
+        learned.brush_voltage_V = fitted.voltage_V;
+        learned.brush_deviation_V = fitted.deviation_V;
+    }
+    learned.min_brush_current_A = fitted.min_A;
+    learned.max_brush_current_A = fitted.max_A;
+    return learned;
 }
 
-/// 0 with the file alone, 1 where R and ripple are known as well as they should be: each tenth of
-/// the deviation is as much.
-double CalibrationRun::share_of(std::size_t motor) const {
-    const auto left = [](double now, double at_first, double requested) {
-        return std::clamp(std::log(now / requested) / std::log(at_first / requested), 0.0, 1.0);
+/// Empty, or how the observer's R or V_b is not that of the levels.
+std::string CalibrationRun::contradiction(std::size_t motor) const {
+    const device::MotorCalibration &observed = learned_[motor];
+    const BrushEstimate &fitted = fitted_[motor];
+    const double enough_Ohm = kEnough * observed.resistance_Ohm;
+    const auto differ = [](double one, double other, double deviation, double other_deviation,
+                           double enough) {
+        return std::abs(one - other) >
+               std::max(enough, kContradiction * std::hypot(deviation, other_deviation));
     };
+    if (!differ(observed.resistance_Ohm, fitted.resistance.resistance_Ohm,
+                observed.resistance_deviation_Ohm, fitted.resistance.deviation_Ohm, enough_Ohm) &&
+        !differ(observed.brush_voltage_V, fitted.voltage_V, observed.brush_deviation_V,
+                fitted.deviation_V, enough_Ohm * kBetweenLevels_A)) {
+        return "";
+    }
+    return fmt::format("motor {}: between levels of current R is {:.4f} Ohm and V_b {:.1f} mV, but "
+                       "from tick to tick {:.4f} Ohm and {:.1f} mV; springdrive device self-test "
+                       "looks for the cause",
+                       motor + 1, fitted.resistance.resistance_Ohm, 1e3 * fitted.voltage_V,
+                       observed.resistance_Ohm, 1e3 * observed.brush_voltage_V);
+}
+
+/// 0 with the file alone, 1 where R, ripple and V_b are known as well as they should be: each tenth
+/// of the deviation is as much.
+double CalibrationRun::share_of(std::size_t motor) const {
     const device::MotorCalibration now = learned(motor);
     const device::MotorCalibration &first = at_first_[motor];
     const double requested_Ohm = kRequested * first.resistance_Ohm;
-    double most = left(now.resistance_deviation_Ohm, first.resistance_deviation_Ohm, requested_Ohm);
-    for (double device::MotorCalibration::*const deviation :
-         {&device::MotorCalibration::ripple_deviation_Ohm,
-          &device::MotorCalibration::ripple_2_deviation_Ohm}) {
-        if (first.*deviation > requested_Ohm) {
-            most = std::max(most, left(now.*deviation, first.*deviation, requested_Ohm));
+    double most = 0.0;
+    const auto add = [&](double device::MotorCalibration::*deviation, double requested) {
+        if (first.*deviation > requested) {
+            const double left = now.*deviation > 0.0 ? now.*deviation : first.*deviation;
+            most =
+                std::max(most, std::log(left / requested) / std::log(first.*deviation / requested));
         }
-    }
-    return 1.0 - most;
+    };
+    add(&device::MotorCalibration::resistance_deviation_Ohm, requested_Ohm);
+    add(&device::MotorCalibration::ripple_deviation_Ohm, requested_Ohm);
+    add(&device::MotorCalibration::ripple_2_deviation_Ohm, requested_Ohm);
+    add(&device::MotorCalibration::brush_deviation_V, requested_Ohm * kBetweenLevels_A);
+    return 1.0 - std::min(1.0, most);
 }
 
 bool CalibrationRun::has_reached_all() const {

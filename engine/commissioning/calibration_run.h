@@ -1,22 +1,25 @@
-// Calibrates a device: R of each winding with the commutator's ripple, k_T and the current sensors'
-// offsets, by the servo's own observers, one tick after the other, so that a window and a command
-// can both show it while it goes on:
+// Calibrates a device: R of each winding with the commutator's ripple, V_b of brushes and bridge,
+// k_T and the current sensors' offsets, by the servo's own observers, one tick after the other, so
+// that a window and a command can both show it while it goes on:
 //
 //   rest ──► start: the gains ramp up ──► motion by hand, with a drag ──► release ──► done
 //
 // In free space the spring drive follows the hand without current, so that nothing is learned. So
-// each motor resists the hand's motion by a current that grows and fades, at another frequency than
-// the others':
+// each motor resists the hand's motion, like friction, by a current between two levels, at another
+// frequency than the others':
 //
-//   i = −½ I (1 − cos 2π f t) tanh(θ̇/ω)
+//   i = −[I₀ + ½ (I − I₀)(1 − cos 2π f t)] (s + θ̇/ω within ±1),  ds = (dθ − |dθ| s)/δ − s dt/τ
 //
-// It only ever takes energy out of the hand; a device that is let go of does not move. To and fro
-// it flows in both directions at each angle of the rotor, which separates R from the sensor's
-// offset, and as it fades, from k_T.
+// However slowly the rotor turns, there are both levels in both directions at each angle. That
+// separates R from V_b, which only the levels do, from the sensor's offset and from k_T. An i_b
+// shows where the current changes its sign, over δ. What the hand is given back is that of a spring
+// over δ, a few mm at the tip; a device that is held still, or let go of, is without force within
+// 3 τ. A second estimate (brush_fit.h) shares nothing with the observer's but what was measured.
 #pragma once
 
 #include "device/core/device_description.h"
 #include "device/core/haptic_device.h"
+#include "engine/commissioning/brush_fit.h"
 #include "engine/commissioning/self_test.h"
 #include "engine/servo/servo.h"
 
@@ -29,7 +32,7 @@
 namespace springdrive::commissioning {
 
 struct CalibrationOptions {
-    double drag_N = 0.5;             ///< of one motor, at the end of its link
+    double drag_N = 1.5;             ///< of one motor, at the end of its link, at most
     double longest_motion_s = 180.0; ///< for moving the device by hand
     std::optional<double> air_C;     ///< by a thermometer, to kThermometer_K
     double dR_Ohm = 0.5;             ///< for which R̂ is reported
@@ -61,7 +64,7 @@ enum class CalibrationProblem : std::uint8_t {
     ended,           ///< by a person
     stopped,         ///< by the safety monitor
     never_at_rest,   ///< so that the gains could not ramp up
-    little_motion,   ///< not enough of it to know R and ripple
+    little_motion,   ///< not enough of it to know R, ripple and V_b
     contradiction,   ///< current sensor and encoder do not fit together, or not the file
     of_another_kind, ///< R or k_T beyond the file's tolerances
 };
@@ -78,7 +81,7 @@ struct CalibrationReport {
 
 /// What is known of a motor by now, for display.
 struct MotorProgress {
-    double share = 0.0;          ///< 1 once R and ripple are known as well as they should be
+    double share = 0.0;          ///< 1 once R, ripple and V_b are known as well as they should be
     double resistance_Ohm = 0.0; ///< at 25 °C
     double deviation_Ohm = 0.0;  ///< standard, of R
     double moved_rad = 0.0;      ///< from the lowest to the highest angle of its joint
@@ -131,11 +134,13 @@ private:
     void rest();
     void tick();
     void excite();
+    void note_brushes();
     void watch_progress();
     void stop_for(CalibrationProblem kind, std::string problem);
     void refuse(CalibrationProblem kind, std::string problem);
     [[nodiscard]] double time_s() const;
     [[nodiscard]] device::MotorCalibration learned(std::size_t motor) const;
+    [[nodiscard]] std::string contradiction(std::size_t motor) const;
     [[nodiscard]] double share_of(std::size_t motor) const;
     [[nodiscard]] device::Calibration calibration() const;
 
@@ -148,6 +153,11 @@ private:
     int ticks_ = 0; ///< in this stage
     servo::ServoInputs inputs_;
     std::unique_ptr<servo::Servo> servo_;
+    Vector3 before_rad_{Vector3::Zero()}; ///< of the rotors, in the tick before
+    Vector3 way_{Vector3::Zero()};        ///< s
+    Vector3 brush_V_{Vector3::Zero()};    ///< that the currents take beside dR
+    std::array<BrushFit, 3> fit_;
+    std::array<BrushEstimate, 3> fitted_; ///< a second ago, and at the end
     servo::ServoSample sample_;
     std::array<device::MotorCalibration, 3> learned_;  ///< at the end of the motion
     std::array<device::MotorCalibration, 3> at_first_; ///< known before

@@ -126,7 +126,7 @@ constexpr double kDecikelvin_K = 0.1;
 constexpr double kCentidegree_C = 0.01;
 
 /// The numbers of a motor's calibration, in the order of its block.
-std::array<device::CalibrationField, 12> numbers_of_block() {
+std::array<device::CalibrationField, device::kCalibrationFields> numbers_of_block() {
     return device::calibration_fields({}, 0, 0.0);
 }
 

@@ -253,6 +253,32 @@ TEST(CalibrationFile, IsReadAsItWasWritten) {
     EXPECT_FALSE(read_device_text(good_text(), "kind.toml").calibration);
 }
 
+// Those of before know nothing of brushes; of a part of it, nothing can be made.
+TEST(CalibrationFile, HasAllOfTheBrushesOrNone) {
+    Calibration calibration = possible();
+    for (MotorCalibration &motor : calibration.motor) {
+        motor.brush_voltage_V = motor.brush_deviation_V = 0.0;
+        motor.min_brush_current_A = motor.max_brush_current_A = 0.0;
+    }
+    const std::string text = with_calibration(good_text(), calibration);
+    EXPECT_EQ(text.find("brush_deviation_V"), std::string::npos) << text;
+    const DeviceDescription read = read_device_text(text, "before.toml");
+    ASSERT_TRUE(read.calibration);
+    expect_same(calibration, *read.calibration, 1e-8);
+    EXPECT_EQ(validate(calibration, read), "");
+
+    for (double MotorCalibration::*const one :
+         {&MotorCalibration::brush_deviation_V, &MotorCalibration::min_brush_current_A,
+          &MotorCalibration::max_brush_current_A}) {
+        Calibration partly = possible();
+        partly.motor[1].*one = 0.0;
+        EXPECT_NE(validate(partly, read), "");
+        EXPECT_NE(error(partly), "");
+    }
+    EXPECT_NE(error(possible(), "brush_deviation_V = ", "# "), "");
+    EXPECT_NE(error(possible(), "brush_voltage_V = ", "# "), "");
+}
+
 TEST(CalibrationFile, ReplacesTheOneBefore) {
     Calibration before = possible();
     before.serial = "another \"one\" \\ [calibration]";

@@ -404,6 +404,7 @@ TEST(Protocol, SizesAreThoseOfTheContents) {
     EXPECT_TRUE(fills_its_payload<Zeroing>());
     EXPECT_TRUE(fills_its_payload<ReportRate>());
     EXPECT_TRUE(fills_its_payload<CalibrationBlock>());
+    EXPECT_TRUE(fills_its_payload<MotorCalibrationBlock>());
     EXPECT_TRUE(fills_its_payload<SelfTestOrder>());
     EXPECT_TRUE(fills_its_payload<SelfTestResult>());
 }
@@ -445,6 +446,24 @@ TEST(Protocol, ControlPayloadsSurviveARoundTrip) {
     EXPECT_EQ(calibration_in(block, read), FrameStatus::ok);
     EXPECT_EQ(read.current_gain, calibration.current_gain);
     EXPECT_EQ(read.encoder_sign, calibration.encoder_sign);
+
+    for (const std::uint8_t layout : {std::uint8_t{1}, kMotorBlockLayout}) {
+        MotorCalibrationBlock motor;
+        motor.layout = layout;
+        motor.air_error_dK = 20;
+        motor.made_at_s = 1'764'000'000;
+        for (std::size_t i = 0; i < motor.number.size(); ++i) {
+            motor.number[i] = 2.1F * static_cast<float>(i + 1);
+        }
+        MotorCalibrationBlock found;
+        ASSERT_EQ(calibration_in(block_of(motor, 2), found), FrameStatus::ok);
+        for (std::size_t i = 0; i < motor.number.size(); ++i) {
+            const float whole = i < 12 ? motor.number[i] : 0.0F;
+            EXPECT_EQ(found.number[i], layout == 1 ? whole : truncated(motor.number[i])) << i;
+        }
+        motor.layout = 3;
+        EXPECT_EQ(calibration_in(block_of(motor, 2), found), FrameStatus::out_of_range);
+    }
 
     SelfTestResult result;
     result.state = SelfTestState::completed;
