@@ -20,6 +20,8 @@ constexpr int kMinWindows = 100;
 constexpr double kOffset_A = 0.3e-3;
 /// Windows with less current teach nothing: of tanh(i/i_b) there, noise makes another curve.
 constexpr double kMinCurrent_A = 0.03;
+/// The network's way from winding to housing may be wrong by this share of it, which R shows.
+constexpr double kHeatError = 0.5;
 /// Values of i_b that are tried between two curves.
 constexpr int kBetweenCurves = 8;
 /// Of χ² with one degree of freedom.
@@ -27,9 +29,12 @@ constexpr double k95OfChi2 = 3.84;
 
 } // namespace
 
-BrushFit::BrushFit(const device::MotorParameters &motor, double period_s)
-    : motor_(motor), temperature_(motor.thermal, device::kReferenceTemperature_C, period_s),
-      resistance_Ohm_(motor.resistance_Ohm) {
+BrushFit::BrushFit(const device::DeviceDescription &device, std::size_t motor, double period_s)
+    : motor_(device.motor[motor]),
+      temperature_(motor_.thermal, device::kReferenceTemperature_C, period_s),
+      count_variance_V2s2_(std::pow(motor_.torque_constant_Nm_per_A * device.rad_per_count(), 2) /
+                           6.0),
+      resistance_Ohm_(motor_.resistance_Ohm) {
     for (Eigen::Index i = 0; i < kCurves; ++i) {
         brush_A_[i] = kMinBrush_A *
                       std::pow(kMaxBrush_A / kMinBrush_A, static_cast<double>(i) / (kCurves - 1));
@@ -58,7 +63,10 @@ void BrushFit::update(const control::DrivenInterval &interval) {
         warmth * current_A * T *
             Eigen::Matrix<double, 5, 1>(1.0, std::cos(phase_rad), std::sin(phase_rad),
                                         std::cos(2.0 * phase_rad), std::sin(2.0 * phase_rad)),
-        -T, interval.after_rad - interval.before_rad, T * (current_A / brush_A_).tanh().matrix();
+        -T, interval.after_rad - interval.before_rad,
+        motor_.resistance_rise_per_K * (temperature_.winding_C() - temperature_.housing_C()) *
+            current_A * T,
+        T * (current_A / brush_A_).tanh().matrix();
     window_ += row;
     const double least_A = std::abs(current_A);
     min_window_A_ = window_s_ > 0.0 ? std::min(min_window_A_, least_A) : least_A;
@@ -94,7 +102,8 @@ BrushEstimate BrushFit::estimate() const {
 
 BrushFit::Solution BrushFit::solve() const {
     constexpr int kFree = kCommon + 1; // R is the first of them, and V_b the last
-    constexpr int kOffset = kCommon - 2;
+    constexpr int kOffset = 5;
+    constexpr int kHeat = 7;
     using Vector = Eigen::Matrix<double, kFree, 1>;
     using Matrix = Eigen::Matrix<double, kFree, kFree>;
     struct Tried {
@@ -117,6 +126,8 @@ BrushFit::Solution BrushFit::solve() const {
         products.col(kCommon) << by_curve.tail<kCommon>(),
             weights.dot(products_.block<2, 2>(kFree + curve, kFree + curve) * weights);
         products.row(kCommon) = products.col(kCommon).transpose();
+        products(kHeat, kHeat) +=
+            count_variance_V2s2_ / std::pow(kHeatError * motor_.resistance_Ohm, 2);
         Vector against;
         against << products_.col(0).segment<kCommon>(1), by_curve[0];
         const Vector scale = products.diagonal().cwiseSqrt().cwiseInverse();

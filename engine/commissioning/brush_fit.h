@@ -20,6 +20,7 @@
 
 #include <Eigen/Core>
 
+#include <cstddef>
 #include <limits>
 
 namespace springdrive::commissioning {
@@ -41,7 +42,7 @@ struct BrushEstimate {
 /// Of one motor.
 class BrushFit {
 public:
-    BrushFit(const device::MotorParameters &motor, double period_s);
+    BrushFit(const device::DeviceDescription &device, std::size_t motor, double period_s);
 
     void update(const control::DrivenInterval &interval);
 
@@ -52,7 +53,7 @@ public:
 
 private:
     static constexpr int kCurves = 18;
-    static constexpr int kCommon = 7; ///< R, its ripple, R o, k_T
+    static constexpr int kCommon = 8; ///< R, its ripple, R o, k_T, R by heat
     /// The voltage, what is in common, and a curve for each i_b.
     static constexpr int kColumns = 1 + kCommon + kCurves;
     using Row = Eigen::Matrix<double, kColumns, 1>;
@@ -67,6 +68,7 @@ private:
 
     device::MotorParameters motor_;
     device::WindingTemperature temperature_;
+    double count_variance_V2s2_; ///< of a window, by the rounding of its angles
     double resistance_Ohm_;
     double offset_A_ = 0.0;
     bool has_offset_ = false;

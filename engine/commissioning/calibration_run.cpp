@@ -91,9 +91,9 @@ Cancellable cancellable(const device::MotorParameters &file, control::ObservedMo
 CalibrationRun::CalibrationRun(device::HapticDevice &device, const CalibrationOptions &options,
                                Mover mover)
     : device_(device), options_(options), mover_(std::move(mover)),
-      reset_(options.lets_go_on), fit_{BrushFit(device.description().motor[0], kPeriod_s),
-                                       BrushFit(device.description().motor[1], kPeriod_s),
-                                       BrushFit(device.description().motor[2], kPeriod_s)} {
+      reset_(options.lets_go_on), fit_{BrushFit(device.description(), 0, kPeriod_s),
+                                       BrushFit(device.description(), 1, kPeriod_s),
+                                       BrushFit(device.description(), 2, kPeriod_s)} {
     const device::DeviceDescription &file = device.description();
     SPRINGDRIVE_ASSERT(!file.calibration); // what was known before would be part of the result
     if (!file.current_sensing.is_shared) {
