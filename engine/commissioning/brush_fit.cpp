@@ -20,18 +20,32 @@ constexpr int kMinWindows = 100;
 constexpr double kOffset_A = 0.3e-3;
 /// Windows with less current teach nothing: of tanh(i/i_b) there, noise makes another curve.
 constexpr double kMinCurrent_A = 0.03;
-/// The network's way from winding to housing may be wrong by this share of it, which R shows.
+/// What R_wh, with the same copper behind it, may be instead of the file's, of which R tells, and
+/// the standard deviation of how much of the difference there is.
+constexpr std::array<double, 3> kHeatWays{1.0, 0.5, 2.0};
 constexpr double kHeatError = 0.5;
 /// Values of i_b that are tried between two curves.
 constexpr int kBetweenCurves = 8;
+/// What brushes' film and ripples leave is shared by many windows, so that deviations are larger
+/// than by independent ones: of drawn devices by this factor, r.m.s.
+constexpr double kShared = 3.0;
 /// Of χ² with one degree of freedom.
 constexpr double k95OfChi2 = 3.84;
+
+device::WindingTemperature temperature(device::ThermalParameters thermal, double way,
+                                       double period_s) {
+    thermal.winding_housing_K_per_W *= way;
+    thermal.winding_time_s *= way;
+    return {thermal, device::kReferenceTemperature_C, period_s};
+}
 
 } // namespace
 
 BrushFit::BrushFit(const device::DeviceDescription &device, std::size_t motor, double period_s)
-    : motor_(device.motor[motor]),
-      temperature_(motor_.thermal, device::kReferenceTemperature_C, period_s),
+    : motor_(device.motor[motor]), temperature_{temperature(motor_.thermal, kHeatWays[0], period_s),
+                                                temperature(motor_.thermal, kHeatWays[1], period_s),
+                                                temperature(motor_.thermal, kHeatWays[2],
+                                                            period_s)},
       count_variance_V2s2_(std::pow(motor_.torque_constant_Nm_per_A * device.rad_per_count(), 2) /
                            6.0),
       resistance_Ohm_(motor_.resistance_Ohm) {
@@ -43,9 +57,15 @@ BrushFit::BrushFit(const device::DeviceDescription &device, std::size_t motor, d
 }
 
 void BrushFit::skip(double current_A) {
-    temperature_.update(std::isfinite(current_A) ? resistance_Ohm_ * current_A * current_A : 0.0);
+    warm(std::isfinite(current_A) ? current_A : 0.0);
     window_.setZero();
     window_s_ = 0.0;
+}
+
+void BrushFit::warm(double current_A) {
+    for (device::WindingTemperature &way : temperature_) {
+        way.update(resistance_Ohm_ * current_A * current_A);
+    }
 }
 
 void BrushFit::update(const control::DrivenInterval &interval) {
@@ -53,8 +73,9 @@ void BrushFit::update(const control::DrivenInterval &interval) {
     const double mean_A = control::mean_current_A(interval, resistance_Ohm_ - interval.R_hat_Ohm,
                                                   motor_.inductance_H);
     const double current_A = mean_A - offset_A_;
-    const double warmth = 1.0 + motor_.resistance_rise_per_K *
-                                    (temperature_.winding_C() - device::kReferenceTemperature_C);
+    const auto winding_C = [this](std::size_t way) { return temperature_[way].winding_C(); };
+    const double warmth =
+        1.0 + motor_.resistance_rise_per_K * (winding_C(0) - device::kReferenceTemperature_C);
     const double phase_rad =
         0.5 * motor_.commutator_segments * (interval.before_rad + interval.after_rad);
     Row row;
@@ -64,14 +85,14 @@ void BrushFit::update(const control::DrivenInterval &interval) {
             Eigen::Matrix<double, 5, 1>(1.0, std::cos(phase_rad), std::sin(phase_rad),
                                         std::cos(2.0 * phase_rad), std::sin(2.0 * phase_rad)),
         -T, interval.after_rad - interval.before_rad,
-        motor_.resistance_rise_per_K * (temperature_.winding_C() - temperature_.housing_C()) *
-            current_A * T,
+        motor_.resistance_rise_per_K * current_A * T *
+            Eigen::Vector2d(winding_C(1) - winding_C(0), winding_C(2) - winding_C(0)),
         T * (current_A / brush_A_).tanh().matrix();
     window_ += row;
     const double least_A = std::abs(current_A);
     min_window_A_ = window_s_ > 0.0 ? std::min(min_window_A_, least_A) : least_A;
     window_s_ += T;
-    temperature_.update(resistance_Ohm_ * mean_A * mean_A);
+    warm(mean_A);
     if (window_s_ >= kFitWindow_s) {
         take_window();
     }
@@ -126,7 +147,7 @@ BrushFit::Solution BrushFit::solve() const {
         products.col(kCommon) << by_curve.tail<kCommon>(),
             weights.dot(products_.block<2, 2>(kFree + curve, kFree + curve) * weights);
         products.row(kCommon) = products.col(kCommon).transpose();
-        products(kHeat, kHeat) +=
+        products.diagonal().segment<2>(kHeat).array() +=
             count_variance_V2s2_ / std::pow(kHeatError * motor_.resistance_Ohm, 2);
         Vector against;
         against << products_.col(0).segment<kCommon>(1), by_curve[0];
@@ -149,7 +170,8 @@ BrushFit::Solution BrushFit::solve() const {
                             (tried[i].free[0] + tried[i].free[kCommon] * slope / tried[i].brush_A);
     }
     const double min_V2s2 = std::ranges::min_element(tried, {}, &Tried::left_V2s2)->left_V2s2;
-    const double window_V2s2 = min_V2s2 / (windows_ - kFree - 1);
+    const double window_V2s2 =
+        kShared * kShared * min_V2s2 / static_cast<double>(windows_ - kFree - 1);
     Solution found;
     BrushEstimate &estimate = found.estimate;
     double sum = 0.0;

@@ -20,6 +20,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cstddef>
 #include <limits>
 
@@ -53,7 +54,7 @@ public:
 
 private:
     static constexpr int kCurves = 18;
-    static constexpr int kCommon = 8; ///< R, its ripple, R o, k_T, R by heat
+    static constexpr int kCommon = 9; ///< R, its ripple, R o, k_T, R by other ways of heat
     /// The voltage, what is in common, and a curve for each i_b.
     static constexpr int kColumns = 1 + kCommon + kCurves;
     using Row = Eigen::Matrix<double, kColumns, 1>;
@@ -63,11 +64,13 @@ private:
         double offset_A = 0.0; ///< beyond that of the curves
     };
 
+    void warm(double current_A);
     void take_window();
     [[nodiscard]] Solution solve() const;
 
     device::MotorParameters motor_;
-    device::WindingTemperature temperature_;
+    /// As the file has it, and with a half and twice the way of heat from winding to housing.
+    std::array<device::WindingTemperature, 3> temperature_;
     double count_variance_V2s2_; ///< of a window, by the rounding of its angles
     double resistance_Ohm_;
     double offset_A_ = 0.0;

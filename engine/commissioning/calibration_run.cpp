@@ -49,9 +49,12 @@ constexpr double kRequested = 5e-4;
 constexpr double kEnough = 2e-3;
 /// A deviation of V_b is one of R at this current, between the levels [A].
 constexpr double kBetweenLevels_A = 0.5;
-/// Estimates that differ by more than this many deviations, and by more than is good enough,
-/// contradict each other.
+/// Estimates that differ by more than so many deviations contradict each other; and by what the
+/// observer does not know: of R, half or twice the way of heat from the winding, and of V_b, i_b.
 constexpr double kContradiction = 4.0;
+constexpr double kUnknownHeat = 0.005;
+constexpr double kUnknownBrush = 0.02;
+/// Between estimates of V_b.
 constexpr int kFit_ticks = 1000;
 /// So long without progress, and nothing more is learned.
 constexpr int kNoGain_ticks = 20'000;
@@ -288,12 +291,14 @@ void CalibrationRun::finish() {
         learned_[j] = learned(j);
         motor_[j].now = cancellable(file.motor[j], sample_.motor[j],
                                     sample_.winding[j].R_hat_limit_Ohm, options_.dR_Ohm);
-        if (problem_.empty() &&
-            worst_deviation_Ohm(learned_[j]) > kEnough * learned_[j].resistance_Ohm) {
+        const double worst_Ohm = worst_deviation_Ohm(learned_[j]);
+        if (problem_.empty() && worst_Ohm > kEnough * learned_[j].resistance_Ohm) {
             refuse(CalibrationProblem::little_motion,
-                   fmt::format("motor {} was not turned enough: R is known to {:.2g} Ohm only; "
-                               "begin anew, and {}",
-                               j + 1, worst_deviation_Ohm(learned_[j]), kMotions[j]));
+                   fmt::format("motor {} was not turned enough: {}; begin anew, and {}", j + 1,
+                               std::isfinite(worst_Ohm)
+                                   ? fmt::format("R is known to {:.2g} Ohm only", worst_Ohm)
+                                   : "V_b is not known",
+                               kMotions[j]));
         }
         if (const std::string contradicts = contradiction(j);
             problem_.empty() && !contradicts.empty()) {
@@ -333,31 +338,35 @@ void CalibrationRun::stop_for(CalibrationProblem kind, std::string problem) {
 device::MotorCalibration CalibrationRun::learned(std::size_t motor) const {
     device::MotorCalibration learned = servo_->observers().observer(motor).learned();
     const BrushEstimate &fitted = fitted_[motor];
-    if (learned.brush_deviation_V == 0.0 && std::isfinite(fitted.deviation_V)) {
+    learned.brush_voltage_V = learned.brush_deviation_V = 0.0; // an i_b is not the observer's
+    if (std::isfinite(fitted.deviation_V)) {
         learned.resistance_Ohm = fitted.resistance.resistance_Ohm;
         learned.resistance_deviation_Ohm = fitted.resistance.deviation_Ohm;
         learned.brush_voltage_V = fitted.voltage_V;
         learned.brush_deviation_V = fitted.deviation_V;
+        learned.min_brush_current_A = fitted.min_A;
+        learned.max_brush_current_A = fitted.max_A;
     }
-    learned.min_brush_current_A = fitted.min_A;
-    learned.max_brush_current_A = fitted.max_A;
     return learned;
 }
 
 /// Empty, or how the observer's R or V_b is not that of the levels.
 std::string CalibrationRun::contradiction(std::size_t motor) const {
-    const device::MotorCalibration &observed = learned_[motor];
+    const device::MotorCalibration observed = servo_->observers().observer(motor).learned();
     const BrushEstimate &fitted = fitted_[motor];
-    const double enough_Ohm = kEnough * observed.resistance_Ohm;
     const auto differ = [](double one, double other, double deviation, double other_deviation,
-                           double enough) {
+                           double unknown) {
         return std::abs(one - other) >
-               std::max(enough, kContradiction * std::hypot(deviation, other_deviation));
+               unknown + kContradiction * std::hypot(deviation, other_deviation);
     };
-    if (!differ(observed.resistance_Ohm, fitted.resistance.resistance_Ohm,
-                observed.resistance_deviation_Ohm, fitted.resistance.deviation_Ohm, enough_Ohm) &&
-        !differ(observed.brush_voltage_V, fitted.voltage_V, observed.brush_deviation_V,
-                fitted.deviation_V, enough_Ohm * kBetweenLevels_A)) {
+    const double brush_V = kUnknownBrush * std::abs(fitted.voltage_V);
+    const bool has_brushes = observed.brush_deviation_V > 0.0;
+    if (!has_brushes || !std::isfinite(fitted.deviation_V) ||
+        (!differ(observed.resistance_Ohm, fitted.resistance.resistance_Ohm,
+                 observed.resistance_deviation_Ohm, fitted.resistance.deviation_Ohm,
+                 kUnknownHeat * observed.resistance_Ohm + brush_V / kBetweenLevels_A) &&
+         !differ(observed.brush_voltage_V, fitted.voltage_V, observed.brush_deviation_V,
+                 fitted.deviation_V, brush_V))) {
         return "";
     }
     return fmt::format("motor {}: between levels of current R is {:.4f} Ohm and V_b {:.1f} mV, but "
