@@ -33,7 +33,7 @@ constexpr double kPeriod_s = 1.0 / CalibrationRun::kRate_hz;
 
 // The information bound of (1) with (6), from the plant's truth. Over a tick
 //
-//   ∫e_W dt + R̂ ∫i dt − L Δi = Σ h p + w + v − v_before,  p = (R, a₁, b₁, a₂, b₂, o, k_T)
+//   ∫e_W dt + R̂ ∫i dt − L Δi = Σ h p + w + v − v_before,  p = (R, a₁, b₁, a₂, b₂, o, k_T, V_b)
 //
 // with the noise w of the current in dR ∫i dt, and v of the angle's rounding and of L i. Both are
 // white, so that the covariance of all ticks is tridiagonal; its LDLᵀ whitens h, row by row.
@@ -48,14 +48,15 @@ public:
 
     /// The true values before and after a tick.
     void take(double before_A, double after_A, double before_rad, double after_rad, double R_Ohm,
-              double R_hat_Ohm, double k_T) {
+              double R_hat_Ohm, double k_T, double brush_A) {
         const double dR_Ohm = R_Ohm - R_hat_Ohm;
         const double charge_As = 0.5 * (before_A + after_A) * kPeriod_s;
         const double phase_rad = 0.5 * segments_ * (before_rad + after_rad);
         Row h;
         h << charge_As, charge_As * std::cos(phase_rad), charge_As * std::sin(phase_rad),
             charge_As * std::cos(2.0 * phase_rad), charge_As * std::sin(2.0 * phase_rad),
-            -R_Ohm * kPeriod_s, after_rad - before_rad;
+            -R_Ohm * kPeriod_s, after_rad - before_rad,
+            std::tanh(charge_As / kPeriod_s / brush_A) * kPeriod_s;
         const double q = dR_Ohm * dR_Ohm * kPeriod_s * kPeriod_s * current_variance_A2_;
         const double r = k_T * k_T * count_variance_rad2_ + L_H_ * L_H_ * current_variance_A2_;
         const double l = has_row_ ? r / d_ : 0.0;
@@ -66,11 +67,11 @@ public:
     }
 
     /// The smallest standard deviations that an unbiased estimate can have.
-    [[nodiscard]] std::array<double, 7> deviations() const {
+    [[nodiscard]] std::array<double, 8> deviations() const {
         const Matrix scale = Matrix(information_.diagonal().cwiseSqrt().asDiagonal()).inverse();
         const Matrix inverse =
             scale * (scale * information_ * scale).ldlt().solve(Matrix::Identity()) * scale;
-        std::array<double, 7> deviations{};
+        std::array<double, 8> deviations{};
         for (std::size_t i = 0; i < deviations.size(); ++i) {
             const auto index = static_cast<Eigen::Index>(i);
             deviations[i] = std::sqrt(inverse(index, index));
@@ -79,8 +80,8 @@ public:
     }
 
 private:
-    using Row = Eigen::Matrix<double, 7, 1>;
-    using Matrix = Eigen::Matrix<double, 7, 7>;
+    using Row = Eigen::Matrix<double, 8, 1>;
+    using Matrix = Eigen::Matrix<double, 8, 8>;
 
     double segments_;
     double L_H_;
@@ -99,6 +100,7 @@ struct TrueMotor {
     std::array<double, 2> ripple_Ohm{}; ///< of the first harmonic; there is no second
     double torque_constant_Nm_per_A = 0.0;
     double offset_A = 0.0;
+    double brush_voltage_V = 0.0;
 };
 
 TrueMotor true_motor(const device::DeviceDescription &file, std::uint64_t seed, std::size_t motor,
@@ -209,17 +211,19 @@ struct TriedCalibration {
             bound[j]->take(before.current_A[i], now.current_A[i], before.theta_rad[i],
                            now.theta_rad[i], now.resistance_Ohm[i],
                            run.sample().command.cancelled_resistance_Ohm[i],
-                           file.motor[j].torque_constant_Nm_per_A);
+                           file.motor[j].torque_constant_Nm_per_A, simulation().brush_current_A);
         }
     }
 };
 
 // Of 150 deviations of R, fewer than 134 within 1.96 standard deviations have a probability of 0.1
-// %. The observer takes R and offsets to drift, and has to find out more than the bound knows; so
-// its deviation is twice the bound, and truth is within it more often than 95 %.
+// %; the same of V_b. What brushes' film and the way of heat leave unknown, the bound does not
+// know, so that the deviations are some times the bound.
 TEST(CalibrationOfSampledDevices, IsAsGoodAsItsSensorsAllow) {
     const int devices = testing::cases(2, 50);
     int within = 0;
+    int brushes_within = 0;
+    double worst_brush_V = 0.0;
     double worst_error = 0.0; // in deviations
     double worst_share = 0.0; // of R
     double worst_factor = 0.0;
@@ -234,7 +238,7 @@ TEST(CalibrationOfSampledDevices, IsAsGoodAsItsSensorsAllow) {
         const CalibrationReport report = tried.run();
         ASSERT_TRUE(report.is_complete) << "device " << seed << ": " << report.problem;
         longest_s = std::max(longest_s, report.motion_s);
-        EXPECT_LT(tried.largest_force_N, 1.0);
+        EXPECT_LT(tried.largest_force_N, 4.0); // 1.5 N of each motor, at links that are bent
         for (std::size_t j = 0; j < 3; ++j) {
             const device::MotorCalibration &found = report.calibration.motor[j];
             const TrueMotor truth =
@@ -248,8 +252,17 @@ TEST(CalibrationOfSampledDevices, IsAsGoodAsItsSensorsAllow) {
             const double factor =
                 found.resistance_deviation_Ohm / tried.bound[j]->deviations().front();
             EXPECT_GT(factor, 1.0);
-            EXPECT_LT(factor, 3.0);
+            EXPECT_LT(found.resistance_deviation_Ohm, 2e-3 * truth.resistance_Ohm);
             worst_factor = std::max(worst_factor, factor);
+
+            const double brush_error_V = std::abs(found.brush_voltage_V - truth.brush_voltage_V);
+            brushes_within += brush_error_V < 1.96 * found.brush_deviation_V ? 1 : 0;
+            worst_brush_V = std::max(worst_brush_V, brush_error_V);
+            EXPECT_LT(found.brush_deviation_V, 2.5e-3);
+            EXPECT_LT(brush_error_V,
+                      4.8 * found.brush_deviation_V + 0.005 * truth.brush_voltage_V)
+                << seed; // its film moves i_b
+            EXPECT_LE(found.min_brush_current_A, found.max_brush_current_A);
 
             const std::array<double, 2> &ripple = truth.ripple_Ohm;
             const double amplitude_Ohm = std::hypot(ripple[0], ripple[1]);
@@ -281,11 +294,13 @@ TEST(CalibrationOfSampledDevices, IsAsGoodAsItsSensorsAllow) {
     }
     const int all = 3 * devices;
     EXPECT_GE(within, all - (all > 6 ? 16 : 1));
-    std::printf("worst of %d: R %.3f %%, %.2f deviations, %d of %d within 95 %%, %.1f times the "
-                "bound; ripple %.1f degrees, %.1f %%; k_T %.3f %%; %.0f s\n",
-                devices, 100.0 * worst_share, worst_error, within, all, worst_factor,
-                worst_phase_rad * 180.0 / std::numbers::pi, 100.0 * worst_amplitude,
-                100.0 * worst_k_T, longest_s);
+    EXPECT_GE(brushes_within, all - (all > 6 ? 16 : 1));
+    std::printf(
+        "worst of %d: R %.3f %%, %.2f deviations, %d of %d within 95 %%, %.1f times the "
+        "bound; V_b %.2f mV, %d within 95 %%; ripple %.1f degrees, %.1f %%; k_T %.3f %%; %.0f s\n",
+        devices, 100.0 * worst_share, worst_error, within, all, worst_factor, 1e3 * worst_brush_V,
+        brushes_within, worst_phase_rad * 180.0 / std::numbers::pi, 100.0 * worst_amplitude,
+        100.0 * worst_k_T, longest_s);
 }
 
 /// dR less what was asked for, over a second after the start, at the worst: without any touch.
@@ -358,7 +373,9 @@ TEST(CalibrationOfSampledDevices, AStartHasTheRightDR) {
         for (std::size_t j = 0; j < 3; ++j) {
             EXPECT_GT(report.motor[j].before.min_dR_Ohm, 0.75);
             EXPECT_LT(report.motor[j].at_start.min_dR_Ohm, 0.5);
-            EXPECT_LE(report.motor[j].now.min_dR_Ohm, report.motor[j].at_start.min_dR_Ohm);
+            // The winding is a kelvin warmer, of which the guard counts on less.
+            EXPECT_LE(report.motor[j].now.min_dR_Ohm,
+                      report.motor[j].at_start.min_dR_Ohm + 0.0039 * 2.18);
             EXPECT_NEAR(report.motor[j].at_start.R_hat_Ohm,
                         report.calibration.motor[j].resistance_Ohm - 0.5, 1e-9);
         }
