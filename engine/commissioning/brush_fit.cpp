@@ -29,6 +29,10 @@ constexpr int kBetweenCurves = 8;
 /// What brushes' film and ripples leave is shared by many windows, so that deviations are larger
 /// than by independent ones: of drawn devices by this factor, r.m.s.
 constexpr double kShared = 3.0;
+/// A film that grows and wears moves i_b meanwhile; of drawn devices, V_b is off by this and this
+/// share of it, r.m.s., however long it takes.
+constexpr double kFilm_V = 2e-4;
+constexpr double kFilmShare = 2e-3;
 /// Of χ² with one degree of freedom.
 constexpr double k95OfChi2 = 3.84;
 
@@ -195,7 +199,7 @@ BrushFit::Solution BrushFit::solve() const {
     const Vector deviation = (squares / sum - mean.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
     estimate.resistance = {mean[0], deviation[0]};
     estimate.voltage_V = mean[kCommon];
-    estimate.deviation_V = deviation[kCommon];
+    estimate.deviation_V = std::hypot(deviation[kCommon], kFilm_V, kFilmShare * mean[kCommon]);
     return found;
 }
 

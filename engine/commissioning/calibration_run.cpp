@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -44,9 +43,12 @@ constexpr double kFollowing_s = 0.3;
 constexpr double kNearlyWhole = 0.9;
 
 /// The standard deviations of R and of the ripple that end a calibration, and those that are good
-/// enough if nothing more is learned, as shares of R.
-constexpr double kRequested = 5e-4;
-constexpr double kEnough = 2e-3;
+/// enough if nothing more is learned, as shares of R. Of an R that changes with its brushes' film
+/// not more can be known than that; a thermometer leaves as much.
+constexpr double kRequested = 1e-3;
+constexpr double kRequestedRipple = 5e-4;
+constexpr double kEnough = 8e-3;
+constexpr double kEnoughRipple = 2e-3;
 /// A deviation of V_b is one of R at this current, between the levels [A].
 constexpr double kBetweenLevels_A = 0.5;
 /// Estimates that differ by more than so many deviations contradict each other; and by what the
@@ -65,12 +67,12 @@ constexpr std::array<const char *, 3> kMotions{"swing the stylus to the left and
                                                "raise and lower the stylus",
                                                "push the stylus away from you and pull it back"};
 
-double worst_deviation_Ohm(const device::MotorCalibration &motor) {
-    const double brush_Ohm = motor.brush_deviation_V > 0.0
-                                 ? motor.brush_deviation_V / kBetweenLevels_A
-                                 : std::numeric_limits<double>::infinity();
-    return std::max({motor.resistance_deviation_Ohm, motor.ripple_deviation_Ohm,
-                     motor.ripple_2_deviation_Ohm, brush_Ohm});
+bool is_known_enough(const device::MotorCalibration &motor) {
+    const double enough_Ohm = kEnough * motor.resistance_Ohm;
+    return motor.brush_deviation_V > 0.0 && motor.resistance_deviation_Ohm <= enough_Ohm &&
+           motor.brush_deviation_V <= enough_Ohm * kBetweenLevels_A &&
+           std::max(motor.ripple_deviation_Ohm, motor.ripple_2_deviation_Ohm) <=
+               kEnoughRipple * motor.resistance_Ohm;
 }
 
 /// R as the guard knows it at a start.
@@ -269,12 +271,9 @@ void CalibrationRun::watch_progress() {
     } else {
         ++ticks_without_gain_;
     }
-    const bool gains_no_more =
-        ticks_without_gain_ >= kNoGain_ticks &&
-        std::ranges::all_of(std::array{0, 1, 2}, [this](int j) {
-            const auto motor = static_cast<std::size_t>(j);
-            return worst_deviation_Ohm(learned(motor)) <= kEnough * learned(motor).resistance_Ohm;
-        });
+    const bool gains_no_more = ticks_without_gain_ >= kNoGain_ticks &&
+                               is_known_enough(learned(0)) && is_known_enough(learned(1)) &&
+                               is_known_enough(learned(2));
     if (has_reached_all() || gains_no_more || time_s() >= options_.longest_motion_s) {
         finish();
     }
@@ -291,14 +290,16 @@ void CalibrationRun::finish() {
         learned_[j] = learned(j);
         motor_[j].now = cancellable(file.motor[j], sample_.motor[j],
                                     sample_.winding[j].R_hat_limit_Ohm, options_.dR_Ohm);
-        const double worst_Ohm = worst_deviation_Ohm(learned_[j]);
-        if (problem_.empty() && worst_Ohm > kEnough * learned_[j].resistance_Ohm) {
-            refuse(CalibrationProblem::little_motion,
-                   fmt::format("motor {} was not turned enough: {}; begin anew, and {}", j + 1,
-                               std::isfinite(worst_Ohm)
-                                   ? fmt::format("R is known to {:.2g} Ohm only", worst_Ohm)
-                                   : "V_b is not known",
-                               kMotions[j]));
+        if (problem_.empty() && !is_known_enough(learned_[j])) {
+            refuse(
+                CalibrationProblem::little_motion,
+                fmt::format("motor {} was not turned enough: R is known to {:.2g} Ohm only, and "
+                            "V_b {}; begin anew, and {}",
+                            j + 1, learned_[j].resistance_deviation_Ohm,
+                            learned_[j].brush_deviation_V > 0.0
+                                ? fmt::format("to {:.2g} mV", 1e3 * learned_[j].brush_deviation_V)
+                                : "not at all",
+                            kMotions[j]));
         }
         if (const std::string contradicts = contradiction(j);
             problem_.empty() && !contradicts.empty()) {
@@ -391,8 +392,9 @@ double CalibrationRun::share_of(std::size_t motor) const {
         }
     };
     add(&device::MotorCalibration::resistance_deviation_Ohm, requested_Ohm);
-    add(&device::MotorCalibration::ripple_deviation_Ohm, requested_Ohm);
-    add(&device::MotorCalibration::ripple_2_deviation_Ohm, requested_Ohm);
+    const double requested_ripple_Ohm = kRequestedRipple * first.resistance_Ohm;
+    add(&device::MotorCalibration::ripple_deviation_Ohm, requested_ripple_Ohm);
+    add(&device::MotorCalibration::ripple_2_deviation_Ohm, requested_ripple_Ohm);
     add(&device::MotorCalibration::brush_deviation_V, requested_Ohm * kBetweenLevels_A);
     return 1.0 - std::min(1.0, most);
 }
