@@ -458,8 +458,8 @@ void add_calibrate(Command &device) {
         .add_option("--motion-seconds", typed->options.longest_motion_s,
                     "at most, for moving the device by hand [180]")
         .type_name("S");
-    command.footer("The motors resist the hand gently, by some 0.5 N at the tip, and follow it "
-                   "otherwise; they never push. Ctrl+C ends it at any time.");
+    command.footer("The motors resist the hand like friction, each by up to 1.5 N at the tip, and "
+                   "follow it otherwise. Ctrl+C ends it at any time.");
     command.callback([typed] {
         check_range("--dR", typed->options.dR_Ohm, 0.2, 2.0);
         check_range("--motion-seconds", typed->options.longest_motion_s, 1.0, 3600.0);

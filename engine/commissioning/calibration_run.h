@@ -1,6 +1,6 @@
 // Calibrates a device: R of each winding with the commutator's ripple, V_b of brushes and bridge,
-// k_T and the current sensors' offsets, by the servo's own observers, one tick after the other, so
-// that a window and a command can both show it while it goes on:
+// k_T and the current sensors' offsets, one tick after the other, so that a window and a command
+// can both show it while it goes on:
 //
 //   rest ──► start: the gains ramp up ──► motion by hand, with a drag ──► release ──► done
 //
@@ -8,13 +8,18 @@
 // each motor resists the hand's motion, like friction, by a current between two levels, at another
 // frequency than the others':
 //
-//   i = −[I₀ + ½ (I − I₀)(1 − cos 2π f t)] (s + θ̇/ω within ±1),  ds = (dθ − |dθ| s)/δ − s dt/τ
+//   i = −[I₀ + ½ (I − I₀)(1 − cos 2π f t)] c,  c = s + θ̇/ω within ±1,  ds = (dθ − |dθ| s)/δ − s
+//   dt/τ
 //
 // However slowly the rotor turns, there are both levels in both directions at each angle. That
-// separates R from V_b, which only the levels do, from the sensor's offset and from k_T. An i_b
-// shows where the current changes its sign, over δ. What the hand is given back is that of a spring
-// over δ, a few mm at the tip; a device that is held still, or let go of, is without force within
-// 3 τ. A second estimate (brush_fit.h) shares nothing with the observer's but what was measured.
+// separates R from V_b, which differ by nothing else, from the sensor's offset and from k_T. A V_b
+// that a current has to overcome is added to e_W until the levels are reached.
+//
+// The hand is given back at most what a spring over δ holds, a few mm at the tip; a device that is
+// held still is without force after some τ.
+//
+// R and V_b are those of BrushFit, which knows i_b and the way of heat; all else is the servo's
+// observers', whose R and V_b must agree.
 #pragma once
 
 #include "device/core/device_description.h"
