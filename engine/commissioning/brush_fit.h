@@ -6,12 +6,15 @@
 //   ∫e_W dt + R̂ ∫i dt − L Δi = R(T, θ) ∫(i − o) dt + V_b ∫tanh((i − o)/i_b) dt + k_T Δθ
 //
 // Between two levels far above i_b, in one direction of current, R is ΔV/ΔI and V_b = V − R I; the
-// way between them and through zero tells i_b. With i_b given, R, its ripple, R o, k_T and V_b
-// enter linearly, and one matrix of products serves all i_b: tanh(i/i_b) is summed up for kCurves
-// of them, and taken as linear in between, to 0.1 % of V_b. The deviations follow from what is
-// left, with which each i_b is weighed:
+// way between them tells i_b, but for windows near zero, where noise makes another curve. With i_b
+// given, R, its ripple, R o, k_T and V_b enter linearly, and one matrix of products serves all i_b:
+// tanh(i/i_b) is summed up for kCurves of them, and taken as linear in between, to 0.1 % of V_b. So
+// is what R would be with half and twice the way of heat from winding to housing. The deviations
+// follow from what is left, S, with which each i_b is weighed:
 //
 //   E[x] = Σ w x,  var x = Σ w (var x|i_b + x²) − E[x]²,  w ∝ exp(−S(i_b)/(2 S_min/(n − p)))
+//
+// An offset o of some mA also bends the curves: it is taken off, and the sums begin anew.
 #pragma once
 
 #include "device/core/device_description.h"

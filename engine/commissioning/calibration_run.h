@@ -8,8 +8,8 @@
 // each motor resists the hand's motion, like friction, by a current between two levels, at another
 // frequency than the others':
 //
-//   i = −[I₀ + ½ (I − I₀)(1 − cos 2π f t)] c,  c = s + θ̇/ω within ±1,  ds = (dθ − |dθ| s)/δ − s
-//   dt/τ
+//   i = −[I₀ + ½ (I − I₀)(1 − cos 2π f t)] c
+//   c = s + θ̇/ω within ±1,  ds = (dθ − |dθ| s)/δ − s dt/τ
 //
 // However slowly the rotor turns, there are both levels in both directions at each angle. That
 // separates R from V_b, which differ by nothing else, from the sensor's offset and from k_T. A V_b
