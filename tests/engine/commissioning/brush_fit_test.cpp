@@ -106,7 +106,7 @@ TEST(BrushFit, TellsVbFromRAndWhereItBends) {
         EXPECT_NEAR(found.resistance.resistance_Ohm, truth.resistance_Ohm,
                     4.0 * found.resistance.deviation_Ohm + kBetween * brush_V / 0.5)
             << brush_V << ' ' << brush_A;
-        EXPECT_LT(found.deviation_V, 1e-3);
+        EXPECT_LT(found.deviation_V, 1e-3 + 0.002 * brush_V); // and what a film may move
         EXPECT_LT(found.resistance.deviation_Ohm, 2e-3);
         EXPECT_LE(found.min_A, 1.05 * brush_A) << brush_V;
         EXPECT_GE(found.max_A, brush_A / 1.05) << brush_V;
