@@ -284,14 +284,14 @@ double share(std::mt19937_64 &random) {
     return std::uniform_real_distribution<double>(0.0, 1.0)(random);
 }
 
-/// V_b from none to the file's largest, each end for a quarter of all; i_b from 10 to 200 mA; R as
-/// drawn, or at the file's limits.
+/// A quarter without brushes; V_b from a hundredth of the file's largest to that, i_b from 10 to
+/// 200 mA, both uniform in their logarithms; R as drawn, or at the file's limits.
 Case any_case(std::uint64_t seed) {
     std::mt19937_64 random(seed);
     Case judged;
     judged.seed = 1 + static_cast<int>(seed % 1001);
-    judged.brush = {testing::phantom_motor().max_brush_voltage_V *
-                        std::clamp(2.0 * share(random) - 0.5, 0.0, 1.0),
+    const double of_largest = share(random) < 0.25 ? 0.0 : std::pow(0.01, share(random));
+    judged.brush = {of_largest * testing::phantom_motor().max_brush_voltage_V,
                     0.01 * std::pow(20.0, share(random))};
     judged.air_C = 15.0 + 20.0 * share(random);
     judged.segments = 7 + static_cast<int>(random() % 16);
@@ -320,15 +320,19 @@ TEST(MotorsAsTheyAre, SomethingIsLeftOfEachResistance) {
     for (int i = 0; i < runs; ++i) { // each device in all hands
         const std::size_t row = static_cast<std::size_t>(i) % kHands.size();
         Case judged = any_case(static_cast<std::uint64_t>(i));
+        if (i % 3 == 2) {
+            judged.brush.reset();
+        }
         JudgedServo rig(judged, kHands[row], at_plane(kHands[row].has_surface));
         trips += rig.run(4.0, kIgnore) ? 1 : 0;
-        const std::string what = fmt::format(
-            "{} (run {}): {:.3f} of {} ohm; V_b {:.2f} V, i_b {:.3f} A, {} segments, d {} for "
-            "{:.2f}, "
-            "{:.0f} C, {:.1f} A",
-            kHands[row].name, i, rig.watched.least_Ohm, judged.tuning.dR_Ohm, judged.brush->first,
-            judged.brush->second, *judged.segments, 0.25 * judged.delay_quarters,
-            judged.reported_periods, judged.air_C, rig.watched.largest_A);
+        const auto [brush_V, brush_A] = judged.brush.value_or(std::pair(NAN, NAN)); // as drawn
+        const std::string what =
+            fmt::format("{} (run {}): {:.3f} of {} ohm; V_b {:.3f} V, i_b {:.3f} A, {} segments, d "
+                        "{} for {:.2f}, "
+                        "{:.0f} C, {:.1f} A",
+                        kHands[row].name, i, rig.watched.least_Ohm, judged.tuning.dR_Ohm, brush_V,
+                        brush_A, *judged.segments, 0.25 * judged.delay_quarters,
+                        judged.reported_periods, judged.air_C, rig.watched.largest_A);
         EXPECT_GT(rig.watched.least_Ohm, 0.0) << what;
         nearest[row] = std::min(nearest[row], std::pair(rig.watched.least_Ohm, what));
     }
