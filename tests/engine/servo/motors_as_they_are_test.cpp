@@ -89,11 +89,7 @@ public:
         const simulated::SampledDevice drawn = simulated::sampled_device(
             phantom.description(), static_cast<std::uint64_t>(judged.seed));
         for (std::size_t j = 0; j < 3; ++j) {
-            const auto index = static_cast<Eigen::Index>(j);
-            gain[index] = drawn.motor[j].sensing.amplifier.gain;
-            k_T_[index] =
-                told_.motor[j].torque_constant_Nm_per_A *
-                (judged.resistance_share.isZero(0.0) ? drawn.motor[j].torque_constant_share : 1.0);
+            gain[static_cast<Eigen::Index>(j)] = drawn.motor[j].sensing.amplifier.gain;
         }
     }
 
@@ -127,7 +123,8 @@ public:
     /// J⁻ᵀ k_T i.
     [[nodiscard]] Vector3 force_N() const {
         return testing::TipAt(told_.geometry, phantom_.truth().theta_rad)
-            .force_N(k_T_.cwiseProduct(phantom_.truth().current_A));
+            .force_N(
+                phantom_.truth().torque_constant_Nm_per_A.cwiseProduct(phantom_.truth().current_A));
     }
 
     Vector3 gain;                    ///< 1 + g of the sensors of whose currents R̂ makes voltages
@@ -140,7 +137,6 @@ private:
     device::DeviceDescription told_;
     double reported_periods_;
     std::size_t delay_;
-    Vector3 k_T_;
     device::DeviceCommand written_ = device::DeviceCommand::braking();
     std::array<device::DeviceCommand, simulated::SimulationOptions::kMaxDelay + 1> commands_{};
 };
