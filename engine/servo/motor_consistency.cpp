@@ -18,7 +18,6 @@ constexpr double kAmplifier = 0.02;
 /// A rotation of the rotor is unexplained beyond this, and beyond what a delay that is wrong by
 /// kDelay_periods makes of the largest step of e_W.
 constexpr double kUnexplained_rad = 0.1;
-constexpr double kDelay_periods = 0.3;
 
 /// Beyond this share of supply and peak current an amplifier may do something else.
 constexpr double kWithinLimits = 0.9;

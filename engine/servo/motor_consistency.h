@@ -28,6 +28,9 @@
 
 namespace springdrive::servo {
 
+/// By how many periods a command may act earlier or later than known.
+inline constexpr double kDelay_periods = 0.3;
+
 /// Between what a quantity is known to be, in the unit that its name has.
 struct Bounds {
     double min = 0.0;

@@ -26,9 +26,6 @@ constexpr double kObservedDeviations = 4.0;
 /// An observation counts once its standard deviation is below this share of R.
 constexpr double kObserved = 0.02;
 
-/// By how many periods a command may act earlier or later than known.
-constexpr double kDelay_periods = 0.3;
-
 /// Above this share of the supply an amplifier may do less than it is told.
 constexpr double kWithinSupply = 0.9;
 

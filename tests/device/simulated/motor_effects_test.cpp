@@ -15,7 +15,7 @@
 namespace springdrive::simulated {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 /// Only rigid links, rotors, windings and encoders; a hand so stiff that no rotor turns.
 SimulationOptions locked() {
@@ -44,7 +44,7 @@ struct LockedWinding {
 
     void advance(double e_V) {
         constexpr int kSteps = 1000;
-        constexpr double kStep_s = kPeriod_s / kSteps;
+        constexpr double kStep_s = kTick_s / kSteps;
         const auto rate = [&](double i_A) {
             return (e_V - dR_Ohm * i_A - brushes.voltage_V * std::tanh(i_A / brushes.current_A)) /
                    L_H;
@@ -155,7 +155,7 @@ TEST(BrushVoltages, AFilmFollowsTheMeanCurrent) {
         for (Eigen::Index j = 0; j < 3; ++j) {
             const SampledMotor own =
                 sampled_device(description, seed).motor[static_cast<std::size_t>(j)];
-            const double mean_A = -command_A * std::expm1(-kPeriod_s * k / own.brush_film_s);
+            const double mean_A = -command_A * std::expm1(-kTick_s * k / own.brush_film_s);
             const double share = mean_A / (mean_A + 0.3);
             // A period in 2 s of the film, and the current's 0.1 ms.
             ASSERT_NEAR(device.truth().brush_current_A[j],
@@ -326,7 +326,7 @@ TEST(MotorTolerances, AWindingsHeatHasItsOwnWay) {
         options.device_seed = seed;
         options.effects.winding_heat = true;
         options.effects.motor_tolerances = true;
-        options.longest_step_s = kPeriod_s;
+        options.longest_step_s = kTick_s;
         SimulatedPhantom device(description, options, testing::kOffCentre_m);
         for (int k = 0; k < 8000; ++k) {
             device.advance(PlantCommand{{}, Vector3::Constant(2.0)});

@@ -313,10 +313,10 @@ TEST(TelemetryColumns, KnowEveryMember) {
     [[maybe_unused]] const auto &[tick, time, number, measured_at, arrival, health, faults, supply,
                                   since_last, counts, theta, rate, tip, contact, scene, tuning, eta,
                                   global_alpha, alpha, bound, x_Sd, theta_Sd, inverse_possible,
-                                  carried, motor, command, current, force, rendered, inverse,
-                                  transpose, safety, active_limits, limits, energy, winding, missed,
-                                  in_a_row, missed_periods, clock, lateness, period, read, compute,
-                                  write] = sample;
+                                  carried, motor, lag, driven_dR, share, command, current, force,
+                                  rendered, inverse, transpose, safety, active_limits, limits,
+                                  energy, winding, missed, in_a_row, missed_periods, clock,
+                                  lateness, period, read, compute, write] = sample;
     [[maybe_unused]] const auto &[touching, x0, motion, normal, surface_eta, constraints, sticking,
                                   settled, surface, barycentric, triangle, material] = contact;
     [[maybe_unused]] const auto &[dR, K_P, K_D, lambda, by_hand, softness, map, mode] = tuning;
@@ -326,7 +326,8 @@ TEST(TelemetryColumns, KnowEveryMember) {
                                   voids_zero] = command;
     [[maybe_unused]] const auto &[minimum, maximum, R_hat_limit, is_limited, is_contradicted,
                                   housing, generates] = winding[0];
-    [[maybe_unused]] const auto &[here, mean, k_T, offset, is_observed, is_trusted] = motor[0];
+    [[maybe_unused]] const auto &[here, mean, k_T, offset, is_observed, is_trusted, brush,
+                                  brush_deviation, held_R_hat] = motor[0];
     [[maybe_unused]] const auto &[R, deviation] = here;
     EXPECT_EQ(sizeof limits, servo::kSafetyLimits.size() * sizeof(double));
 }
