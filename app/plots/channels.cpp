@@ -19,9 +19,10 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr std::array<Symbol, 101> kSymbols{{
+constexpr std::array<Symbol, 108> kSymbols{{
     // Parameters of the tuning.
-    {"dR", "dR", "", "(7)", "residual uncanceled resistance"},
+    {"dR", "dR", "what is left of R at this motor, as far as R is known", "(7)",
+     "residual uncanceled resistance"},
     {"K_P", "K_P", "", "(10), (13)", "error gain, proportional"},
     {"K_D", "K_D", "", "(10), (12)", "error gain, derivative"},
     {"lambda", "λ", "", "(12)", "cutoff frequency of the velocity filter"},
@@ -109,6 +110,10 @@ constexpr std::array<Symbol, 101> kSymbols{{
     {"inverse_possible", "", "0 where the pose is out of reach or singular for the inverse map",
      "(18)", ""},
     {"carried", "", "offset of e_W, so that no change of tuning is a step", "", ""},
+    {"lag", "a", "from a measurement to the middle of the voltage computed from it: T (½ + d)", "",
+     ""},
+    {"stiffness_share", "", "of K_q, so that no motor's margin is lost where dR is held up", "(20)",
+     ""},
     {"command_mode", "", "whether the motor is driven, braked or left open", "", ""},
     {"e_W", "e_W", "voltage that the servo commands, beside the cancelled resistance", "(6), (10)",
      "additional voltage input"},
@@ -122,6 +127,11 @@ constexpr std::array<Symbol, 101> kSymbols{{
     {"offset", "", "of the current's sensor, as observed", "", ""},
     {"R_observed", "R", "1 while R-hat follows the observed R", "", ""},
     {"R_trusted", "R", "0 where currents and motion contradict each other", "", ""},
+    {"V_b", "V_b", "voltage with the sign of the current, of brushes and bridge, as observed", "",
+     ""},
+    {"V_b_deviation", "V_b", "standard deviation of what is known of V_b", "", ""},
+    {"R_hat_max", "R-hat", "the most that was passed on in the tick before", "(7)", ""},
+    {"trim", "", "voltage that makes up for what the current lacks at rest", "", ""},
     {"R_hat", "R-hat", "resistance that the amplifier cancels: R − dR", "(6), (7)",
      "R-hat, gain of the positive current feedback"},
 
@@ -152,6 +162,7 @@ constexpr std::array<Symbol, 101> kSymbols{{
     {"R_hat_limit", "R-hat", "the largest safe R-hat at the winding's temperature", "(6)", "R-hat"},
     {"R_hat_limited", "R-hat", "1 where more than that was asked for", "(6)", "R-hat"},
     {"R_contradicted", "R", "1 where observations of R exclude each other", "", ""},
+    {"generated", "R-hat", "1 once the winding was found to generate: R-hat was above R", "", ""},
 
     // Timing.
     {"missed_deadlines", "", "ticks that were skipped before this one", "", ""},

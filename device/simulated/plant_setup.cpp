@@ -184,7 +184,8 @@ SampledDevice sampled_device(const device::DeviceDescription &description, std::
         own.brush_current_A = draw_scale(0.01, 0.2, random);
         own.carried_brush_current_A = draw_scale(0.01, 0.2, random);
         own.brush_film_s = draw_scale(2.0, 60.0, random);
-        own.winding_housing_share = draw_scale(0.5, 2.0, random);
+        own.winding_housing_share =
+            draw_scale(1.0 / device::kMaxHeatPathFactor, device::kMaxHeatPathFactor, random);
         own.ripples_per_segment = commutates_twice && motor.commutator_segments % 2 == 1 ? 2 : 1;
         own.second_harmonic_ratio = 0.125 * (1.0 + either_way(random));
         own.second_harmonic_phase_rad = std::numbers::pi * either_way(random);

@@ -1,5 +1,5 @@
 // The gains of motors that are driven at another dR than the tuning's, and the voltage that makes
-// up for that of their brushes.
+// up for what their current lacks at rest.
 //
 // *K_q is what must be equal, not dR.* A motor whose R is not known yet, or not trusted, or that
 // the winding guard limits, is driven at dR_j = s_j dR. With K_P and K_D times s_j its K_q (20)
@@ -24,17 +24,31 @@
 // to 4 kHz, d from 0 to 1.5, s up to 4, it falls by 2 % or more in 1.6 %, and by 10.3 % at most;
 // without c it falls by more than 10 % in a tenth of them, and to a fourth.
 //
-// *Brushes and bridge.* In dR i + V_b tanh(i/i_b) = e_W at rest, the second term takes V_b/dR off
-// the current of the law's spring, i* = s c K_P (θ_Sd − θ)/dR_j. The law adds V̂ tanh(i*/i_c), as a
-// function of its own voltage: a measured current would be fed back. With V̂ ≤ V_b and i_c ≥ i_b it
-// is at most V_b tanh(i*/i_b), so that i is nowhere above i*, and nowhere farther below it than
-// without. What it adds to the slope of e_W is a share V̂/(i_c dR_j) at most, where i* is 0; where
-// i_b is small, V_b tanh(i/i_b) has no slope there any more, and all of that share is taken from
-// the margin. So i_c ≥ V̂/(kMaxBrushSlope dR_j). In 1329 such tunings with a margin of 1.25 or
-// more, K_P times 1.15 left at least 1.05; tunings as found have 1.3. In free space i* is 0. In
-// contact the force of a count, k_T K_P/dR for each, is larger by that share at most.
+// *What the current lacks.* At rest the current of the law's spring is i* = s c K_P (θ_Sd −
+// θ)/dR_j. Brushes and bridge take V_b/dR_j off it, and an R that is not what it is taken for
+// changes it by a share of itself. Over an interval, (1) with (6) leaves
+//
+//   v = ē_W − dR_j ī − k_T Δθ/T − L Δi/T = V_b tanh(i/i_b) + Δ i      dR_j + Δ = R − R̂
+//
+// however the motor moves, with the R̂ that was passed on. The law adds its slow mean u, du/dt = ω
+// (v − u), so that i is i* at rest whatever V_b and Δ are. Seen from the rotor, the winding is then
+//
+//   Z(s) = L s + dR_j + Δ s/(s + ω)
+//
+// whose real part is between dR_j and dR_j + Δ = R − R̂, both above 0: as passive as without u. No
+// gain rises but below ω. What makes up for V_b is not passive: a force that grows while it is held
+// gives back more than it took, at most V_b/dR_j of current more.
+//
+// u is at most min(R |i*|, V_b,max): in free space, and where the force changes its sign, it is 0,
+// and grows anew. A current that is measured wrongly can add no more than that.
+//
+// *Only against a hand.* Within its dead zone, |e_W| < V_b, a motor damps nothing, and one that a
+// trim takes out of it hunts if nothing else holds it: 58 counts wide at 0.2 V. What holds it is a
+// hand, and that shows in a current that flows for a while, in any of the motors: a force that
+// nothing balances does not last. Without it the trims fade.
 #pragma once
 
+#include "base/vector.h"
 #include "device/core/motor/motor.h"
 #include "engine/control/tuning.h"
 #include "engine/control/winding_observer.h"
@@ -57,25 +71,51 @@ namespace springdrive::control {
     return k_T / (k_T + std::max(0.0, lost));
 }
 
-/// By which share the compensation of V_b may raise a motor's K_P.
-inline constexpr double kMaxBrushSlope = 0.15;
+/// ω: 2 Hz. Contact's stiffness is then its own from 10 Hz on; a count makes 1 mV of u.
+inline constexpr double kTrimRate_per_s = 12.6;
 
-/// The largest i_b [A]: that of graphite brushes, from 10 to 200 mA.
-inline constexpr double kMaxBrushCurrent_A = 0.2;
-
-/// So many standard deviations are taken off an estimated V_b.
-inline constexpr double kBrushDeviations = 2.0;
-
-/// V̂ tanh(i*/i_c) [V]. RT-safe.
-/// @param spring_V  dR_j i*, the part of e_W that K_P makes
-[[nodiscard]] inline double brush_compensation_V(const ObservedMotor &motor, double spring_V,
-                                                 double dR_Ohm) noexcept {
-    const double V_hat = motor.brush_voltage_V - kBrushDeviations * motor.brush_deviation_V;
-    if (!(V_hat > 0.0)) {
-        return 0.0;
+/// Whether a force lasts against a hand, from 0 to 1. RT-safe.
+class HeldForce {
+public:
+    /// @param current_A  of all motors, without their offsets
+    double update(const Vector3 &current_A, double duration_s) noexcept {
+        constexpr double kTime_s = 0.2;
+        constexpr double kNone_A = 0.05; // offsets that are not known yet
+        if (current_A.allFinite()) {
+            mean_A_ -= std::expm1(-duration_s / kTime_s) * (current_A - mean_A_);
+        }
+        return std::clamp(mean_A_.norm() / kNone_A - 1.0, 0.0, 1.0);
     }
-    const double i_c_A = std::max(kMaxBrushCurrent_A, V_hat / (kMaxBrushSlope * dR_Ohm));
-    return V_hat * std::tanh(spring_V / (dR_Ohm * i_c_A));
+
+private:
+    Vector3 mean_A_{Vector3::Zero()};
+};
+
+/// What of a motor's trim [V], along i*, is used with this i*. RT-safe.
+[[nodiscard]] inline double used_trim_V(const device::MotorParameters &motor, double trim_V,
+                                        double spring_A) noexcept {
+    const double limit_V =
+        std::min(motor.resistance_Ohm * std::abs(spring_A), motor.max_brush_voltage_V);
+    return limit_V > 0.0 && std::isfinite(trim_V) ? std::clamp(trim_V, -limit_V, limit_V) : 0.0;
+}
+
+/// The trim after an interval. RT-safe.
+/// @param trim_V    as it was used, along i*
+/// @param spring_A  i*, of which only the sign counts
+/// @param share     of v that is made up for
+[[nodiscard]] inline double next_trim_V(const device::MotorParameters &motor,
+                                        const ObservedMotor &known, const DrivenInterval &interval,
+                                        double trim_V, double spring_A, double share) noexcept {
+    const double T = interval.duration_s;
+    const double dR_Ohm = known.here.resistance_Ohm - interval.R_hat_Ohm;
+    const double mean_A = mean_current_A(interval, dR_Ohm, motor.inductance_H) - known.offset_A;
+    const double v_V =
+        interval.e_W_V - dR_Ohm * mean_A -
+        (known.torque_constant_Nm_per_A * (interval.after_rad - interval.before_rad) +
+         motor.inductance_H * (interval.after_A - interval.before_A)) /
+            T;
+    return trim_V -
+           std::expm1(-kTrimRate_per_s * T) * (share * std::copysign(1.0, spring_A) * v_V - trim_V);
 }
 
 } // namespace springdrive::control

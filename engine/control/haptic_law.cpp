@@ -5,6 +5,7 @@
 #include "engine/control/rendered_force.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace springdrive::control {
@@ -67,12 +68,14 @@ LawOutcome HapticLaw::operator()(const Configuration &now, const contact::Contac
     gain *= found.stiffness_share;
     found.command.e_W_V =
         drift_compensation_V(torque_constants(motors), tuning, now, found.used, gain);
-    const Vector3 spring_V =
-        tuning.K_P_V_per_rad * gain.cwiseProduct(found.used.theta_Sd_rad - now.theta_rad);
+    found.spring_A =
+        tuning.K_P_V_per_rad *
+        gain.cwiseProduct(found.used.theta_Sd_rad - now.theta_rad).cwiseQuotient(found.dR_Ohm);
     for (std::size_t j = 0; j < motor_.size(); ++j) {
         const auto index = static_cast<Eigen::Index>(j);
+        found.trim_V[index] = used_trim_V(motor_[j], motors[j].trim_V, found.spring_A[index]);
         found.command.e_W_V[index] +=
-            brush_compensation_V(motors[j], spring_V[index], found.dR_Ohm[index]);
+            std::copysign(1.0, found.spring_A[index]) * found.trim_V[index];
     }
     return found;
 }

@@ -82,6 +82,8 @@ struct ObservedMotor {
     double brush_deviation_V = 0.0;
     /// The largest R̂ that is passed on to the amplifier, as of the tick before.
     double R_hat_limit_Ohm = std::numeric_limits<double>::infinity();
+    /// Slow correction of e_W, along the current of the law's spring, see drive_gains.h.
+    double trim_V = 0.0;
 };
 
 using ObservedMotors = std::array<ObservedMotor, 3>;

@@ -107,13 +107,16 @@ template <typename Sample, typename Visit> void of_law(Sample &s, Visit &visit) 
     // alone
     visit("command_mode", "1", s.command.mode);
     visit_three(visit, {"e_W1_V", "e_W2_V", "e_W3_V"}, "V", s.command.e_W_V);
-    constexpr std::array<std::array<std::string_view, 11>, 3> kMotorNames{{
+    constexpr std::array<std::array<std::string_view, 12>, 3> kMotorNames{{
         {"R1_Ohm", "R1_deviation_Ohm", "R_mean1_Ohm", "R_mean1_deviation_Ohm", "k_T1_Nm_per_A",
-         "offset1_A", "R_observed1", "R_trusted1", "V_b1_V", "V_b1_deviation_V", "R_hat_max1_Ohm"},
+         "offset1_A", "R_observed1", "R_trusted1", "V_b1_V", "V_b1_deviation_V", "R_hat_max1_Ohm",
+         "trim1_V"},
         {"R2_Ohm", "R2_deviation_Ohm", "R_mean2_Ohm", "R_mean2_deviation_Ohm", "k_T2_Nm_per_A",
-         "offset2_A", "R_observed2", "R_trusted2", "V_b2_V", "V_b2_deviation_V", "R_hat_max2_Ohm"},
+         "offset2_A", "R_observed2", "R_trusted2", "V_b2_V", "V_b2_deviation_V", "R_hat_max2_Ohm",
+         "trim2_V"},
         {"R3_Ohm", "R3_deviation_Ohm", "R_mean3_Ohm", "R_mean3_deviation_Ohm", "k_T3_Nm_per_A",
-         "offset3_A", "R_observed3", "R_trusted3", "V_b3_V", "V_b3_deviation_V", "R_hat_max3_Ohm"},
+         "offset3_A", "R_observed3", "R_trusted3", "V_b3_V", "V_b3_deviation_V", "R_hat_max3_Ohm",
+         "trim3_V"},
     }};
     for (std::size_t motor = 0; motor < 3; ++motor) {
         auto &observed = s.motor[motor];
@@ -128,6 +131,7 @@ template <typename Sample, typename Visit> void of_law(Sample &s, Visit &visit) 
         visit(kMotorNames[motor][8], "V", observed.brush_voltage_V);
         visit(kMotorNames[motor][9], "V", observed.brush_deviation_V);
         visit(kMotorNames[motor][10], "Ω", observed.R_hat_limit_Ohm);
+        visit(kMotorNames[motor][11], "V", observed.trim_V);
     }
     visit("lag_s", "s", s.lag_s);
     visit_three(visit, {"dR1_Ohm", "dR2_Ohm", "dR3_Ohm"}, "Ω", s.dR_Ohm);
@@ -156,13 +160,13 @@ template <typename Sample, typename Visit> void of_safety(Sample &s, Visit &visi
               s.limits.*servo::kSafetyLimits[i].value);
     }
     visit("generated_energy_J", "J", s.generated_energy_J);
-    constexpr std::array<std::array<std::string_view, 5>, 3> kWindingNames{{
+    constexpr std::array<std::array<std::string_view, 6>, 3> kWindingNames{{
         {"winding_least1_C", "winding_greatest1_C", "R_hat_limit1_Ohm", "R_hat_limited1",
-         "R_contradicted1"},
+         "R_contradicted1", "generated1"},
         {"winding_least2_C", "winding_greatest2_C", "R_hat_limit2_Ohm", "R_hat_limited2",
-         "R_contradicted2"},
+         "R_contradicted2", "generated2"},
         {"winding_least3_C", "winding_greatest3_C", "R_hat_limit3_Ohm", "R_hat_limited3",
-         "R_contradicted3"},
+         "R_contradicted3", "generated3"},
     }};
     // max_housing_C is for the next start alone
     for (std::size_t motor = 0; motor < 3; ++motor) {
@@ -171,6 +175,7 @@ template <typename Sample, typename Visit> void of_safety(Sample &s, Visit &visi
         visit(kWindingNames[motor][2], "Ω", s.winding[motor].R_hat_limit_Ohm);
         visit(kWindingNames[motor][3], "1", s.winding[motor].is_limited);
         visit(kWindingNames[motor][4], "1", s.winding[motor].is_contradicted);
+        visit(kWindingNames[motor][5], "1", s.winding[motor].generates);
     }
 }
 

@@ -178,8 +178,8 @@ void SafetyMonitor::watch_windings(const Observation &seen) noexcept {
                        limit_Ohm,
                        false,
                        guard.is_contradicted() || generates,
-                       guard.hottest().housing_C,
-                       generates};
+                       generates,
+                       guard.hottest().housing_C};
     }
 }
 

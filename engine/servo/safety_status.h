@@ -95,8 +95,8 @@ struct WindingStatus {
     double R_hat_limit_Ohm = 0.0; ///< the largest safe R̂
     bool is_limited = false;      ///< whether more than that was requested
     bool is_contradicted = false; ///< observations of its R excluded each other, or it generates
-    double max_housing_C = 0.0;   ///< upper bound of its housing's temperature
     bool generates = false;       ///< R̂ was above R since the last reset, see WindingBalance
+    double max_housing_C = 0.0;   ///< upper bound of its housing's temperature
 };
 
 /// Why it tripped, with the numbers: "winding current 5.57 A, limit 5.50 A". Allocates.

@@ -196,10 +196,22 @@ void ServoLoop::observe_motors(const device::Measurement &measured, const Vector
     }
     const double step_Ohm = max_resistance_change_Ohm_per_s(device_.description()) * period_s_;
     const control::ObservedMotors before = std::exchange(motors_, observers_.motors());
+    const double held = held_force_.update(control::without_offsets(measured.current_A, motors_),
+                                           since.since_last_s);
     for (std::size_t j = 0; j < motors_.size(); ++j) {
+        const auto i = static_cast<Eigen::Index>(j);
         motors_[j].R_hat_limit_Ohm =
-            std::clamp(R_hat_limit_Ohm[static_cast<Eigen::Index>(j)],
-                       before[j].R_hat_limit_Ohm - step_Ohm, before[j].R_hat_limit_Ohm + step_Ohm);
+            std::clamp(R_hat_limit_Ohm[i], before[j].R_hat_limit_Ohm - step_Ohm,
+                       before[j].R_hat_limit_Ohm + step_Ohm);
+        // A fixed set-point is there to measure the drive.
+        if (!safety_.lets_pass() || inputs_.fixed_x0_m) {
+            motors_[j].trim_V = 0.0;
+        } else if (const std::optional<control::DrivenInterval> &driven = observers_.interval(j)) {
+            motors_[j].trim_V = control::next_trim_V(device_.description().motor[j], motors_[j],
+                                                     *driven, trim_V_[i], spring_A_[i], held);
+        } else {
+            motors_[j].trim_V = trim_V_[i];
+        }
     }
 }
 
@@ -382,6 +394,8 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
     sample.contact = touch(now.tip_m);
     sample.scene_id = scene_id_;
     const control::LawOutcome found = law(now, sample);
+    spring_A_ = found.spring_A;
+    trim_V_ = found.trim_V;
     const std::optional<control::LawOutcome> unchanged =
         unchanged_law(filter_before, since.since_last_s, now.theta_rad, sample.contact);
 

@@ -4,6 +4,7 @@
 
 #include "device/core/haptic_device.h"
 #include "engine/contact/proxy/proxy.h"
+#include "engine/control/drive_gains.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/velocity_filter.h"
 #include "engine/servo/bumpless_transfer.h"
@@ -127,7 +128,10 @@ private:
     BumplessTransfer transfer_; ///< to the settings last requested
     control::VelocityFilter velocity_filter_;
     WindingObservers observers_;
-    control::ObservedMotors motors_; ///< of this tick
+    control::ObservedMotors motors_;    ///< of this tick
+    Vector3 spring_A_{Vector3::Zero()}; ///< of the last law
+    Vector3 trim_V_{Vector3::Zero()};   ///< the same
+    control::HeldForce held_force_;
     contact::Proxy proxy_;
     std::uint32_t scene_id_ = 0;
     const contact::HapticSurface *surface_ = nullptr;

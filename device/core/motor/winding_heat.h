@@ -83,7 +83,7 @@ private:
 // temperature rise:
 //
 //   minimum  starts in the coldest air, heated over each tick by the minimum of |i|² times the
-//            smallest R(T, θ) at this estimate
+//            smallest R(T, θ) at this estimate, which leaves the winding through half of R_wh
 //   maximum  starts in the warmest air, heated over each tick by the maximum of |i|² times the
 //            largest R(T, θ) at this estimate
 //
@@ -107,6 +107,9 @@ private:
 /// instead of 25 °C costs 0.085 Ω of an RE 25's R̂.
 inline constexpr double kColdestAir_C = 15.0;
 inline constexpr double kWarmestAir_C = 35.0;
+
+/// By which factor R_wh may differ from a data sheet's, either way.
+inline constexpr double kMaxHeatPathFactor = 2.0;
 
 /// The smallest dR of a motor whose R is the file's, and whose windings are only known not to be
 /// colder than kColdestAir_C: R at 25 °C minus the R̂ allowed then [Ω].

@@ -223,7 +223,7 @@ TEST(Board, LimitsVoltageAndSaysSo) {
     }
 }
 
-/// With an R close to R̂, and rotors that run away from a load.
+// With an R close to R̂, or below it until the board brakes, and rotors that run away from a load.
 TEST(Board, KeepsThePeakWhateverTheHostCommands) {
     std::mt19937 random(5);
     const auto any = [&](float most) {
@@ -233,7 +233,7 @@ TEST(Board, KeepsThePeakWhateverTheHostCommands) {
     for (int trial = 0; trial < 20; ++trial) {
         DrivingRig rig;
         for (testing::RigMotor &motor : rig.motor) {
-            motor.resistance_Ohm = 2.3;
+            motor.resistance_Ohm = trial % 2 == 0 ? 2.3 : 1.95;
             motor.is_held = false;
         }
         for (int ms = 0; ms < 40; ++ms) {
@@ -248,7 +248,7 @@ TEST(Board, KeepsThePeakWhateverTheHostCommands) {
                 }
             }
         }
-        EXPECT_EQ(rig.faults() & Faults::kOverCurrent, 0);
+        EXPECT_TRUE(rig.faults() == 0 || (trial % 2 == 1 && rig.faults() == Faults::kGenerating));
     }
     EXPECT_LE(highest_A, 5.5);
     EXPECT_GT(highest_A, 5.4);

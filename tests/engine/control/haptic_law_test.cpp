@@ -258,32 +258,30 @@ TEST_F(HapticLawTest, BeyondTheLimitAllMotorsLoseTheSameStiffness) {
     EXPECT_EQ(law(now, contact, tuning, kGlobalAlpha, motors, 0.0).stiffness_share, 1.0);
 }
 
-TEST_F(HapticLawTest, BrushesAreCompensatedInContactAlone) {
+TEST_F(HapticLawTest, TheTrimIsAddedAlongTheSpringInContactAlone) {
     ObservedMotors motors = motors_of_file(device.motor);
-    ObservedMotors brushed = motors;
-    for (ObservedMotor &motor : brushed) {
-        motor.brush_voltage_V = 0.05;
+    ObservedMotors trimmed = motors;
+    for (ObservedMotor &motor : trimmed) {
+        motor.trim_V = 0.05;
     }
     const Tuning tuning;
     for (int run = 0; run < 200; ++run) {
         const Configuration now = any_configuration();
         contact::Contact free;
         free.x0_m = now.tip_m;
-        EXPECT_EQ(law(now, free, tuning, kGlobalAlpha, brushed, kLag_s).command.e_W_V,
+        EXPECT_EQ(law(now, free, tuning, kGlobalAlpha, trimmed, kLag_s).command.e_W_V,
                   law(now, free, tuning, kGlobalAlpha, motors, kLag_s).command.e_W_V);
         const contact::Contact contact = any_contact(now);
-        const LawOutcome found = law(now, contact, tuning, kGlobalAlpha, brushed, kLag_s);
-        const Vector3 added_V =
-            found.command.e_W_V -
-            law(now, contact, tuning, kGlobalAlpha, motors, kLag_s).command.e_W_V;
-        EXPECT_EQ(found.command.cancelled_resistance_Ohm,
-                  law(now, contact, tuning, kGlobalAlpha, motors, kLag_s)
-                      .command.cancelled_resistance_Ohm);
-        // V̂ tanh(i*/i_c), i_c = 0.05 V/(0.15 · 0.5 Ω)
+        const LawOutcome found = law(now, contact, tuning, kGlobalAlpha, trimmed, kLag_s);
+        const LawOutcome without = law(now, contact, tuning, kGlobalAlpha, motors, kLag_s);
+        EXPECT_EQ(found.command.cancelled_resistance_Ohm, without.command.cancelled_resistance_Ohm);
         const Vector3 current_A =
             tuning.K_P_V_per_rad / tuning.dR_Ohm * (found.used.theta_Sd_rad - now.theta_rad);
-        const Vector3 expected_V = 0.05 * (1.5 * current_A.array()).tanh();
-        EXPECT_LT((added_V - expected_V).norm(), 1e-12);
+        for (Eigen::Index j = 0; j < 3; ++j) {
+            const double limit_V = device.motor[0].resistance_Ohm * std::abs(current_A[j]);
+            EXPECT_NEAR(found.command.e_W_V[j] - without.command.e_W_V[j],
+                        std::copysign(std::min(0.05, limit_V), current_A[j]), 1e-12);
+        }
     }
 }
 

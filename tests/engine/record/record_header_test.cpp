@@ -325,9 +325,9 @@ TEST(TelemetryColumns, KnowEveryMember) {
     [[maybe_unused]] const auto &[e_W, R_hat, command_mode, command_number, resets_faults,
                                   voids_zero] = command;
     [[maybe_unused]] const auto &[minimum, maximum, R_hat_limit, is_limited, is_contradicted,
-                                  housing, generates] = winding[0];
+                                  generates, housing] = winding[0];
     [[maybe_unused]] const auto &[here, mean, k_T, offset, is_observed, is_trusted, brush,
-                                  brush_deviation, held_R_hat] = motor[0];
+                                  brush_deviation, held_R_hat, trim] = motor[0];
     [[maybe_unused]] const auto &[R, deviation] = here;
     EXPECT_EQ(sizeof limits, servo::kSafetyLimits.size() * sizeof(double));
 }

@@ -40,6 +40,7 @@ simulated::SimulationOptions stroking(double servo_hz, std::uint64_t seed,
     simulated::SimulationOptions options;
     options.servo_period_s = 1.0 / servo_hz;
     options.device_seed = seed;
+    options.brush_voltage_V = 0.0; // with V_b nothing generates below V_b/0.3 Ω
     options.path.emplace(std::move(points));
     return options;
 }

@@ -128,6 +128,7 @@ TEST(LawRig, OfACurrentDriveRendersItsWall) {
     options.wall = {1500.0, 2.0};
     simulated::SimulationOptions simulation = pressing();
     simulation.amplifier = options.drive;
+    simulation.effects.magnet_heat = false; // a current drive trusts k_T
     simulation.quantised_encoders = false;
     simulated::SimulatedPhantom phantom(options.device, simulation, kStart_m);
     PhantomPlant plant(phantom);
