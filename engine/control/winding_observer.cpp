@@ -40,13 +40,18 @@ constexpr double kSettling_s = 0.5;
 /// A window that surprises by more than this many standard deviations teaches nothing.
 constexpr double kOutlier = 4.0;
 
+/// The square of a ripple is at most so many times its variance: twice, and what harmonics of
+/// another period add to it.
+constexpr double kMaxRippleSquare = 4.0;
+
 /// So many outliers, less a quarter of the other windows, and nothing is believed.
 constexpr double kMaxDisbelief = 8.0;
 constexpr double kBelief = 0.25;
 
-/// What a window can tell of the states has to exceed its noise by this factor, in variance, to
-/// tell R, V_b and offset apart.
-constexpr double kTellingApart = 3.0;
+/// R, V_b and offset are told apart where the current differs by this share from its mean over the
+/// last kUsual_s.
+constexpr double kVaried = 0.1;
+constexpr double kUsual_s = 0.5;
 
 /// So many outliers, and an estimate is not settled.
 constexpr double kDoubt = 3.0;
@@ -268,6 +273,8 @@ void WindingObserver::restart() noexcept {
     settled_windows_ = 0;
     disbelief_ = 0.0;
     other_ripple_Ohm2_ = calibration_ ? 0.0 : max_other_ripple_Ohm2();
+    other_ripple_shown_ = 0;
+    usual_A_ = 0.0;
     distrusts_ = 0;
     is_trusted_ = true;
 }
@@ -540,8 +547,13 @@ void WindingObserver::take_window() noexcept {
         covariance_.diagonal().segment<kBrushes - kRipple>(kRipple).array() +=
             kDrift_Ohm2_per_s * window_s_;
     }
-    const bool has_evidence = had_current();
+    const bool had_enough = had_current();
     mean_before_A_ = weights_[kResistance] / (warmth() * window_s_);
+    const double beyond_usual_A = std::abs(mean_before_A_) - usual_A_;
+    const Evidence evidence = !had_enough                                     ? Evidence::none
+                              : std::abs(beyond_usual_A) > kVaried * usual_A_ ? Evidence::apart
+                                                                              : Evidence::of_sum;
+    usual_A_ += window_s_ / kUsual_s * beyond_usual_A;
     // e_W that acts at another time than assumed: of all steps together, the change over the
     // window.
     const double stepped_V =
@@ -579,7 +591,7 @@ void WindingObserver::take_window() noexcept {
                       1.0 - std::cos(swept),
                       of_current};
     begin_window();
-    learn(h, surprise_Vs, noise, has_evidence);
+    learn(h, surprise_Vs, noise, evidence);
 }
 
 /// Whether the mean current is far above noise and what is not known of its offset. If it is not, a
@@ -600,11 +612,11 @@ void WindingObserver::begin_window() noexcept {
 }
 
 /// The Kalman filter's step.
-/// @param h             derivatives of what was measured
-/// @param has_evidence  of R; if not, R stays as it is, and what is not known of it is considered
-///                      in what is learned of the others (Schmidt)
+/// What is no evidence of a state leaves it as it is, and what is not known of it is considered in
+/// what is learned of the others (Schmidt).
+/// @param h  derivatives of what was measured
 void WindingObserver::learn(const State &h, double surprise_Vs, const Noise &noise,
-                            bool has_evidence) noexcept {
+                            Evidence evidence) noexcept {
     const double k_T = h[kRounding];
     const State gain_numerator = covariance_ * h;
     const double rounding_Vs2 = k_T * k_T * count_variance_rad2_;
@@ -614,25 +626,24 @@ void WindingObserver::learn(const State &h, double surprise_Vs, const Noise &noi
                             other_ripple_Ohm2_ * noise.ripple_As2;
     const double modelled_Vs2 = h.dot(gain_numerator) + rounding_Vs2 + noise.voltage_Vs2;
     const double variance_Vs2 = modelled_Vs2 + other_ripple_Ohm2_ * noise.ripple_As2;
-    if (has_evidence) {
+    if (evidence != Evidence::none) {
         note_other_ripple(surprise_Vs * surprise_Vs - kExplained * modelled_Vs2,
                           1.0 - modelled_Vs2 / variance_Vs2, noise);
     }
-    const bool is_outlier = !(surprise_Vs * surprise_Vs < kOutlier * kOutlier * variance_Vs2);
+    const bool is_outlier =
+        !(surprise_Vs * surprise_Vs < kOutlier * kOutlier * modelled_Vs2 +
+                                          kMaxRippleSquare * other_ripple_Ohm2_ * noise.ripple_As2);
     note_surprise(is_outlier);
     if (is_outlier) {
         forget_rounding();
         return;
     }
     State gain = gain_numerator / variance_Vs2;
-    // At the same |i| as before R, V_b and the offset are not told apart, but by the current's
-    // noise and by where the product of R and offset is linearised: then the last two stay as they
-    // are.
-    const bool tells_apart = h.dot(gain_numerator) - k_T * k_T * covariance_(kRounding, kRounding) >
-                             kTellingApart * rest_Vs2;
-    if (!has_evidence) {
+    if (evidence == Evidence::none) {
         gain.segment<kOffset - kResistance>(kResistance).setZero();
-    } else if (!tells_apart) {
+    } else if (evidence == Evidence::of_sum) {
+        // At the same |i| as before, only noise and errors of the model, which go with the current,
+        // would tell them apart.
         gain.segment<kTorqueConstant - kBrushes>(kBrushes).setZero();
     }
     state_ += surprise_Vs * gain;
@@ -646,8 +657,8 @@ void WindingObserver::learn(const State &h, double surprise_Vs, const Noise &noi
     covariance_.col(kRounding) = covariance_.row(kRounding).transpose();
     covariance_(kRounding, kRounding) =
         count_variance_rad2_ - rounding_gain * rounding_gain * variance_Vs2;
-    if (has_evidence) {
-        if (tells_apart) {
+    if (evidence != Evidence::none) {
+        if (evidence == Evidence::apart) {
             compensate(noise, rest_Vs2);
         }
         const double settled_Ohm = kSettled * state_[kResistance];
@@ -666,18 +677,26 @@ double WindingObserver::max_other_ripple_Ohm2() const noexcept {
 
 /// What the harmonics do not explain while the rotor turns may be ripple of another period, as of
 /// another number of segments: noise then. It is assumed until windows that would show it do not,
-/// and again as soon as one does.
+/// and again as soon as one does; the more often, the longer, as a rotor that swings shows it only
+/// in places.
 /// @param unexplained_Vs2  what surprised beyond what was expected without it
 /// @param share            of what was expected that is due to it
 void WindingObserver::note_other_ripple(double unexplained_Vs2, double share,
                                         const Noise &noise) noexcept {
-    constexpr double kSeen = 0.3; // shares, each window in which the rotor turns
-    constexpr double kForgotten = 0.1;
+    constexpr double kForgotten = 0.3; // share, each window in which the rotor turns
+    constexpr double kShown = 0.02;    // of the most: far above noise
+    constexpr int kMaxShown = 40;
     const double max_Ohm2 = max_other_ripple_Ohm2();
-    const double seen_Ohm2 =
-        std::clamp(unexplained_Vs2 / std::max(noise.ripple_As2, 1e-12), 0.0, 4.0 * max_Ohm2);
+    const double seen_Ohm2 = std::max(0.0, unexplained_Vs2) / std::max(noise.ripple_As2, 1e-12);
+    if (seen_Ohm2 > kMaxRippleSquare * max_Ohm2) {
+        return; // more than a ripple
+    }
+    const bool is_more = seen_Ohm2 > other_ripple_Ohm2_;
+    if (is_more && seen_Ohm2 > kShown * max_Ohm2 && noise.turning > 0.0) {
+        other_ripple_shown_ = std::min(other_ripple_shown_ + 1, kMaxShown);
+    }
     const double followed =
-        noise.turning * (seen_Ohm2 > other_ripple_Ohm2_ ? kSeen : kForgotten * share);
+        noise.turning * (is_more ? 1.0 : kForgotten * share / (1.0 + other_ripple_shown_));
     other_ripple_Ohm2_ =
         std::min(max_Ohm2, other_ripple_Ohm2_ + followed * (seen_Ohm2 - other_ripple_Ohm2_));
 }
@@ -716,11 +735,11 @@ bool WindingObserver::is_settled() const noexcept {
 }
 
 void WindingObserver::distrust() noexcept {
-    const int before = distrusts_;
+    const int distrusts = distrusts_ + (is_trusted_ ? 1 : 0);
     restart();
     start_from_file(); // it may be the calibration that is wrong
     other_ripple_Ohm2_ = max_other_ripple_Ohm2();
-    distrusts_ = before + 1;
+    distrusts_ = distrusts;
     is_trusted_ = false;
 }
 

@@ -44,7 +44,7 @@
 // against what was expected of it. Such intervals teach nothing; if they persist, nothing is
 // believed any more. The filter starts again from the file, unseen: only after it has agreed with
 // what was measured for some seconds, at R and V_b that it tells apart, which a stuck sensor never
-// lets it, is it trusted again. Each further distrust doubles that time, until `restart`.
+// lets it, is it trusted again. Each further loss of trust doubles that time, until `restart`.
 #pragma once
 
 #include "base/vector.h"
@@ -236,6 +236,13 @@ private:
         State of_current;         ///< derivatives of the slope of the voltage over the current
     };
 
+    /// What a window may teach.
+    enum class Evidence {
+        none,   ///< little current: not R
+        of_sum, ///< R, at the level of before: not V_b and the offset
+        apart,
+    };
+
     struct Course;
 
     [[nodiscard]] double warmth() const noexcept;
@@ -260,7 +267,7 @@ private:
     void take_window() noexcept;
     [[nodiscard]] bool had_current() const noexcept;
     void begin_window() noexcept;
-    void learn(const State &h, double surprise_Vs, const Noise &noise, bool has_evidence) noexcept;
+    void learn(const State &h, double surprise_Vs, const Noise &noise, Evidence evidence) noexcept;
     void compensate(const Noise &noise, double variance_Vs2) noexcept;
     void forget_rounding() noexcept;
     [[nodiscard]] double max_other_ripple_Ohm2() const noexcept;
@@ -286,9 +293,10 @@ private:
     double warmth_before_ = 1.0; ///< at the end of the window before
     double housing_before_C_ = device::kReferenceTemperature_C;
     int settled_windows_ = 0;
-    int distrusts_ = 0;              ///< since `restart`
+    int distrusts_ = 0;              ///< losses of trust since `restart`
     double disbelief_ = 0.0;         ///< in outliers, of late
     double other_ripple_Ohm2_ = 0.0; ///< variance of what the harmonics do not follow
+    int other_ripple_shown_ = 0;     ///< how often it was
     bool is_trusted_ = true;
 
     // Sums over the present window.
@@ -310,6 +318,7 @@ private:
     double window_s_ = 0.0;
     double period_s_ = 0.0;      ///< of its last interval
     double mean_before_A_ = 0.0; ///< current of the window before, without its offset
+    double usual_A_ = 0.0;       ///< its magnitude, of late
 };
 
 } // namespace springdrive::control
