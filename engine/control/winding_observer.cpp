@@ -93,7 +93,7 @@ constexpr double kPartsSpread = 0.42;
 
 /// By which share of V_b a sum of parts may differ from V_b tanh(i/i_b) where |i| is below i_b. It
 /// is a few per cent, but of one sign: at the same current it is the same in each window.
-constexpr double kBrushMisfit = 0.4;
+constexpr double kBrushMisfit = 0.2;
 
 /// Near the supply an amplifier may be at its limit.
 constexpr double kWithinSupply = 0.98;
@@ -588,7 +588,7 @@ void WindingObserver::take_window() noexcept {
                       charge_As2_,
                       bias_VAs2_,
                       weights_[kResistance] * weights_[kResistance],
-                      1.0 - std::cos(swept),
+                      swept / (std::numbers::pi / 2.0),
                       of_current};
     begin_window();
     learn(h, surprise_Vs, noise, evidence);
@@ -683,7 +683,7 @@ double WindingObserver::max_other_ripple_Ohm2() const noexcept {
 /// @param share            of what was expected that is due to it
 void WindingObserver::note_other_ripple(double unexplained_Vs2, double share,
                                         const Noise &noise) noexcept {
-    constexpr double kForgotten = 0.3; // share, each window in which the rotor turns
+    constexpr double kForgotten = 0.1; // share, each window in which the rotor turns
     constexpr double kShown = 0.02;    // of the most: far above noise
     constexpr int kMaxShown = 40;
     const double max_Ohm2 = max_other_ripple_Ohm2();

@@ -19,17 +19,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <random>
+#include <vector>
 
 namespace springdrive::control {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
-
-constexpr double kTouch_s = 2.5; // of which half a second to press
 
 /// A touch of a slanted plane by a hand that moves along it, and presses more and less.
 struct Touch {
@@ -37,20 +37,30 @@ struct Touch {
     double varied_m = 0.002;
     double dR_Ohm = 0.5;
     double air_C = 25.0;
+    double duration_s = 2.5;  ///< of which half a second to press
+    bool has_brushes = false; ///< of the device, and of its file
 };
+
+device::DeviceDescription device_of(const Touch &touch) {
+    device::DeviceDescription device = testing::phantom_1_0();
+    for (device::MotorParameters &motor : device.motor) {
+        motor.max_brush_voltage_V *= touch.has_brushes ? 1.0 : 0.0;
+    }
+    return device;
+}
 
 /// A drawn device in closed loop with the law, whose R̂ follows the observers.
 class ObservedTouch {
 public:
     ObservedTouch(const Touch &touch, std::uint64_t seed)
-        : touch_(touch), device_(testing::phantom_1_0()), law_(device_),
+        : touch_(touch), device_(device_of(touch)), law_(device_),
           phantom_(device_, options(touch, seed), kStart_m),
           observers_{WindingObserver(device_, 0, kPeriod_s), WindingObserver(device_, 1, kPeriod_s),
                      WindingObserver(device_, 2, kPeriod_s)} {
         tuning_.dR_Ohm = touch.dR_Ohm;
         last_ = phantom_.advance(command_);
         filter_.reset(law_.theta_rad(last_.counts));
-        for (int tick = 0; tick * kPeriod_s < kTouch_s; ++tick) {
+        for (int tick = 0; tick * kPeriod_s < touch.duration_s; ++tick) {
             advance(tick * kPeriod_s);
         }
     }
@@ -73,6 +83,7 @@ private:
         simulated::SimulationOptions options;
         options.device_seed = seed;
         options.ambient_C = touch.air_C;
+        options.effects.brush_voltage = touch.has_brushes;
         return options;
     }
 
@@ -150,7 +161,7 @@ struct Errors {
 
 Errors errors(const Touch &touch, std::uint64_t seeds) {
     Errors found;
-    const device::DeviceDescription device = testing::phantom_1_0();
+    const device::DeviceDescription device = device_of(touch);
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
         const ObservedTouch run(touch, seed);
         const simulated::SampledDevice drawn = simulated::sampled_device(device, seed);
@@ -176,15 +187,33 @@ int min_within(int count) {
     return static_cast<int>(0.95 * count - 3.0 * std::sqrt(0.95 * 0.05 * count));
 }
 
+/// Where neither device nor file has brushes. After 2.5 s the rotors have turned through few of the
+/// ripple's periods, so that another period is still noise: at most the file's ripple, 2 % of
+/// 2.18 Ω, 31 mΩ r.m.s. That is gone after 8 s.
 TEST(WindingObserver, FindsR) {
     for (const double dR_Ohm : {0.5, 0.2}) {
         for (const double air_C : {15.0, 25.0, 35.0}) {
-            const Errors found = errors({.dR_Ohm = dR_Ohm, .air_C = air_C}, 20);
+            SCOPED_TRACE(::testing::Message() << dR_Ohm << ' ' << air_C);
+            const Errors early = errors({.dR_Ohm = dR_Ohm, .air_C = air_C}, 10);
+            // 2 % of dR at 0.5 Ω, 5 % at 0.2 Ω.
+            EXPECT_LT(early.worst_Ohm, 0.01);
+            EXPECT_LT(early.max_deviation_Ohm, 0.031);
+            EXPECT_GE(early.within, min_within(early.count));
+            const Errors found = errors({.dR_Ohm = dR_Ohm, .air_C = air_C, .duration_s = 8.0}, 5);
             // 1 % of dR at 0.5 Ω, 3 % at 0.2 Ω.
-            EXPECT_LT(found.worst_Ohm, dR_Ohm > 0.3 ? 0.005 : 0.006) << dR_Ohm << ' ' << air_C;
-            EXPECT_LT(found.max_deviation_Ohm, 0.003) << dR_Ohm << ' ' << air_C;
-            EXPECT_GE(found.within, min_within(found.count)) << dR_Ohm << ' ' << air_C;
+            EXPECT_LT(found.worst_Ohm, dR_Ohm > 0.3 ? 0.005 : 0.006);
+            EXPECT_LT(found.max_deviation_Ohm, 0.003);
+            EXPECT_GE(found.within, min_within(found.count));
         }
+    }
+}
+
+/// With brushes, R is as well known as |i| has varied: a motor that the touch leaves at some 0.1 A,
+/// within 20 mA of it, has an R that is as unknown as V_b/|i|. What is stated is never too little.
+TEST(WindingObserver, KnowsHowWellItKnowsRBehindBrushes) {
+    for (const double dR_Ohm : {0.5, 0.2}) {
+        const Errors found = errors({.dR_Ohm = dR_Ohm, .has_brushes = true}, 20);
+        EXPECT_GE(found.within, min_within(found.count)) << dR_Ohm;
     }
 }
 
@@ -192,10 +221,10 @@ TEST(WindingObserver, FindsR) {
 /// amplitude of 2 % of 2.18 Ω some 30 mΩ.
 TEST(WindingObserver, SaysThatHoldingStillDoesNotTellTheMean) {
     const Errors found = errors({.stroke_m = 0.0}, 20);
-    EXPECT_LT(found.worst_Ohm, 0.006);
+    EXPECT_LT(found.worst_Ohm, 0.01); // 2 % of dR: the hand's tremor turns other ripples
     EXPECT_GE(found.within, min_within(found.count));
     EXPECT_GT(found.min_deviation_of_mean_Ohm, 0.02);
-    EXPECT_LT(errors({}, 2).min_deviation_of_mean_Ohm, 0.003);
+    EXPECT_LT(errors({.duration_s = 8.0}, 2).min_deviation_of_mean_Ohm, 0.003);
 }
 
 /// Nothing is learned from a winding without current, except that nothing was.
@@ -429,6 +458,69 @@ TEST(WindingObserver, TellsBrushesFromRAtTwoLevelsOfCurrent) {
             EXPECT_GT(run.least_dR_Ohm(), 0.0);
         }
     }
+}
+
+/// Two seconds of a current that varies, with V_b from 10 to 500 mV and i_b from 10 to 200 mA,
+/// uniform in their logarithms: deviations of R, and errors in deviations.
+struct Learned {
+    std::vector<double> deviation_Ohm; ///< sorted
+    double worst = 0.0;
+    int within = 0; ///< 1.96 deviations
+};
+
+Learned learned_within(double min_A, double max_A, int seeds) {
+    Learned learned;
+    for (int seed = 0; seed < seeds; ++seed) {
+        std::mt19937_64 random{static_cast<std::uint64_t>(seed)};
+        const auto between = [&random](double low, double high) {
+            return std::uniform_real_distribution<double>(low, high)(random);
+        };
+        const double phase_rad = between(0.0, 2.0 * std::numbers::pi);
+        const double rate_rad_per_s = between(3.0, 9.0);
+        ObservedWinding run({.R_Ohm = 2.18 * between(0.95, 1.05),
+                             .brush_V = 0.01 * std::pow(50.0, between(0.0, 1.0)),
+                             .brush_A = 0.01 * std::pow(20.0, between(0.0, 1.0)),
+                             .ripples = seed % 2 == 0 ? 11 : 22,
+                             .ripple_Ohm = 0.02 * 2.18,
+                             .torque_ripple = 0.02,
+                             .late_s = between(0.0, 0.3) * kPeriod_s,
+                             .offset_A = between(-0.02, 0.02)});
+        run.run(2.0, [&](double time_s) {
+            return std::min(1.0, time_s / 0.3) *
+                   (0.5 * (min_A + max_A) +
+                    0.5 * (max_A - min_A) * std::sin(rate_rad_per_s * time_s + phase_rad));
+        });
+        const double deviation_Ohm = run.motor().here.deviation_Ohm;
+        const double error = std::abs(run.error_Ohm()) / deviation_Ohm;
+        learned.deviation_Ohm.push_back(deviation_Ohm);
+        learned.worst = std::max(learned.worst, error);
+        learned.within += error < 1.96 ? 1 : 0;
+        EXPECT_GT(run.least_dR_Ohm(), 0.0) << seed;
+    }
+    std::ranges::sort(learned.deviation_Ohm);
+    return learned;
+}
+
+/// dR is held up to three deviations: 0.2 Ω is reached within two seconds by nearly all motors
+/// between 0.3 and 1 A, and 0.5 Ω, but not by all 0.2 Ω, between 0.2 and 0.4 A, where i_b may be as
+/// large as |i|.
+TEST(WindingObserver, LearnsRBehindBrushesWithinTwoSeconds) {
+    constexpr std::size_t kSeeds = 60;
+    const auto share = [](const Learned &learned, double dR_Ohm) {
+        return std::ranges::count_if(learned.deviation_Ohm,
+                                     [&](double one) { return kHeldUpDeviations * one < dR_Ohm; });
+    };
+    const Learned strong = learned_within(0.3, 1.0, kSeeds);
+    const Learned weak = learned_within(0.2, 0.4, kSeeds);
+    for (const Learned &learned : {strong, weak}) {
+        EXPECT_LT(learned.worst, 4.0);
+        EXPECT_GE(learned.within, min_within(kSeeds));
+        std::printf("deviation of R: median %.1f, 95 %% %.1f mOhm; worst error %.2f deviations\n",
+                    1e3 * learned.deviation_Ohm[kSeeds / 2],
+                    1e3 * learned.deviation_Ohm[kSeeds * 95 / 100], learned.worst);
+    }
+    EXPECT_GE(share(strong, 0.2), 57); // 95 %
+    EXPECT_EQ(share(weak, 0.5), 60);
 }
 
 /// R + V_b/|i| is known, its share of brushes is not: the file's 0 to 0.5 V are 0.5 Ω at 1 A.
@@ -701,8 +793,11 @@ TEST(CalibratedObserver, ItsRippleFadesWithAZeroFoundByEye) {
                 const ResistanceEstimate R = observer.at(theta_rad);
                 const ResistanceEstimate expected = integrated(known, theta_rad, sigma_rad);
                 EXPECT_NEAR(R.resistance_Ohm, expected.resistance_Ohm, 1e-6) << ratio;
-                // cos² + sin² of each harmonic's own deviation
-                const double measured_Ohm2 = 5e-4 * 5e-4 + 4e-4 * 4e-4;
+                // cos² + sin² of each harmonic's own deviation, and what no calibration keeps, the
+                // fourth: an amplitude of at most a quarter of the file's ripple.
+                const double fourth_Ohm = 0.25 * 0.02 * 2.18;
+                const double measured_Ohm2 =
+                    5e-4 * 5e-4 + 4e-4 * 4e-4 + 0.5 * fourth_Ohm * fourth_Ohm;
                 const double mean_Ohm2 = std::pow(observer.unheated().deviation_Ohm, 2);
                 EXPECT_NEAR(std::pow(R.deviation_Ohm, 2) - mean_Ohm2 - measured_Ohm2,
                             std::pow(expected.deviation_Ohm, 2), 1e-9)

@@ -465,7 +465,7 @@ TEST(MotorsAsTheyAre, TheForceAtRestIsAlongTheNormal) {
     }
 }
 
-// A vice rests at one place after the other; for a second a motor's current is read as 1.3 times
+// A vice rests at one place after the other; for a second a motor's current is read as twice
 // itself. At rest only what is believed of the motors changes e_W, and e_W + R̂ i at the present
 // current: by 50 V/s at the most, while it is learned, at distrust and at recovery. While a motor
 // is distrusted the force is no farther from the normal than without an observer, to 1° in the
@@ -484,7 +484,7 @@ TEST(MotorsAsTheyAre, DistrustStepsNothingAndEndsByEvidence) {
         judged.is_observed = false;
         JudgedServo file(judged, kHands[kInVice], at_plane());
         device::Fault fault{.kind = device::FaultKind::current_gain, .end_s = 1.0 / kServo_s};
-        fault.size[seed % 3] = 0.3;
+        fault.size[seed % 3] = 1.0;
         servo::ServoSample before;
         int still = 0; ///< ticks in which no count changed
         int distrusted = 0;
