@@ -222,7 +222,7 @@ private:
              fmt::format("{}, {:.0f} %", stage_name(view().stage), 100.0 * view().share)});
         report.see("{}", view().stage == SelfTestStage::motion
                              ? "the device brakes: it resists like a damper"
-                             : "pulses of 0.8 V for 8 ms on one winding after the other");
+                             : "pulses of 0.5 to 1.8 V for 8 ms on one winding after the other");
     }
 
     void report_result(const SelfTestReport &result, StepReport &report) const {
@@ -232,8 +232,8 @@ private:
                 report.see("motor {}: R and L were not measured", i + 1);
                 continue;
             }
-            report.see("motor {}: R {:.3f} Ω, L {:.3f} mH{}", i + 1, motor.resistance_Ohm,
-                       1e3 * motor.inductance_H,
+            report.see("motor {}: R {:.3f} Ω, V_b {:.0f} mV, L {:.3f} mH{}", i + 1,
+                       motor.resistance_Ohm, 1e3 * motor.brush_V, 1e3 * motor.inductance_H,
                        result.has_motion
                            ? fmt::format(", counts {:.1f} %",
                                          100.0 * result.motion.motor[i].counts_per_turned)

@@ -81,7 +81,7 @@ void show_windings(const SelfTestReport &report) {
     if (report.pulses.empty()) {
         return;
     }
-    Table table = Table::with_columns("motor,R [Ohm],L [mH]");
+    Table table = Table::with_columns("motor,R [Ohm],V_b [mV],L [mH]");
     if (report.has_motion) {
         table.columns.push_back({"counted/turned", ".3f"});
     }
@@ -89,6 +89,7 @@ void show_windings(const SelfTestReport &report) {
         const commissioning::WindingFigures &motor = report.windings.motor[i];
         table.rows.push_back(
             {i + 1, with_deviation(4, motor.resistance_Ohm, motor.resistance_deviation_Ohm),
+             with_deviation(1, 1e3 * motor.brush_V, 1e3 * motor.brush_deviation_V),
              with_deviation(4, 1e3 * motor.inductance_H, 1e3 * motor.inductance_deviation_H)});
         if (report.has_motion) {
             table.rows.back().emplace_back(report.motion.motor[i].counts_per_turned);
@@ -249,7 +250,9 @@ void add_self_test(Command &device) {
     typed->options.lets_go_on = true;
     typed->board.add_to(command);
     typed->board.add_at_zero_to(command, "without it, the zero is not checked");
-    command.add_option("--volts", typed->options.pulse.voltage_V, "of the pulses, 0.3 to 1 [0.8]")
+    command
+        .add_option("--volts", typed->options.pulse.voltage_V,
+                    "of the highest pulses, 0.3 to 2 [1.8]")
         .type_name("V");
     command.add_flag_callback(
         "--pulses-only", [typed] { typed->options.has_motion = false; },
@@ -261,7 +264,7 @@ void add_self_test(Command &device) {
     command.footer("No motor is driven but for pulses of some milliseconds, whose limits are the "
                    "board's own. The device brakes meanwhile, so it resists like a damper.");
     command.callback([typed] {
-        check_range("--volts", typed->options.pulse.voltage_V, 0.3, 1.0);
+        check_range("--volts", typed->options.pulse.voltage_V, 0.3, 2.0);
         check_range("--motion-seconds", typed->options.longest_motion_s, 1.0, 3600.0);
         self_test(*typed);
     });

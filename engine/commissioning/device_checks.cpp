@@ -10,7 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <utility>
+#include <vector>
 
 namespace springdrive::commissioning {
 
@@ -18,36 +19,29 @@ namespace {
 
 using device::ChannelPulse;
 
-struct MeanAndDeviation {
-    double mean = 0.0;
-    double deviation = 0.0; ///< of the mean
-};
+/// Findings are those of voltages above the brushes', by this factor: a winding is open where it
+/// draws less than a quarter of the current that its R would let through.
+constexpr double kJudgedBrushes = 1.5;
 
-/// Of those that were measured; NaN without any.
-template <class Member>
-MeanAndDeviation mean_of(std::span<const device::PulseResult> results, std::size_t channel,
-                         Member member) {
-    std::vector<double> values;
-    for (const device::PulseResult &result : results) {
-        const double value = result.channel[channel].*member;
-        if (result.state == device::PulseState::completed && std::isfinite(value)) {
-            values.push_back(value);
-        }
-    }
-    const auto count = static_cast<double>(values.size());
-    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
-    double squares = 0.0;
-    for (const double value : values) {
-        squares += (value - mean) * (value - mean);
-    }
-    return {mean, values.size() > 1 ? std::sqrt(squares / (count - 1.0) / count) : 0.0};
-}
+/// By which R may be off before it is named, in place of its ripple.
+constexpr double kResistanceDeviations = 3.0;
 
 class WindingJudge {
 public:
-    WindingJudge(const device::DeviceDescription &device,
-                 std::span<const device::PulseResult> results)
-        : device_(device), results_(results) {}
+    WindingJudge(const device::DeviceDescription &device, std::span<const PulseRound> rounds)
+        : device_(device), rounds_(rounds) {
+        double highest_V = 0.0;
+        for (const PulseRound &round : rounds) {
+            highest_V = std::max(highest_V, round.order.voltage_V);
+        }
+        for (std::size_t i = 0; i < 3; ++i) {
+            judged_V_[i] =
+                std::min(highest_V, kJudgedBrushes * device.motor[i].max_brush_voltage_V);
+            for (const PulseRound &round : rounds) {
+                judged_[i] += is_judged(round, i) ? 1 : 0;
+            }
+        }
+    }
 
     WindingReport report() {
         for (std::size_t i = 0; i < 3; ++i) {
@@ -63,27 +57,44 @@ public:
 
 private:
     void measure(std::size_t i) {
-        WindingFigures &motor = report_.motor[i];
-        const auto resistance = mean_of(results_, i, &ChannelPulse::resistance_Ohm);
-        const auto inductance = mean_of(results_, i, &ChannelPulse::inductance_H);
-        motor.resistance_Ohm = resistance.mean;
-        motor.resistance_deviation_Ohm = resistance.deviation;
-        motor.inductance_H = inductance.mean;
-        motor.inductance_deviation_H = inductance.deviation;
-        motor.has_reversed_sensor = times(i, &ChannelPulse::has_reversed_sensor) > 0;
+        std::vector<PulseLevel> levels;
+        for (const PulseRound &round : rounds_) {
+            const ChannelPulse &pulse = round.result.channel[i];
+            if (round.result.state == device::PulseState::completed &&
+                std::isfinite(pulse.resistance_Ohm) && std::isfinite(pulse.inductance_H)) {
+                levels.push_back({round.order.voltage_V,
+                                  round.order.voltage_V / pulse.resistance_Ohm,
+                                  pulse.inductance_H / pulse.resistance_Ohm, emf_V(i, round)});
+            }
+        }
+        const PulseFit fit = fit_pulses(device_.motor[i], levels);
+        report_.motor[i] = {fit.resistance_Ohm, fit.resistance_deviation_Ohm,
+                            fit.inductance_H,   fit.inductance_deviation_H,
+                            fit.brush_V,        fit.brush_deviation_V,
+                            fit.curve,          times(i, &ChannelPulse::has_reversed_sensor) > 0};
+    }
+
+    /// At the change of sign, from whence the rotor goes as far again as before, to its rest. By
+    /// its size: an encoder may be reversed.
+    [[nodiscard]] double emf_V(std::size_t i, const PulseRound &round) const {
+        return device_.motor[i].torque_constant_Nm_per_A * device_.rad_per_count() *
+               std::abs(round.result.channel[i].moved_counts[i]) / round.order.duration_s;
+    }
+
+    /// Brushes may take nearly all of a lower voltage.
+    [[nodiscard]] bool is_judged(const PulseRound &round, std::size_t i) const {
+        return round.order.voltage_V >= judged_V_[i];
     }
 
     [[nodiscard]] std::ptrdiff_t times(std::size_t i, bool ChannelPulse::*finding) const {
-        return std::ranges::count_if(results_, [&](const device::PulseResult &result) {
-            return result.channel[i].*finding;
+        return std::ranges::count_if(rounds_, [&](const PulseRound &round) {
+            return is_judged(round, i) && round.result.channel[i].*finding;
         });
     }
 
     /// "in 1 of 4 pulses: ", for what comes and goes.
-    [[nodiscard]] std::string how_often(std::ptrdiff_t count) const {
-        return count == std::ssize(results_)
-                   ? ""
-                   : fmt::format("in {} of {} pulses: ", count, results_.size());
+    [[nodiscard]] std::string how_often(std::ptrdiff_t count, std::size_t i) const {
+        return count == judged_[i] ? "" : fmt::format("in {} of {} pulses: ", count, judged_[i]);
     }
 
     void take_boards_findings(std::size_t i) {
@@ -99,30 +110,30 @@ private:
         const std::ptrdiff_t open = times(i, &ChannelPulse::is_open);
         if (crossed > 0) {
             add(Problem::crossed_sensors, i,
-                how_often(crossed) +
+                how_often(crossed, i) +
                     fmt::format("a voltage on motor {} shows as current in another channel",
                                 number),
                 "exchange the leads of the two motors, or of their current sensors");
         } else if (open > 0) {
             add(Problem::open_winding, i,
-                how_often(open) + fmt::format("motor {} draws hardly any current", number),
+                how_often(open, i) + fmt::format("motor {} draws hardly any current", number),
                 "look at its plug, its leads and its brushes");
         }
         if (const std::ptrdiff_t count = times(i, &ChannelPulse::has_reversed_sensor); count > 0) {
             add(Problem::reversed_sensor, i,
-                how_often(count) +
+                how_often(count, i) +
                     fmt::format("the current sensor of motor {} counts against the voltage",
                                 number),
                 "exchange the sensor's leads: the amplifier would add R-hat instead of cancelling "
                 "it");
         }
-        if (2 * times(i, &ChannelPulse::has_crossed_encoder) > std::ssize(results_)) {
+        if (2 * times(i, &ChannelPulse::has_crossed_encoder) > judged_[i]) {
             add(Problem::crossed_encoders, i,
                 fmt::format("a voltage on motor {} turns the encoder of another one more than its "
                             "own",
                             number),
                 "exchange the plugs of the two encoders, or of the two motors");
-        } else if (2 * times(i, &ChannelPulse::has_reversed_encoder) > std::ssize(results_)) {
+        } else if (2 * times(i, &ChannelPulse::has_reversed_encoder) > judged_[i]) {
             add(Problem::reversed_encoder, i,
                 fmt::format("encoder {} counts down where its motor's voltage is positive", number),
                 "exchange the motor's leads or the encoder's channels, or set the encoder's sign "
@@ -213,16 +224,19 @@ private:
                             i + 1, 100.0 * (1.0 / gain - 1.0), 1e3 * motor.inductance_H),
                 "calibrate its gain against a meter in series: an error of the gain is one of dR");
         }
-        judge_resistance(i, motor.resistance_Ohm / gain);
+        judge_resistance(i, motor.resistance_Ohm / gain,
+                         kResistanceDeviations * motor.resistance_deviation_Ohm / gain);
     }
 
-    void judge_resistance(std::size_t i, double resistance_Ohm) {
+    void judge_resistance(std::size_t i, double resistance_Ohm, double error_Ohm) {
         const device::MotorParameters &motor = device_.motor[i];
         const double cold = 1.0 - motor.resistance_rise_per_K *
                                       (device::kReferenceTemperature_C - device::kColdestAir_C);
         const double warm = 1.0 + motor.resistance_rise_per_K *
                                       (device::kWarmestAir_C - device::kReferenceTemperature_C);
-        const double tolerance = device_.resistance_tolerance(i) + motor.commutation_ripple;
+        const double tolerance =
+            device_.resistance_tolerance(i) +
+            std::max(motor.commutation_ripple, error_Ohm / motor.resistance_Ohm);
         const double least_Ohm = motor.resistance_Ohm * (1.0 - tolerance) * cold;
         const double largest_Ohm = motor.resistance_Ohm * (1.0 + tolerance) * warm;
         if (resistance_Ohm < least_Ohm || resistance_Ohm > largest_Ohm) {
@@ -245,16 +259,18 @@ private:
     }
 
     const device::DeviceDescription &device_;
-    std::span<const device::PulseResult> results_;
+    std::span<const PulseRound> rounds_;
+    std::array<double, 3> judged_V_{};
+    std::array<std::ptrdiff_t, 3> judged_{};
     WindingReport report_;
 };
 
 } // namespace
 
 WindingReport check_windings(const device::DeviceDescription &device,
-                             std::span<const device::PulseResult> results) {
-    SPRINGDRIVE_ASSERT(!results.empty());
-    return WindingJudge(device, results).report();
+                             std::span<const PulseRound> rounds) {
+    SPRINGDRIVE_ASSERT(!rounds.empty());
+    return WindingJudge(device, rounds).report();
 }
 
 namespace {
@@ -270,6 +286,10 @@ constexpr double kMaxGap_s = 0.02;
 constexpr double kMinTurned_rad = 2.0;
 /// In a window; less is noise, of which sums grow without end: 1 mA in the longest is 0.09 rad.
 constexpr double kMinInWindow_rad = 0.15;
+/// Over which currents are averaged before tanh: noise of 3 mA is not small against i_b of 10 mA.
+constexpr double kBlock_s = 8e-3;
+/// Of an i_b by the pulses.
+constexpr double kAllowedChi2 = 9.0;
 constexpr double kAgreeing = 0.8; ///< squared correlation
 constexpr double kDiffering = 0.5;
 
@@ -283,6 +303,23 @@ constexpr std::array<const char *, 3> kMoves{
 } // namespace
 
 MotionCheck::MotionCheck(const device::DeviceDescription &device) : device_(device) {}
+
+void MotionCheck::set_windings(const WindingReport &windings) {
+    windings_ = windings;
+    for (Eigen::Index motor = 0; motor < 3; ++motor) {
+        const auto i = static_cast<std::size_t>(motor);
+        const WindingFigures &measured = windings.motor[i];
+        const double sign = measured.has_reversed_sensor ? 1.0 : -1.0;
+        turned_per_Vs_[motor] = sign / device_.motor[i].torque_constant_Nm_per_A;
+        for (Eigen::Index curve = 0; curve < turned_rad_.cols(); ++curve) {
+            const BrushCurve &own = measured.curve[static_cast<std::size_t>(curve)];
+            resistance_Ohm_(motor, curve) = own.resistance_Ohm;
+            brush_V_(motor, curve) = own.voltage_V;
+            brush_A_(motor, curve) = own.brush_A;
+            chi2_(motor, curve) = own.chi2;
+        }
+    }
+}
 
 Vector3 MotionCheck::joints_rad(const device::Measurement &measured) const {
     const Vector3 theta_rad = device_.rad_per_count() *
@@ -304,10 +341,14 @@ void MotionCheck::take(const device::Measurement &measured) {
     highest_rad_ = highest_rad_.cwiseMax(passed_rad);
     const double passed_s = measured.time_s - last_.time_s;
     if (!(passed_s >= 0.0 && passed_s <= kMaxGap_s) || !measured.current_A.allFinite()) {
-        window_ = {0.0, Vector3::Zero(), measured.counts};
+        begin_window(measured);
     } else {
         window_.duration_s += passed_s;
-        window_.charge_As += passed_s * (0.5 * (last_.current_A + measured.current_A) - offset_A_);
+        window_.block_s += passed_s;
+        window_.block_As += passed_s * (0.5 * (last_.current_A + measured.current_A) - offset_A_);
+        if (window_.block_s >= kBlock_s) {
+            close_block();
+        }
         if (is_window_over(measured)) {
             close_window(measured);
         }
@@ -329,21 +370,38 @@ bool MotionCheck::is_window_over(const device::Measurement &measured) const {
            std::abs(counted_rad(measured, 2)) >= kTurnedInWindow_rad;
 }
 
-void MotionCheck::close_window(const device::Measurement &measured) {
-    for (Eigen::Index i = 0; i < 3; ++i) {
-        const auto motor = static_cast<std::size_t>(i);
-        const double counted = counted_rad(measured, motor);
-        const double charge_As = window_.charge_As[i];
-        const device::MotorParameters &file = device_.motor[motor];
-        const double turned_rad =
-            file.resistance_Ohm * std::abs(charge_As) / file.torque_constant_Nm_per_A;
-        counts_squared_[i] += counted * counted;
-        charges_squared_[i] += charge_As * charge_As;
-        charges_with_counts_.col(i) += window_.charge_As * counted;
-        counted_rad_[i] += std::abs(counted) > kMinInWindow_rad ? std::abs(counted) : 0.0;
-        charged_As_[i] += turned_rad > kMinInWindow_rad ? std::abs(charge_As) : 0.0;
+void MotionCheck::begin_window(const device::Measurement &measured) {
+    window_ = Window();
+    window_.first_counts = measured.counts;
+}
+
+void MotionCheck::close_block() {
+    if (window_.block_s > 0.0) {
+        const Eigen::Array3d current_A = window_.block_As / window_.block_s;
+        const Curves voltage_V = resistance_Ohm_.colwise() * current_A +
+                                 brush_V_ * (brush_A_.inverse().colwise() * current_A).tanh();
+        window_.turned_rad += window_.block_s * (voltage_V.colwise() * turned_per_Vs_.array());
     }
-    window_ = {0.0, Vector3::Zero(), measured.counts};
+    window_.block_s = 0.0;
+    window_.block_As.setZero();
+}
+
+void MotionCheck::close_window(const device::Measurement &measured) {
+    close_block();
+    const Curves &turned_rad = window_.turned_rad;
+    turned_squared_ += turned_rad.square();
+    turned_rad_ += (turned_rad.abs() > kMinInWindow_rad).select(turned_rad.abs(), 0.0);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto encoder = static_cast<Eigen::Index>(i);
+        const double counted = counted_rad(measured, i);
+        turned_with_counts_[i] += counted * turned_rad;
+        counts_squared_[encoder] += counted * counted;
+        if (std::abs(counted) > kMinInWindow_rad) {
+            counted_rad_[encoder] += std::abs(counted);
+            ++windows_[i];
+        }
+    }
+    begin_window(measured);
 }
 
 std::array<StopFigures, 3> MotionCheck::stops() const {
@@ -392,22 +450,11 @@ public:
                 MotionReport &report)
         : device_(device), windings_(windings), report_(report) {}
 
-    /// Angle that a motor turned by a charge that its sensor saw.
-    [[nodiscard]] double rad_per_As(std::size_t motor) const {
-        const WindingFigures &measured = windings_.motor[motor];
-        const double R_Ohm = std::isfinite(measured.resistance_Ohm)
-                                 ? measured.resistance_Ohm
-                                 : device_.motor[motor].resistance_Ohm;
-        const double sign = measured.has_reversed_sensor ? 1.0 : -1.0;
-        return sign * R_Ohm / device_.motor[motor].torque_constant_Nm_per_A;
-    }
-
     void judge_motor(std::size_t i, double agreement, bool is_crossed) {
         const MotionFigures &motor = report_.motor[i];
         const std::size_t number = i + 1;
         const bool counts = motor.turned_by_counts_rad >= kMinTurned_rad;
-        const bool turns = motor.turned_by_current_rad >= kMinTurned_rad;
-        if (!counts && !turns) {
+        if (!counts && motor.turned_at_least_rad < kMinTurned_rad) {
             add(Problem::seized_joint, i,
                 fmt::format(
                     "joint {} did not move: neither its encoder nor its winding saw it turn",
@@ -419,7 +466,7 @@ public:
                             "turned by {:.1f} turns",
                             number, motor.turned_by_current_rad / (2.0 * M_PI)),
                 "look at the encoder's plug and supply");
-        } else if (!turns) {
+        } else if (motor.turned_at_most_rad < kMinTurned_rad) {
             if (!has_found(Problem::open_winding, i)) {
                 add(Problem::open_winding, i,
                     fmt::format("motor {} turned by {:.1f} turns without a current in its braking "
@@ -534,7 +581,9 @@ private:
                 "exchange the motor's leads or the encoder's channels, or set the encoder's sign "
                 "in "
                 "the board's calibration");
-        } else if (std::abs(counted - 1.0) > kCountsTolerance) {
+        } else if (std::abs(counted - 1.0) >
+                   std::max(kCountsTolerance,
+                            kCountsDeviations * report_.motor[i].counts_deviation)) {
             add(Problem::wrong_counts, i,
                 fmt::format("encoder {} counts {:.0f} % of what its motor turned by its back-EMF",
                             i + 1, 100.0 * counted),
@@ -551,28 +600,62 @@ private:
 
 } // namespace
 
-MotionReport MotionCheck::report(const WindingReport &windings, bool is_zeroed) const {
+/// Squared correlation of what a motor's current and an encoder say, by the i_b by which it is
+/// best.
+double MotionCheck::agreement(std::size_t motor, std::size_t encoder) const {
+    double best = 0.0;
+    for (Eigen::Index curve = 0; curve < turned_rad_.cols(); ++curve) {
+        const auto row = static_cast<Eigen::Index>(motor);
+        const double product =
+            turned_squared_(row, curve) * counts_squared_[static_cast<Eigen::Index>(encoder)];
+        const double common = turned_with_counts_[encoder](row, curve);
+        best = product > 0.0 ? std::max(best, common * common / product) : best;
+    }
+    return best;
+}
+
+/// By each i_b, counts are κ times what the currents say, and what is left is S. Like pulses, S
+/// weighs each i_b: what ripples leave is shared by many windows, by a factor as in BrushFit.
+MotionFigures MotionCheck::figures(std::size_t i) const {
+    constexpr double kShared = 3.0;
+    const auto motor = static_cast<Eigen::Index>(i);
+    const auto squared = turned_squared_.row(motor);
+    const Eigen::Array<double, 1, kBrushCurves> common = turned_with_counts_[i].row(motor);
+    const Eigen::Array<double, 1, kBrushCurves> ratio =
+        (squared > 0.0).select(common / squared.max(1e-300), 0.0);
+    const Eigen::Array<double, 1, kBrushCurves> left =
+        (counts_squared_[motor] - ratio * common).max(0.0);
+    const double left_of_window =
+        std::max(kShared * kShared * left.minCoeff() / std::max(1, windows_[i] - 1), 1e-12);
+    const Eigen::Array<double, 1, kBrushCurves> chi2 =
+        chi2_.row(motor) + (left - left.minCoeff()) / left_of_window;
+    const Eigen::Array<double, 1, kBrushCurves> weight = (-0.5 * (chi2 - chi2.minCoeff())).exp();
+    const double sum = weight.sum();
+    MotionFigures figures;
+    figures.turned_by_counts_rad = counted_rad_[motor];
+    figures.turned_by_current_rad = (weight * turned_rad_.row(motor)).sum() / sum;
+    figures.counts_per_turned = (weight * ratio).sum() / sum;
+    const double variance =
+        (weight * (ratio.square() + left_of_window / squared.max(1e-300))).sum() / sum -
+        figures.counts_per_turned * figures.counts_per_turned;
+    figures.counts_deviation = std::sqrt(std::max(0.0, variance));
+    const auto is_allowed = chi2_.row(motor) < kAllowedChi2;
+    figures.turned_at_least_rad = is_allowed.select(turned_rad_.row(motor), 1e9).minCoeff();
+    figures.turned_at_most_rad = is_allowed.select(turned_rad_.row(motor), 0.0).maxCoeff();
+    return figures;
+}
+
+MotionReport MotionCheck::report(bool is_zeroed) const {
     MotionReport report;
     report.stops = stops();
-    MotionJudge judge(device_, windings, report);
+    MotionJudge judge(device_, windings_, report);
     for (std::size_t i = 0; i < 3; ++i) {
-        const auto motor = static_cast<Eigen::Index>(i);
-        const double rad_per_As = judge.rad_per_As(i);
-        const double turned_squared = rad_per_As * rad_per_As * charges_squared_[motor];
-        report.motor[i] = {counted_rad_[motor], std::abs(rad_per_As) * charged_As_[motor],
-                           turned_squared > 0.0
-                               ? rad_per_As * charges_with_counts_(motor, motor) / turned_squared
-                               : 0.0};
-        const auto agreement_with = [&](Eigen::Index encoder) {
-            const double product = charges_squared_[motor] * counts_squared_[encoder];
-            const double common = charges_with_counts_(motor, encoder);
-            return product > 0.0 ? common * common / product : 0.0;
-        };
+        report.motor[i] = figures(i);
         bool is_crossed = false;
-        for (Eigen::Index other = 0; other < 3; ++other) {
-            is_crossed = is_crossed || (other != motor && agreement_with(other) > kAgreeing);
+        for (std::size_t other = 0; other < 3; ++other) {
+            is_crossed = is_crossed || (other != i && agreement(i, other) > kAgreeing);
         }
-        judge.judge_motor(i, agreement_with(motor), is_crossed);
+        judge.judge_motor(i, agreement(i, i), is_crossed);
     }
     judge.judge_voltage();
     if (report.findings.empty()) { // angles say nothing where counts are wrong

@@ -29,6 +29,27 @@ device::Bench &bench_of(device::HapticDevice &device) {
     return *bench;
 }
 
+Finding board_finding(const device::BoardFaults &faults) {
+    return {Problem::board_fault, std::nullopt, "the board reports " + device::names_of(faults),
+            "remove the cause; `springdrive device info` shows what it measures"};
+}
+
+/// What a board says of a winding that seems to generate while it brakes, as where a sensor or an
+/// encoder is reversed or crossed. It goes on braking, so the test can go on, to name the cause.
+bool says_disagreement(const device::BoardFaults &faults) {
+    return (faults.bits & ~device::BoardFaults::kPressed) ==
+           (device::BoardFaults::kOverCurrent | device::BoardFaults::kEncoder);
+}
+
+/// Of those that were measured in it, the largest.
+double largest_A(const PulseRound &round) {
+    double largest = 0.0;
+    for (const device::ChannelPulse &channel : round.result.channel) {
+        largest = std::fmax(largest, round.order.voltage_V / channel.resistance_Ohm); // not for NaN
+    }
+    return largest;
+}
+
 } // namespace
 
 SelfTest::SelfTest(device::HapticDevice &device, const SelfTestOptions &options, Mover mover)
@@ -65,10 +86,10 @@ bool SelfTest::step() {
     } else if (is_resetting) {
         return true;
     }
-    if (faults.any()) {
-        faults_ = {{Problem::board_fault, std::nullopt,
-                    "the board reports " + device::names_of(faults),
-                    "remove the cause; `springdrive device info` shows what it measures"}};
+    if (stage_ == SelfTestStage::motion && says_disagreement(faults)) {
+        disagreement_ = board_finding(faults);
+    } else if (faults.any()) {
+        faults_ = {board_finding(faults)};
         stage_ = SelfTestStage::done;
         return false;
     }
@@ -121,8 +142,12 @@ void SelfTest::rest(const device::Measurement &measured) {
     stage_began_s_ = now_s_;
 }
 
+device::PulseOrder SelfTest::order() const {
+    return {kPulseLevels[level_] * options_.pulse.voltage_V, options_.pulse.duration_s};
+}
+
 void SelfTest::start_pulses() {
-    bench_.start_pulses(options_.pulse);
+    bench_.start_pulses(order());
     ticks_ = 0;
 }
 
@@ -134,7 +159,7 @@ void SelfTest::pulse() {
     if (result.state == device::PulseState::running) {
         return;
     }
-    pulses_.push_back(result);
+    pulses_.push_back({order(), result});
     if (result.state != device::PulseState::completed) {
         faults_ = {{Problem::test_aborted, std::nullopt,
                     "the board ended its pulses before they were completed",
@@ -142,10 +167,16 @@ void SelfTest::pulse() {
         stage_ = SelfTestStage::done;
         return;
     }
-    if (std::ssize(pulses_) < options_.repeats) {
+    ++level_;
+    if (level_ == kPulseLevels.size() || largest_A(pulses_.back()) > kLastLevel_A) {
+        level_ = 0;
+        ++repeat_;
+    }
+    if (repeat_ < options_.repeats) {
         start_pulses();
         return;
     }
+    motion_.set_windings(check_windings(device_.description(), pulses_));
     is_complete_ = !options_.has_motion;
     stage_ = options_.has_motion ? SelfTestStage::motion : SelfTestStage::done;
     stage_began_s_ = now_s_;
@@ -194,7 +225,7 @@ double SelfTest::share() const {
         return stage_began_s_ < 0.0 ? 0.0
                                     : std::min(1.0, (now_s_ - stage_began_s_) / options_.rest_s);
     case SelfTestStage::pulses:
-        return static_cast<double>(pulses_.size()) / options_.repeats;
+        return (repeat_ + static_cast<double>(level_) / kPulseLevels.size()) / options_.repeats;
     case SelfTestStage::motion:
         return motion_.share();
     case SelfTestStage::done:
@@ -208,6 +239,12 @@ namespace {
 bool is_of_encoder(const Finding &finding) {
     return finding.problem == Problem::reversed_encoder ||
            finding.problem == Problem::crossed_encoders;
+}
+
+/// Then the board's report of it is a consequence.
+bool explains_disagreement(const Finding &finding) {
+    return is_of_encoder(finding) || finding.problem == Problem::reversed_sensor ||
+           finding.problem == Problem::crossed_sensors;
 }
 
 } // namespace
@@ -226,10 +263,13 @@ SelfTestReport SelfTest::report() const {
         add(report.windings.findings);
     }
     if (report.has_motion) {
-        report.motion = motion_.report(report.windings, device_.is_zeroed());
+        report.motion = motion_.report(device_.is_zeroed());
         // A pulse moves an encoder by some counts, which a hand may do, too: motion decides.
         std::erase_if(report.findings, is_of_encoder);
         add(report.motion.findings);
+        if (disagreement_ && std::ranges::none_of(report.findings, explains_disagreement)) {
+            report.findings.insert(report.findings.begin(), *disagreement_);
+        }
         // R follows from the voltage.
         if (std::ranges::count(report.findings, Problem::wrong_voltage, &Finding::problem) > 0) {
             std::erase_if(report.findings, [](const Finding &finding) {

@@ -27,7 +27,7 @@ struct WindingSettings {
 };
 
 struct SelfTestLimits {
-    float largest_voltage_V = 1.0F;
+    float largest_voltage_V = 2.0F; ///< of which brushes and bridge may take 0.5 V
     std::uint32_t longest_pulse_us = 20'000;
     float abort_current_A = 1.0F;
     std::int32_t abort_counts = 600; ///< 0.92 rad of a motor, 10 mm at the tip

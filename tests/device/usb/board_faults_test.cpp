@@ -384,10 +384,10 @@ TEST(SelfTest, OnlyWithinItsLimitsAndWhileBraking) {
     BoardRig rig;
     EXPECT_FALSE(order(rig)); // starting
     rig.start();
-    EXPECT_FALSE(order(rig, 1.001F));
+    EXPECT_FALSE(order(rig, 2.001F));
     EXPECT_FALSE(order(rig, 0.5F, 20'001));
     EXPECT_FALSE(order(rig, 0.5F, 7999)); // 319 loops
-    EXPECT_TRUE(order(rig, 1.0F, 20'000));
+    EXPECT_TRUE(order(rig, 2.0F, 20'000));
     rig.run_ms(1);
     EXPECT_FALSE(order(rig)); // testing
 }
