@@ -16,9 +16,9 @@ end_emulator() {
     wait "$emulator" || true
 }
 
-emulate_a_tour() { emulate --loop-hz 20000 --tour 4 --device-seed 7 "$@"; }
+emulate_a_tour() { emulate --loop-hz 20000 --tour 10 --device-seed 7 "$@"; }
 self_test() {
-    ./springdrive device self-test --device usb --at-zero --motion-seconds 14 \
+    ./springdrive device self-test --device usb --at-zero --motion-seconds 16 \
         --device-file phantom_1_0.toml
 }
 
