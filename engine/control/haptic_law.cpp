@@ -73,10 +73,11 @@ LawOutcome HapticLaw::operator()(const Configuration &now, const contact::Contac
         gain.cwiseProduct(found.used.theta_Sd_rad - now.theta_rad).cwiseQuotient(found.dR_Ohm);
     for (std::size_t j = 0; j < motor_.size(); ++j) {
         const auto index = static_cast<Eigen::Index>(j);
-        found.trim_V[index] = used_trim_V(motor_[j], motors[j].trim_V, found.spring_A[index]);
-        found.command.e_W_V[index] +=
-            std::copysign(1.0, found.spring_A[index]) * found.trim_V[index];
+        const double spring_A = found.spring_A[index];
+        found.trim_V[index] =
+            std::copysign(1.0, spring_A) * used_trim_V(motor_[j], motors[j].trim_V, spring_A);
     }
+    found.command.e_W_V += found.trim_V;
     return found;
 }
 

@@ -27,7 +27,7 @@ struct LawOutcome {
     Vector3 dR_Ohm{Vector3::Zero()};      ///< at which each motor is driven, as far as R is known
     double stiffness_share = 1.0;         ///< of the tuning's K_q (20), the same for each motor
     Vector3 spring_A{Vector3::Zero()};    ///< i*: the current of its spring at rest
-    Vector3 trim_V{Vector3::Zero()};      ///< what was used of each motor's trim, along i*
+    Vector3 trim_V{Vector3::Zero()};      ///< part of e_W that makes up for what the current lacks
     device::DeviceCommand command;        ///< e_W (10) and R̂ (7)
 };
 

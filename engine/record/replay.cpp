@@ -21,10 +21,9 @@ bool same_bits(const Vector3 &a, const Vector3 &b) {
     return true;
 }
 
-servo::LimiterInputs limiter_inputs(const servo::ServoSample &sample,
-                                    const control::Configuration &now) {
-    servo::LimiterInputs inputs{now, sample.limits, sample.safety.ramp, Vector3::Zero(),
-                                sample.motor};
+servo::LimiterInputs limiter_inputs(const servo::ServoSample &sample, const ReplayedTick &tick) {
+    servo::LimiterInputs inputs{tick.now,        sample.limits, sample.safety.ramp,
+                                Vector3::Zero(), sample.motor,  tick.found.trim_V};
     for (std::size_t j = 0; j < sample.winding.size(); ++j) {
         inputs.R_hat_limit_Ohm[static_cast<Eigen::Index>(j)] = sample.winding[j].R_hat_limit_Ohm;
     }
@@ -86,7 +85,7 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
         device::DeviceCommand requested = tick.found.command;
         requested.e_W_V += sample.transfer_offset_V;
         const servo::LimitedCommand passed =
-            servo::limited(device_, requested, limiter_inputs(sample, tick.now));
+            servo::limited(device_, requested, limiter_inputs(sample, tick));
         tick.command = passed.command;
         tick.active_limits = passed.active_limits;
     } else { // no new measurement: the last command is held

@@ -96,7 +96,7 @@ LimitedCommand limited(const device::DeviceDescription &device,
                        device::joint_from_motor(device.geometry, now.theta_rate_rad_per_s));
     result.active_limits.at_edge = !edge_Nm.isZero(0.0);
 
-    Vector3 no_current_V; // back-EMF, less what R̂ makes of the sensor's offset
+    Vector3 no_current_V; // back-EMF and trim, less what R̂ makes of the sensor's offset
     Vector3 dR_Ohm;
     Vector3 e_W_V;
     for (Eigen::Index j = 0; j < 3; ++j) {
@@ -108,7 +108,8 @@ LimitedCommand limited(const device::DeviceDescription &device,
         dR_Ohm[j] = std::max(min_resistance_Ohm(file, motor) - R_hat_Ohm,
                              device::kMinResidualShare * file.resistance_Ohm);
         const double offset_V = R_hat_Ohm * motor.offset_A;
-        no_current_V[j] = motor.torque_constant_Nm_per_A * now.theta_rate_rad_per_s[j] - offset_V;
+        no_current_V[j] = motor.torque_constant_Nm_per_A * now.theta_rate_rad_per_s[j] +
+                          inputs.ramp * inputs.trim_V[j] - offset_V;
         const double edge_A =
             edge_Nm[j] / (device.geometry.transmission_ratio[j] * motor.torque_constant_Nm_per_A);
         e_W_V[j] = inputs.ramp * (requested.e_W_V[j] + dR_Ohm[j] * edge_A) - offset_V;

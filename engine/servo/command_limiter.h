@@ -31,6 +31,7 @@ struct LimiterInputs {
     double ramp = 0.0;                        ///< share of the command that is passed on
     Vector3 R_hat_limit_Ohm{Vector3::Zero()}; ///< the largest safe R̂ of each winding
     control::ObservedMotors motors;
+    Vector3 trim_V{Vector3::Zero()}; ///< part of e_W that no current is due to, see drive_gains.h
 };
 
 struct LimitedCommand {

@@ -429,7 +429,8 @@ void SafetyMonitor::proceed(bool release) noexcept {
 
 LimitedCommand SafetyMonitor::apply_limits(const device::DeviceCommand &requested,
                                            const Observation &seen) noexcept {
-    LimiterInputs inputs{seen.now, limits_, status_.ramp, Vector3::Zero(), seen.motors};
+    LimiterInputs inputs{seen.now,        limits_,     status_.ramp,
+                         Vector3::Zero(), seen.motors, seen.trim_V};
     for (std::size_t j = 0; j < winding_.size(); ++j) {
         const auto index = static_cast<Eigen::Index>(j);
         inputs.R_hat_limit_Ohm[index] = winding_[j].R_hat_limit_Ohm;

@@ -176,7 +176,8 @@ struct Observation {
     Vector3 spring_stretch_m{Vector3::Zero()}; ///< from the tip to the proxy, when touching
     /// The same with the tuning of the previous tick; differs only while a tuning changes.
     Vector3 spring_force_before_N{Vector3::Zero()};
-    control::ObservedMotors motors; ///< for which the command was computed
+    control::ObservedMotors motors;  ///< for which the command was computed
+    Vector3 trim_V{Vector3::Zero()}; ///< in it
     /// What was observed of windings as warm as the air; for those that are observed and trusted.
     std::array<control::ResistanceEstimate, 3> unheated{};
     /// What happened to each motor since the last measurement, if that is known.

@@ -245,6 +245,7 @@ Observation ServoLoop::observation(const control::Configuration &now,
                       : seen.spring_force_N;
     }
     seen.motors = motors_;
+    seen.trim_V = found.trim_V;
     for (std::size_t j = 0; j < seen.unheated.size(); ++j) {
         seen.unheated[j] = observers_.unheated(j);
         seen.interval[j] = observers_.interval(j);
@@ -395,7 +396,7 @@ ServoSample ServoLoop::update(const device::Measurement &measured, const ServoIn
     sample.scene_id = scene_id_;
     const control::LawOutcome found = law(now, sample);
     spring_A_ = found.spring_A;
-    trim_V_ = found.trim_V;
+    trim_V_ = found.trim_V.cwiseProduct(found.spring_A.cwiseSign());
     const std::optional<control::LawOutcome> unchanged =
         unchanged_law(filter_before, since.since_last_s, now.theta_rad, sample.contact);
 

@@ -130,7 +130,7 @@ private:
     WindingObservers observers_;
     control::ObservedMotors motors_;    ///< of this tick
     Vector3 spring_A_{Vector3::Zero()}; ///< of the last law
-    Vector3 trim_V_{Vector3::Zero()};   ///< the same
+    Vector3 trim_V_{Vector3::Zero()};   ///< the same, along i*
     control::HeldForce held_force_;
     contact::Proxy proxy_;
     std::uint32_t scene_id_ = 0;

@@ -236,10 +236,12 @@ TEST(Calibrate, SaysWhereItIsKeptAndWhyItIsNot) {
     EXPECT_NE(early.out.find("not calibrated: motor"), std::string::npos) << early.out;
 }
 
-/// Of two points of one motor.
+/// Of two points of one motor that is known to have no V_b; else R takes a calibration.
 testing::Ending sweep(const std::vector<std::string> &options) {
-    std::vector<std::string> all{"device",   "sweep", "--motors",    "2",
-                                 "--points", "2",     "--freq-from", "20"};
+    const std::filesystem::path file =
+        testing::write_phantom_without_brushes(testing::fresh_folder("swept"));
+    std::vector<std::string> all{"device",      "sweep", "--motors",      "2", "--points", "2",
+                                 "--freq-from", "20",    "--device-file", file};
     all.insert(all.end(), options.begin(), options.end());
     return testing::run_program(all);
 }

@@ -222,6 +222,7 @@ void FaultJudge::look_at_voltage(const Vector3 &permissible_V, const servo::Serv
 /// currents, and their force, are within 95 % of their limits.
 FaultJudge::Permissible FaultJudge::permissible(const TipAt &now,
                                                 const device::DeviceCommand &requested,
+                                                const Vector3 &trim_V,
                                                 const servo::ServoSample &sample) const {
     const device::MotorParameters &motor = device_.motor[0];
     Vector3 min_Ohm;
@@ -236,7 +237,7 @@ FaultJudge::Permissible FaultJudge::permissible(const TipAt &now,
     const Vector3 edge_Nm =
         servo::edge_torque_Nm(device_, now.q_rad, rate_rad_per_s_.cwiseQuotient(N))
             .cwiseQuotient(N);
-    const Vector3 back_emf_V = k_T_.cwiseProduct(rate_rad_per_s_);
+    const Vector3 back_emf_V = k_T_.cwiseProduct(rate_rad_per_s_) + trim_V;
     const Vector3 steady_current_A =
         (requested.e_W_V - back_emf_V).cwiseQuotient(min_Ohm) + edge_Nm.cwiseQuotient(k_T_);
     const double force_N = now.force_N(k_T_.cwiseProduct(steady_current_A)).norm();
@@ -281,12 +282,12 @@ void FaultJudge::look(const device::Measurement &measured, const servo::ServoInp
     find(servo::TripCause::tip_force, force_N.norm(), sample.limits.tip_force_N, kRoundOff);
     look_at_motion(now, sample, since_last_s);
     look_at_energy(now, force_N, sample);
-    device::DeviceCommand requested =
+    const control::LawOutcome found =
         law_(law_.configuration(theta_rad, rate_rad_per_s_), sample.contact, sample.tuning,
-             sample.global_alpha_rad2_per_m2, sample.motor, sample.lag_s)
-            .command;
+             sample.global_alpha_rad2_per_m2, sample.motor, sample.lag_s);
+    device::DeviceCommand requested = found.command;
     requested.e_W_V += sample.transfer_offset_V;
-    const Permissible passes = permissible(now, requested, sample);
+    const Permissible passes = permissible(now, requested, found.trim_V, sample);
     look_at_voltage(passes.e_W_V, sample);
     share_ = passes.share;
     state_ = sample.safety.state;

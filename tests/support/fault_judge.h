@@ -82,6 +82,7 @@ private:
         Vector3 e_W_V{Vector3::Zero()};
     };
     [[nodiscard]] Permissible permissible(const TipAt &now, const device::DeviceCommand &requested,
+                                          const Vector3 &trim_V,
                                           const servo::ServoSample &sample) const;
 
     device::DeviceDescription device_;

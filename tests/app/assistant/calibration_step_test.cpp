@@ -144,14 +144,14 @@ TEST(CalibrationStep, ShowsHowFarItIsAndStoppedOrLeftKeepsNothing) {
         walker.run(2.0);
         const StepReport early = walker.report();
         ASSERT_EQ(early.bars.size(), 4U); // a motor each, and the time
-        walker.run(3.0);
+        walker.run(6.0);
         const StepReport later = walker.report();
         for (std::size_t j = 0; j < 3; ++j) {
             EXPECT_GT(later.bars.at(j).value, early.bars[j].value) << early.bars[j].label;
             EXPECT_NE(early.bars[j].text.find("Ω"), std::string::npos);
         }
         constexpr double kFrame_s = 1.0 / 60.0;
-        EXPECT_NEAR(early.bars[3].value - later.bars[3].value, 3.0, 2.0 * kFrame_s); // time left
+        EXPECT_NEAR(early.bars[3].value - later.bars[3].value, 6.0, 2.0 * kFrame_s); // time left
         EXPECT_TRUE(walker.assistant.theta_rad());
         EXPECT_EQ(walker.verdict(), Verdict::open);
         EXPECT_EQ(at.board_state(), usb::BoardState::driving);

@@ -246,6 +246,10 @@ TEST(CalibrationOfSampledDevices, IsAsGoodAsItsSensorsAllow) {
         TriedCalibration tried;
         tried.seed = static_cast<std::uint64_t>(seed);
         tried.is_on_board = seed % 2 == 1;
+        const bool has_torque_ripple = seed % 4 < 2;
+        for (device::MotorParameters &motor : tried.file.motor) {
+            motor.max_torque_ripple *= has_torque_ripple ? 1.0 : 0.0;
+        }
         const CalibrationReport report = tried.run();
         ASSERT_TRUE(report.is_complete) << "device " << seed << ": " << report.problem;
         longest_s = std::max(longest_s, report.motion_s);
@@ -275,16 +279,18 @@ TEST(CalibrationOfSampledDevices, IsAsGoodAsItsSensorsAllow) {
                 << seed; // its film moves i_b
             EXPECT_LE(found.min_brush_current_A, found.max_brush_current_A);
 
-            // A standard deviation is at most 0.05 % of R; the largest of 600 is expected at 3.8 of
-            // them, and by one in 1000 at 5.1.
+            // A standard deviation is at most 0.055 % of R; the largest of 600 is expected at 3.8
+            // of them, and by one in 1000 at 5.1. That of k_T has the same period: where speed goes
+            // with the current it looks like one of R, of which the deviation says nothing.
+            const double of_k_T_Ohm = has_torque_ripple ? 2e-3 * truth.resistance_Ohm : 0.0;
             const std::array<double, 4> ripple_Ohm{found.ripple_cos_Ohm, found.ripple_sin_Ohm,
                                                    found.ripple_cos_2_Ohm, found.ripple_sin_2_Ohm};
             for (std::size_t k = 0; k < ripple_Ohm.size(); ++k) {
                 const double deviation_Ohm =
                     k < 2 ? found.ripple_deviation_Ohm : found.ripple_2_deviation_Ohm;
                 const double ripple_error_Ohm = std::abs(ripple_Ohm[k] - truth.ripple_Ohm[k]);
-                EXPECT_LT(ripple_error_Ohm, 5.1 * deviation_Ohm) << seed << ", " << k;
-                EXPECT_LT(deviation_Ohm, 5e-4 * truth.resistance_Ohm);
+                EXPECT_LT(ripple_error_Ohm, 5.1 * deviation_Ohm + of_k_T_Ohm) << seed << ", " << k;
+                EXPECT_LT(deviation_Ohm, 5.5e-4 * truth.resistance_Ohm);
                 worst_ripple_Ohm = std::max(worst_ripple_Ohm, ripple_error_Ohm);
             }
 

@@ -329,7 +329,7 @@ private:
 /// An emulated board with every effect of the simulation.
 factory::OpenBoard board(const std::vector<const char *> &faults = {}, std::uint64_t seed = 0) {
     factory::BoardRequest request;
-    request.description = testing::phantom_1_0();
+    request.description = testing::phantom_without_brushes(); // else R takes a calibration
     request.truth = request.description;
     request.emulation.start_tip_m = Vector3::Zero();
     request.emulation.simulation.device_seed = seed;

@@ -245,7 +245,7 @@ TEST_F(SafetyMonitorTest, RHatFollowsACoolingWinding) {
     start_up();
     // On a winding that is certainly warm, R̂ may exceed what 25 °C of the data sheet allows...
     device::DeviceCommand requested = little();
-    requested.cancelled_resistance_Ohm = Vector3::Constant(0.94 * device.motor[0].resistance_Ohm);
+    requested.cancelled_resistance_Ohm = Vector3::Constant(0.935 * device.motor[0].resistance_Ohm);
     Observation loaded = calm();
     loaded.current_A = Vector3::Constant(2.0);
     for (int i = 0; i < 30000; ++i) {

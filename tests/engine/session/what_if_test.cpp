@@ -166,8 +166,8 @@ TEST(WhatIf, CurrentsGoOnAcrossLateTicksAndMissingMeasurements) {
 
 TEST(WhatIf, ForceFollowsFromTheCurrentsWithTheirOffsets) {
     Press press;
-    press.simulation.device_seed = 5;               // deviations of motors and sensors
-    press.simulation.effects.brush_voltage = false; // of which a prediction knows nothing
+    press.simulation.device_seed = 5;                  // deviations of motors and sensors
+    press.device = testing::phantom_without_brushes(); // a prediction knows nothing of V_b
     press.inputs.observes_resistance = true;
     const Samples recorded = press.samples();
     const Samples found = answers(recorded, press.inputs.tuning);

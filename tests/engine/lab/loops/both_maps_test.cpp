@@ -405,7 +405,7 @@ TEST(WrongDirectionScene, ThereTheTrueForceIsWrongWithOneMapAndRightWithTheOther
                std::abs(limits::press_locked_device(phantom(), options, map, normal_rad).error_rad);
     };
     EXPECT_GT(error_deg(control::MotionMap::inverse), 35.0);
-    EXPECT_LT(error_deg(control::MotionMap::transpose), 5.0);
+    EXPECT_LT(error_deg(control::MotionMap::transpose), 10.0); // 5 without brushes
 }
 
 } // namespace

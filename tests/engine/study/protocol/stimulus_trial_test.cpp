@@ -168,8 +168,9 @@ TEST(StimulusTrial, ABlowComesWithItsSpeedAndIsTurned) {
     protocol.conditions[0].speed_m_per_s = 0.15;
     const StimulusTrial trial = presentation_to_a_hand(protocol);
     EXPECT_EQ(trial.failure, StimulusFailure::none) << trial.trip;
-    // The grip trails its target by 2 % at most; encoder counts of 0.03 mm over 10 ms are 2 %.
-    EXPECT_NEAR(trial.delivered.measures.speed_m_per_s.value(), 0.15, 0.04 * 0.15);
+    // The grip trails its target by 2 % at most, and 1 % where dR is held up; encoder counts of
+    // 0.03 mm over 10 ms are 2 %.
+    EXPECT_NEAR(trial.delivered.measures.speed_m_per_s.value(), 0.15, 0.05 * 0.15);
     EXPECT_NEAR(trial.delivered.measures.turn_deg.value(), 20.0, 1.0);
 }
 
