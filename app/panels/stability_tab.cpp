@@ -156,7 +156,7 @@ void show_margins(const limits::AutoTuned &found) {
 
 /// K_DC is less than what was found where a motor whose dR is held up would lose margin.
 void show_held_K_DC(const session::Session &session, const limits::AutoTuned &found) {
-    const double share = session.latest().stiffness_share;
+    const double share = session.latest().stiffness_share.maxCoeff();
     if (share < 1.0 - 1e-9) {
         ui::wrapped(kWarning, "now {:.3g} N·m/rad, as dR is held at {:.3g} Ω: see Gains",
                     found.margins.K_DC_Nm_per_rad * share, active_dR_Ohm(session));

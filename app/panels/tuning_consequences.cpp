@@ -29,7 +29,7 @@ double dR_of_motor_Ohm(const session::Session &session, std::size_t motor) {
 
 /// With K_P raised where dR is held up, as far as the law does that.
 double acting_K_DC_Nm_per_rad(const session::Session &session) {
-    return session.latest().stiffness_share *
+    return session.latest().stiffness_share.maxCoeff() *
            control::mean_static_stiffness_Nm_per_rad(session.description(), session.tuning().now());
 }
 

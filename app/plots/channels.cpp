@@ -19,7 +19,7 @@ namespace springdrive::app {
 
 namespace {
 
-constexpr std::array<Symbol, 108> kSymbols{{
+constexpr std::array<Symbol, 109> kSymbols{{
     // Parameters of the tuning.
     {"dR", "dR", "what is left of R at this motor, as far as R is known", "(7)",
      "residual uncanceled resistance"},
@@ -132,6 +132,7 @@ constexpr std::array<Symbol, 108> kSymbols{{
     {"V_b_deviation", "V_b", "standard deviation of what is known of V_b", "", ""},
     {"R_hat_max", "R-hat", "the most that was passed on in the tick before", "(7)", ""},
     {"trim", "", "voltage that makes up for what the current lacks at rest", "", ""},
+    {"load", "", "whether the motor carries some of the force that lasts, from 0 to 1", "", ""},
     {"R_hat", "R-hat", "resistance that the amplifier cancels: R − dR", "(6), (7)",
      "R-hat, gain of the positive current feedback"},
 

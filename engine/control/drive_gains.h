@@ -18,11 +18,14 @@
 //
 //   c = k_T / (P(1, 1) (L/dR + s a) − s K_D) = k_T / (k_T + (s − 1)(a P(1, 1) − K_D)),    at most 1
 //
-// c falls where k_T a > K_D L/dR, and is above 1/s. Direction before stiffness: all three motors
-// get the smallest c of any. The margin is the factor by which both gains may rise until a loop of
-// the device, with or without a hand, is unstable by its eigenvalues. In 7000 random tunings at 0.5
-// to 4 kHz, d from 0 to 1.5, s up to 4, it falls by 2 % or more in 1.6 %, and by 10.3 % at most;
-// without c it falls by more than 10 % in a tenth of them, and to a fourth.
+// c falls where k_T a > K_D L/dR, and is above 1/s. Direction before stiffness: the others get the
+// smallest c of any motor that carries a lasting force, from a tenth of the device's on. One that
+// carries none, like the base's on a table's plane, is never known and does not turn the force. The
+// share follows the load over 0.2 s, so that it is no stiffness of its own. The margin is the
+// factor by which both gains may rise until a loop of the device, with or without a hand, is
+// unstable by its eigenvalues. In 7000 random tunings at 0.5 to 4 kHz, d from 0 to 1.5, s up to 4,
+// it falls by 2 % or more in 1.6 %, and by 10.3 % at most; without c it falls by more than 10 % in
+// a tenth of them, and to a fourth.
 //
 // *What the current lacks.* At rest the current of the law's spring is i* = s c K_P (θ_Sd −
 // θ)/dR_j. Brushes and bridge take V_b/dR_j off it, and an R that is not what it is taken for
@@ -74,20 +77,32 @@ namespace springdrive::control {
 /// ω: 2 Hz. Contact's stiffness is then its own from 10 Hz on; a count makes 1 mV of u.
 inline constexpr double kTrimRate_per_s = 12.6;
 
-/// Whether a force lasts against a hand, from 0 to 1. RT-safe.
+/// The force that lasts, against a hand. RT-safe.
 class HeldForce {
 public:
     /// @param current_A  of all motors, without their offsets
-    double update(const Vector3 &current_A, double duration_s) noexcept {
+    void update(const Vector3 &current_A, double duration_s) noexcept {
         constexpr double kTime_s = 0.2;
-        constexpr double kNone_A = 0.05; // offsets that are not known yet
         if (current_A.allFinite()) {
             mean_A_ -= std::expm1(-duration_s / kTime_s) * (current_A - mean_A_);
         }
+    }
+
+    /// Whether there is any, from 0 to 1.
+    [[nodiscard]] double is_held() const noexcept {
         return std::clamp(mean_A_.norm() / kNone_A - 1.0, 0.0, 1.0);
     }
 
+    /// Whether a motor carries some of it, from 0 to 1.
+    [[nodiscard]] double load(Eigen::Index motor) const noexcept {
+        constexpr double kPart = 0.1;
+        return std::min(1.0,
+                        std::abs(mean_A_[motor]) / (kPart * std::max(mean_A_.norm(), kNone_A)));
+    }
+
 private:
+    static constexpr double kNone_A = 0.05; ///< offsets that are not known yet
+
     Vector3 mean_A_{Vector3::Zero()};
 };
 

@@ -54,18 +54,21 @@ LawOutcome HapticLaw::operator()(const Configuration &now, const contact::Contac
     found.used = tuning.map == MotionMap::transpose ? found.transpose
                                                     : found.inverse.value_or(no_force(now));
 
+    double common_share = 1.0;
     Vector3 gain = k_T_.cwiseQuotient(torque_constants(motors));
     for (std::size_t j = 0; j < motor_.size(); ++j) {
         const auto index = static_cast<Eigen::Index>(j);
         double &dR_Ohm = found.dR_Ohm[index];
         dR_Ohm = acting_dR_Ohm(motor_[j], motors[j], tuning.dR_Ohm);
         gain[index] *= dR_Ohm / device::residual_resistance_Ohm(motor_[j], tuning.dR_Ohm);
-        found.stiffness_share = std::min(found.stiffness_share,
-                                         allowed_stiffness_share(motor_[j], tuning, dR_Ohm, lag_s));
+        double &share = found.stiffness_share[index];
+        share = allowed_stiffness_share(motor_[j], tuning, dR_Ohm, lag_s);
+        common_share = std::min(common_share, 1.0 - motors[j].load * (1.0 - share));
         found.command.cancelled_resistance_Ohm[index] =
             cancelled_resistance_Ohm(motor_[j], motors[j], tuning.dR_Ohm);
     }
-    gain *= found.stiffness_share;
+    found.stiffness_share = found.stiffness_share.cwiseMin(common_share);
+    gain = gain.cwiseProduct(found.stiffness_share);
     found.command.e_W_V =
         drift_compensation_V(torque_constants(motors), tuning, now, found.used, gain);
     found.spring_A =

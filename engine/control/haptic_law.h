@@ -25,10 +25,10 @@ struct LawOutcome {
     MotorSetPoint transpose;              ///< (23), (24)
     MotorSetPoint used;                   ///< of the active map; no force where it has no solution
     Vector3 dR_Ohm{Vector3::Zero()};      ///< at which each motor is driven, as far as R is known
-    double stiffness_share = 1.0;         ///< of the tuning's K_q (20), the same for each motor
-    Vector3 spring_A{Vector3::Zero()};    ///< i*: the current of its spring at rest
-    Vector3 trim_V{Vector3::Zero()};      ///< part of e_W that makes up for what the current lacks
-    device::DeviceCommand command;        ///< e_W (10) and R̂ (7)
+    Vector3 stiffness_share{Vector3::Ones()}; ///< of the tuning's K_q (20)
+    Vector3 spring_A{Vector3::Zero()};        ///< i*: the current of its spring at rest
+    Vector3 trim_V{Vector3::Zero()}; ///< part of e_W that makes up for what the current lacks
+    device::DeviceCommand command;   ///< e_W (10) and R̂ (7)
 };
 
 /// Holds the device's constants; has no state from tick to tick.

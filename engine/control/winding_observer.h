@@ -84,6 +84,7 @@ struct ObservedMotor {
     double R_hat_limit_Ohm = std::numeric_limits<double>::infinity();
     /// Slow correction of e_W, along the current of the law's spring, see drive_gains.h.
     double trim_V = 0.0;
+    double load = 1.0; ///< whether it carries some of the force that lasts, from 0 to 1, see there
 };
 
 using ObservedMotors = std::array<ObservedMotor, 3>;

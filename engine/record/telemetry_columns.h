@@ -107,16 +107,16 @@ template <typename Sample, typename Visit> void of_law(Sample &s, Visit &visit) 
     // alone
     visit("command_mode", "1", s.command.mode);
     visit_three(visit, {"e_W1_V", "e_W2_V", "e_W3_V"}, "V", s.command.e_W_V);
-    constexpr std::array<std::array<std::string_view, 12>, 3> kMotorNames{{
+    constexpr std::array<std::array<std::string_view, 13>, 3> kMotorNames{{
         {"R1_Ohm", "R1_deviation_Ohm", "R_mean1_Ohm", "R_mean1_deviation_Ohm", "k_T1_Nm_per_A",
          "offset1_A", "R_observed1", "R_trusted1", "V_b1_V", "V_b1_deviation_V", "R_hat_max1_Ohm",
-         "trim1_V"},
+         "trim1_V", "load1"},
         {"R2_Ohm", "R2_deviation_Ohm", "R_mean2_Ohm", "R_mean2_deviation_Ohm", "k_T2_Nm_per_A",
          "offset2_A", "R_observed2", "R_trusted2", "V_b2_V", "V_b2_deviation_V", "R_hat_max2_Ohm",
-         "trim2_V"},
+         "trim2_V", "load2"},
         {"R3_Ohm", "R3_deviation_Ohm", "R_mean3_Ohm", "R_mean3_deviation_Ohm", "k_T3_Nm_per_A",
          "offset3_A", "R_observed3", "R_trusted3", "V_b3_V", "V_b3_deviation_V", "R_hat_max3_Ohm",
-         "trim3_V"},
+         "trim3_V", "load3"},
     }};
     for (std::size_t motor = 0; motor < 3; ++motor) {
         auto &observed = s.motor[motor];
@@ -132,10 +132,12 @@ template <typename Sample, typename Visit> void of_law(Sample &s, Visit &visit) 
         visit(kMotorNames[motor][9], "V", observed.brush_deviation_V);
         visit(kMotorNames[motor][10], "Ω", observed.R_hat_limit_Ohm);
         visit(kMotorNames[motor][11], "V", observed.trim_V);
+        visit(kMotorNames[motor][12], "1", observed.load);
     }
     visit("lag_s", "s", s.lag_s);
     visit_three(visit, {"dR1_Ohm", "dR2_Ohm", "dR3_Ohm"}, "Ω", s.dR_Ohm);
-    visit("stiffness_share", "1", s.stiffness_share);
+    visit_three(visit, {"stiffness_share1", "stiffness_share2", "stiffness_share3"}, "1",
+                s.stiffness_share);
     visit_three(visit, {"R_hat1_Ohm", "R_hat2_Ohm", "R_hat3_Ohm"}, "Ω",
                 s.command.cancelled_resistance_Ohm);
     visit_three(visit, {"current1_A", "current2_A", "current3_A"}, "A", s.current_A);

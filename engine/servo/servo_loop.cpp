@@ -151,7 +151,7 @@ control::LawOutcome ServoLoop::law(const control::Configuration &now,
 Vector3 ServoLoop::spring_force_N(const control::Configuration &now, const control::Tuning &tuning,
                                   const control::LawOutcome &found) const noexcept {
     return control::static_tip_force(
-        now.J, found.stiffness_share * law_.static_stiffness_Nm_per_rad(tuning),
+        now.J, found.stiffness_share.cwiseProduct(law_.static_stiffness_Nm_per_rad(tuning)),
         found.used.theta_Sd_rad - now.theta_rad);
 }
 
@@ -196,10 +196,10 @@ void ServoLoop::observe_motors(const device::Measurement &measured, const Vector
     }
     const double step_Ohm = max_resistance_change_Ohm_per_s(device_.description()) * period_s_;
     const control::ObservedMotors before = std::exchange(motors_, observers_.motors());
-    const double held = held_force_.update(control::without_offsets(measured.current_A, motors_),
-                                           since.since_last_s);
+    held_force_.update(control::without_offsets(measured.current_A, motors_), since.since_last_s);
     for (std::size_t j = 0; j < motors_.size(); ++j) {
         const auto i = static_cast<Eigen::Index>(j);
+        motors_[j].load = held_force_.load(i);
         motors_[j].R_hat_limit_Ohm =
             std::clamp(R_hat_limit_Ohm[i], before[j].R_hat_limit_Ohm - step_Ohm,
                        before[j].R_hat_limit_Ohm + step_Ohm);
@@ -207,8 +207,9 @@ void ServoLoop::observe_motors(const device::Measurement &measured, const Vector
         if (!safety_.lets_pass() || inputs_.fixed_x0_m) {
             motors_[j].trim_V = 0.0;
         } else if (const std::optional<control::DrivenInterval> &driven = observers_.interval(j)) {
-            motors_[j].trim_V = control::next_trim_V(device_.description().motor[j], motors_[j],
-                                                     *driven, trim_V_[i], spring_A_[i], held);
+            motors_[j].trim_V =
+                control::next_trim_V(device_.description().motor[j], motors_[j], *driven,
+                                     trim_V_[i], spring_A_[i], held_force_.is_held());
         } else {
             motors_[j].trim_V = trim_V_[i];
         }

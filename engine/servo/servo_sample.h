@@ -44,7 +44,7 @@ struct ServoSample {
     control::ObservedMotors motor;              ///< for which the command was computed
     double lag_s = 0.0;                         ///< T (½ + d), with which it was computed
     Vector3 dR_Ohm{Vector3::Zero()};            ///< at which each motor is driven
-    double stiffness_share = 1.0;               ///< of the tuning's K_q (20), see drive_gains.h
+    Vector3 stiffness_share{Vector3::Ones()};   ///< of the tuning's K_q (20), see drive_gains.h
     device::DeviceCommand command;              ///< as passed on by the safety monitor
     Vector3 current_A{Vector3::Zero()};         ///< as measured, with the sensors' offsets
     Vector3 tip_force_N{Vector3::Zero()};       ///< rendered force: J⁻ᵀ k_T i (3), (22)

@@ -33,7 +33,7 @@ bool is_of_a_motor(const control::ObservedMotor &motor, const servo::WindingStat
     return winding.R_hat_limit_Ohm >= 0.0 && std::isfinite(motor.here.resistance_Ohm) &&
            motor.here.deviation_Ohm >= 0.0 && motor.mean.deviation_Ohm >= 0.0 &&
            std::isfinite(motor.offset_A) && std::isfinite(motor.torque_constant_Nm_per_A) &&
-           motor.torque_constant_Nm_per_A > 0.0;
+           motor.torque_constant_Nm_per_A > 0.0 && motor.load >= 0.0 && motor.load <= 1.0;
 }
 
 /// Whether a tick has only values that a servo can have: a record may be of any origin.

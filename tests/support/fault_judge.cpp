@@ -176,8 +176,8 @@ void FaultJudge::look_at_energy(const TipAt &now, const Vector3 &force_N,
     }
     double stored_J = 0.0;
     if (sample.contact.touching) {
-        const Vector3 K_DC =
-            sample.stiffness_share * k_T_ * (sample.tuning.K_P_V_per_rad / sample.tuning.dR_Ohm);
+        const Vector3 K_DC = k_T_.cwiseProduct(sample.stiffness_share) *
+                             (sample.tuning.K_P_V_per_rad / sample.tuning.dR_Ohm);
         const Vector3 spring_N =
             now.force_N(K_DC.cwiseProduct(sample.theta_Sd_rad - sample.theta_rad));
         const Vector3 stretch_m = sample.contact.x0_m - now.tip_m;

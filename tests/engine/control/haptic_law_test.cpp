@@ -219,7 +219,7 @@ TEST_F(HapticLawTest, TheForcePointsAlongTheNormalWhateverDREachMotorHas) {
             held_up(device.motor[0], tuning.dR_Ohm, 1.0 + 0.001 * (run % 600), run % 4 < 2);
         const LawOutcome found = law(now, contact, tuning, kGlobalAlpha, motors, kLag_s);
         const Vector3 force_N = static_force_N(device, now, found.command, motors);
-        const Vector3 expected_N = found.stiffness_share * found.alpha_rad2_per_m2 * k_T *
+        const Vector3 expected_N = found.stiffness_share[0] * found.alpha_rad2_per_m2 * k_T *
                                    tuning.K_P_V_per_rad / tuning.dR_Ohm *
                                    (contact.x0_m - now.tip_m);
         EXPECT_LT((force_N - expected_N).norm(), 1e-9 * (1.0 + expected_N.norm()));
@@ -240,22 +240,29 @@ TEST_F(HapticLawTest, BeyondTheLimitAllMotorsLoseTheSameStiffness) {
     const contact::Contact contact = any_contact(now);
     const Tuning tuning;
     ObservedMotors motors = motors_of_file(device.motor);
-    EXPECT_EQ(law(now, contact, tuning, kGlobalAlpha, motors, kLag_s).stiffness_share, 1.0);
+    EXPECT_EQ(law(now, contact, tuning, kGlobalAlpha, motors, kLag_s).stiffness_share,
+              Vector3::Ones());
     motors[1] = held_up(device.motor[1], tuning.dR_Ohm, 2.5, true);
     const LawOutcome found = law(now, contact, tuning, kGlobalAlpha, motors, kLag_s);
     EXPECT_LT((found.dR_Ohm - Vector3(0.5, 1.25, 0.5)).norm(), 1e-12);
     // k_T, K_D, L: P = 0.0334/(0.476e-3 + 1.5e-3) V/rad; c = k_T/(k_T + 1.5 (1.5e-3 P − K_D)).
-    EXPECT_NEAR(found.stiffness_share, 0.504, 1e-3);
+    EXPECT_LT((found.stiffness_share - Vector3::Constant(0.504)).norm(), 1e-3);
     const Vector3 expected_V =
         k_T * found.used.theta_Sd_rate_rad_per_s +
-        found.stiffness_share *
+        found.stiffness_share[0] *
             Vector3(1.0, 2.5, 1.0)
                 .cwiseProduct(tuning.K_P_V_per_rad * (found.used.theta_Sd_rad - now.theta_rad) +
                               tuning.K_D_Vs_per_rad *
                                   (found.used.theta_Sd_rate_rad_per_s - now.theta_rate_rad_per_s));
     EXPECT_LT((found.command.e_W_V - expected_V).norm(), 1e-12);
+    // A motor that carries no force has its own, and the others all of theirs.
+    motors[1].load = 0.0;
+    EXPECT_EQ(law(now, contact, tuning, kGlobalAlpha, motors, kLag_s).stiffness_share,
+              Vector3(1.0, found.stiffness_share[1], 1.0));
+    motors[1].load = 1.0;
     // Where the lag costs less than K_D gives, nothing is lost.
-    EXPECT_EQ(law(now, contact, tuning, kGlobalAlpha, motors, 0.0).stiffness_share, 1.0);
+    EXPECT_EQ(law(now, contact, tuning, kGlobalAlpha, motors, 0.0).stiffness_share,
+              Vector3::Ones());
 }
 
 TEST_F(HapticLawTest, TheTrimIsAddedAlongTheSpringInContactAlone) {

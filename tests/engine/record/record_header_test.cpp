@@ -327,7 +327,7 @@ TEST(TelemetryColumns, KnowEveryMember) {
     [[maybe_unused]] const auto &[minimum, maximum, R_hat_limit, is_limited, is_contradicted,
                                   generates, housing] = winding[0];
     [[maybe_unused]] const auto &[here, mean, k_T, offset, is_observed, is_trusted, brush,
-                                  brush_deviation, held_R_hat, trim] = motor[0];
+                                  brush_deviation, held_R_hat, trim, load] = motor[0];
     [[maybe_unused]] const auto &[R, deviation] = here;
     EXPECT_EQ(sizeof limits, servo::kSafetyLimits.size() * sizeof(double));
 }

@@ -305,10 +305,10 @@ private:
         if (has_trim_) {
             interval_.after_A = current_A_;
             interval_.after_rad = read_rad;
+            held_.update(Vector3(current_A_, 0.0, 0.0), T);
             trim_V_ = used_trim_V(motor,
                                   next_trim_V(motor, motor_of_file(motor), interval_, trim_V_,
-                                              last_spring_A_,
-                                              held_.update(Vector3(current_A_, 0.0, 0.0), T)),
+                                              last_spring_A_, held_.is_held()),
                                   spring_A);
             last_spring_A_ = spring_A;
         }
