@@ -285,7 +285,7 @@ TEST_F(HapticLawTest, TheTrimIsAddedAlongTheSpringInContactAlone) {
         const Vector3 current_A =
             tuning.K_P_V_per_rad / tuning.dR_Ohm * (found.used.theta_Sd_rad - now.theta_rad);
         for (Eigen::Index j = 0; j < 3; ++j) {
-            const double limit_V = device.motor[0].resistance_Ohm * std::abs(current_A[j]);
+            const double limit_V = 3.0 * device.motor[0].resistance_Ohm * std::abs(current_A[j]);
             EXPECT_NEAR(found.command.e_W_V[j] - without.command.e_W_V[j],
                         std::copysign(std::min(0.05, limit_V), current_A[j]), 1e-12);
         }
