@@ -53,8 +53,10 @@ record() {
     end_emulator
 
     emulate
+    # As the emulated motors are: else dR is held up until a touch has told R from V_b.
+    sed '/greatest_brush_voltage_V/s/0\.5/0.0/' phantom_1_0.toml >brushless.toml
     ./springdrive device sweep --device usb --at-zero --motors 2 --freq-from 2 --points 4 --tolerance 2 \
-        --device-file phantom_1_0.toml
+        --device-file brushless.toml
     end_emulator
 }
 
