@@ -204,17 +204,19 @@ constexpr std::array<Naming, 14> kPacketNamings{{
 
 // Where nothing must trip, only a self-test names the fault (PROTOCOL.md, "Control requests",
 // findings 0 to 5). In operation it may go unnoticed, or show by its consequences.
+/// What a board finds where the sign of a current or of a turn is wrong: a winding that generates.
+constexpr std::uint16_t kGenerates = BoardFaults::kOverCurrent | BoardFaults::kEncoder;
 constexpr std::array<Naming, 17> kBoardNamings{{
     {FaultKind::stuck_encoder, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
-    {FaultKind::reversed_encoder, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
-    {FaultKind::crossed_encoders, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
+    {FaultKind::reversed_encoder, kOut, says_nothing, kGenerates, kWrongAngles},
+    {FaultKind::crossed_encoders, kOut, says_nothing, kGenerates, kWrongAngles},
     {FaultKind::lost_counts, kOut, says_nothing, BoardFaults::kEncoder, kWrongAngles},
     {FaultKind::failed_sensor, kOut, says_nothing, BoardFaults::kSensor, 0, TripCause::board_fault},
-    {FaultKind::reversed_sensor, kOut, says_nothing, 0, kWrongMotor},
-    {FaultKind::crossed_sensors, kOut, says_nothing, 0, kWrongMotor},
+    {FaultKind::reversed_sensor, kOut, says_nothing, kGenerates, kWrongMotor},
+    {FaultKind::crossed_sensors, kOut, says_nothing, kGenerates, kWrongMotor},
     {FaultKind::sensor_gain, kOut, says_nothing, 0, kWrongMotor},
     {FaultKind::open_winding, kOut, says_nothing, 0, kWrongMotor},
-    {FaultKind::crossed_motors, kOut, says_nothing, 0, kWrongMotor},
+    {FaultKind::crossed_motors, kOut, says_nothing, kGenerates, kWrongMotor},
     {FaultKind::failed_stage, kOut, says_nothing, BoardFaults::kAmplifier, 0,
      TripCause::board_fault},
     {FaultKind::hot_stage, kOut, says_nothing, BoardFaults::kTemperature, 0, TripCause::board_fault,

@@ -20,6 +20,7 @@
 #include "tests/app/study/headless_study.h"
 #include "tests/app/study/study_program.h"
 #include "tests/support/cases.h"
+#include "tests/support/devices.h"
 #include "tests/support/pressed_keys.h"
 #include "tests/support/program.h"
 #include "tests/support/shown_window.h"
@@ -417,7 +418,11 @@ void run_through(const std::string &name, const std::string &text, const Events 
     SCOPED_TRACE(name);
     const fs::path folder = testing::fresh_folder("study_window_" + name);
     const fs::path protocol_file = folder / "short.toml";
-    std::ofstream(protocol_file) << text;
+    // With V_b, a board that is not calibrated is softer than asked for, and its trials are marked.
+    const fs::path device_file = testing::write_phantom_without_brushes(folder);
+    std::ofstream(protocol_file) << testing::with(
+        text,
+        {{"\ndevice = \"phantom_1_0\"", "\ndevice = \"" + device_file.filename().string() + "\""}});
     const study::Protocol protocol = study::read_protocol_file(protocol_file);
     Day day(protocol, folder, events);
     const std::string file = (folder / "short.study").string();
