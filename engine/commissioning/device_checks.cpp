@@ -446,9 +446,8 @@ namespace {
 /// Judges the sums of a MotionCheck.
 class MotionJudge {
 public:
-    MotionJudge(const device::DeviceDescription &device, const WindingReport &windings,
-                MotionReport &report)
-        : device_(device), windings_(windings), report_(report) {}
+    MotionJudge(const WindingReport &windings, MotionReport &report)
+        : windings_(windings), report_(report) {}
 
     void judge_motor(std::size_t i, double agreement, bool is_crossed) {
         const MotionFigures &motor = report_.motor[i];
@@ -593,7 +592,6 @@ private:
         }
     }
 
-    const device::DeviceDescription &device_;
     const WindingReport &windings_;
     MotionReport &report_;
 };
@@ -648,7 +646,7 @@ MotionFigures MotionCheck::figures(std::size_t i) const {
 MotionReport MotionCheck::report(bool is_zeroed) const {
     MotionReport report;
     report.stops = stops();
-    MotionJudge judge(device_, windings_, report);
+    MotionJudge judge(windings_, report);
     for (std::size_t i = 0; i < 3; ++i) {
         report.motor[i] = figures(i);
         bool is_crossed = false;

@@ -236,8 +236,8 @@ double touch_left_s(const device::DeviceDescription &device, std::size_t motor,
                            std::sqrt(6.0) / kWindow_s; // rounded at both ends
     // R apart from V_b shows only as far as |i| varies: taken as one that a hand does not hold
     // still.
-    constexpr double kVaried = 0.3;
-    const double used_A = (known.brush_deviation_V > 0.0 ? kVaried : 1.0) * std::abs(current_A);
+    constexpr double kVariation = 0.3;
+    const double used_A = (known.brush_deviation_V > 0.0 ? kVariation : 1.0) * std::abs(current_A);
     const double window_Ohm = count_V / used_A;
     return kWindow_s * window_Ohm * window_Ohm *
            (1.0 / (enough_Ohm * enough_Ohm) - 1.0 / (deviation_Ohm * deviation_Ohm));

@@ -346,7 +346,7 @@ private:
     std::function<void()> on_thread_;
     Warnings warnings_;
     std::string exclusive_use_error_;
-    std::unique_ptr<ExclusiveUse> exclusive_use_; ///< ends first
+    std::shared_ptr<ExclusiveUse> exclusive_use_; ///< ends first; its type is not known here
 };
 
 // Report on a completed run: the servo's timing, whether it was stopped, what was recorded.

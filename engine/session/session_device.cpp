@@ -459,7 +459,7 @@ void Session::begin_exclusive_use(std::function<bool()> tick) {
     }
     require_not_stopped();
     exclusive_use_error_.clear();
-    exclusive_use_ = std::make_unique<ExclusiveUse>(std::move(tick), servo_->period_s());
+    exclusive_use_ = std::make_shared<ExclusiveUse>(std::move(tick), servo_->period_s());
     release_until_zeroed();
 }
 
