@@ -13,6 +13,7 @@
 #include "engine/control/tuning.h"
 #include "engine/lab/limits/method_limits/experiment.h"
 #include "engine/lab/limits/stability_limits.h"
+#include "engine/lab/loops/passivity.h"
 #include "engine/lab/loops/stability_case.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 
@@ -205,6 +206,9 @@ struct StabilityReport {
     loops::StabilityCase which;
     loops::WorstMember worst;
     bool stable_simulated = true; ///< with counts and supply
+    /// Of a spring drive, at any η; nothing of a current drive.
+    std::optional<loops::LeastAtPort> passive;
+    loops::LeastAtPort linear_hands; ///< the same
     const loops::StabilityParameter *varied = nullptr;
     limits::ParameterRange range;
     std::vector<limits::StabilityLimit> limits;
@@ -274,6 +278,9 @@ void write_verdict(std::ostream &out, const StabilityReport &report) {
           who(report.which, report.worst.member));
     print(out, "simulated  {:<8}  released 1 mm aside, with encoder counts and supply limits\n",
           report.stable_simulated ? "stable" : "UNSTABLE");
+    if (report.passive) {
+        print(out, "coupling   {}\n", loops::port_text(*report.passive, report.linear_hands));
+    }
     if (report.which.drive == device::AmplifierKind::current_drive) {
         print(out,
               "2b/(T(1 + 2d) + 2/ω)  {:.4g} N/m at the tip: Colgate and Schenkel's limit for a "
@@ -327,6 +334,8 @@ void write_limits(std::ostream &out, const StabilityReport &report) {
 
 Json found_json(const std::optional<double> &found) { return found ? Json(*found) : Json(nullptr); }
 
+Json finite_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
 Json throughout_json(const std::optional<bool> &stable) {
     return stable ? Json(*stable ? "stable" : "unstable") : Json(nullptr);
 }
@@ -356,6 +365,13 @@ void write_stability_json(std::ostream &out, const StabilityReport &report) {
                          {"largest_eigenvalue", report.worst.eigenvalue},
                          {"worst", member_json(report.which, report.worst.member)}};
     json["simulated"] = {{"stable", report.stable_simulated}};
+    json["coupling"] = report.passive
+                           ? Json{{"passive", report.passive->holds()},
+                                  {"stable_with_every_linear_hand", report.linear_hands.holds()},
+                                  {"least_absorbed", finite_json(report.passive->value)},
+                                  {"at_rad_per_s", report.passive->omega_rad_per_s},
+                                  {"at_eta", 1.0 - report.passive->held}}
+                           : Json(nullptr);
     if (report.varied != nullptr) {
         json["vary"] = report.varied->name;
         json["unit"] = report.varied->unit;
@@ -406,6 +422,10 @@ StabilityReport report_of(const TypedStability &typed) {
     report.worst = loops::worst_member(report.which);
     report.stable_simulated = limits::is_stable_simulated(
         report.which, limits::TrialOptions::with(limits::SimulationEffects::electronics()));
+    if (report.which.drive == device::AmplifierKind::spring_drive) {
+        report.passive = loops::passivity(report.which);
+        report.linear_hands = loops::stability_with_linear_hands(report.which);
+    }
     if (!typed.vary.empty()) {
         report.varied = &typed_parameter("--vary", typed.vary);
         check_that_it_counts("--vary", *report.varied, report.which);

@@ -235,6 +235,7 @@ void write_tuned(std::ostream &out, const limits::AutoTuned &found) {
           found.tuning.K_P_V_per_rad, found.tuning.K_D_Vs_per_rad, found.tuning.lambda_rad_per_s,
           margins.K_DC_Nm_per_rad);
     print(out, "stable in {} loops: every hand, configuration and η\n", found.loops);
+    print(out, "coupling {}\n", found.coupling);
     print(out, "margins: K_P and K_D × {:.3g} (then unstable with {} at η {:.2g})", margins.gain,
           loops::hand_text(margins.worst_hand), margins.worst_eta);
     print(out, ", {} more whole periods of delay, dR down to {:.3g} Ω\n",
@@ -258,6 +259,7 @@ struct TypedTune {
     double servo_hz = 1000.0;
     double delay_periods = 0.0;
     double margin = limits::AutoTuneRequest{}.margin;
+    bool is_stable_only = false;
     std::string kinematics{control::name_of(control::MotionMap::transpose)};
     std::string out; ///< empty: standard output, after the report
     Existing existing = Existing::keep;
@@ -278,13 +280,15 @@ limits::AutoTuneRequest request_of(const TypedTune &typed) {
     which.delay_periods = typed.delay_periods;
     check_range("--margin", typed.margin, 1.0, 10.0);
     request.margin = typed.margin;
+    request.is_passive = !typed.is_stable_only;
     return request;
 }
 
 std::string description_of(const TypedTune &typed, const limits::AutoTuned &found) {
-    return fmt::format("the stiffest for {:.4g} Hz and a delay of {:.4g} with dR {:.4g} Ω and a "
+    return fmt::format("the stiffest {}for {:.4g} Hz and a delay of {:.4g} with dR {:.4g} Ω and a "
                        "margin of {:.4g}: K_DC {:.4g} N·m/rad at the motor",
-                       typed.servo_hz, typed.delay_periods, typed.dR_Ohm, typed.margin,
+                       typed.is_stable_only ? "" : "passive one ", typed.servo_hz,
+                       typed.delay_periods, typed.dR_Ohm, typed.margin,
                        found.margins.K_DC_Nm_per_rad);
 }
 
@@ -313,7 +317,7 @@ void run(const TypedTune &typed) {
 
 void add_tune_command(Command &app) {
     Command tune = app.add_subcommand(
-        "tune", "the stiffest tuning that is stable with every hand, as a tuning file");
+        "tune", "the stiffest tuning that is passive and stable, as a tuning file");
     const auto typed = std::make_shared<TypedTune>();
     add_device_file_option(tune, typed->device_file);
     tune.add_option("--dR", typed->dR_Ohm, "residual resistance (7), fixed in the search [0.5]")
@@ -323,6 +327,8 @@ void add_tune_command(Command &app) {
     tune.add_option("--margin", typed->margin,
                     "factor by which K_P and K_D may still grow, 1 to 10 [1.3]")
         .type_name("FACTOR");
+    tune.add_flag("--stable-only", typed->is_stable_only,
+                  "stiffer: stable with the hands tried, but not passive");
     add_motion_map_option(tune, "--kinematics", typed->kinematics);
     tune.add_option("--out", typed->out, "the file to write [standard output]")
         .type_name("FILE.toml");

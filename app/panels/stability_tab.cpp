@@ -8,6 +8,7 @@
 #include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/stability_limits.h"
+#include "engine/lab/loops/passivity.h"
 
 #include <algorithm>
 #include <array>
@@ -52,8 +53,12 @@ StabilityHeadroom headroom_of(const loops::StabilityCase &which, bool is_stable,
 StabilityPrediction prediction_of(const loops::StabilityCase &which) {
     const loops::WorstMember worst = loops::worst_member(which);
     const bool is_stable = worst.is_stable();
-    return {worst, which.period_s, headroom_of(which, is_stable, "kp", true),
-            headroom_of(which, is_stable, "kd", true), headroom_of(which, is_stable, "dR", false)};
+    return {worst,
+            which.period_s,
+            loops::port_text(loops::passivity(which), loops::stability_with_linear_hands(which)),
+            headroom_of(which, is_stable, "kp", true),
+            headroom_of(which, is_stable, "kd", true),
+            headroom_of(which, is_stable, "dR", false)};
 }
 
 /// Device, rate and tuning can all be exchanged.
@@ -104,7 +109,7 @@ void show_verdict(const StabilityPrediction &prediction) {
     const std::string who = "motor " + std::to_string(prediction.worst.member.motor + 1) + ", " +
                             loops::hand_text(prediction.worst.member.hand.name);
     if (stable) {
-        ui::text(kInk, "with every hand");
+        ui::text(kInk, "with the hands tried");
         ui::text(kFaintInk, "slowest decay: {:.0f} ms, {}", -1000.0 / rate, who);
     } else {
         ui::text(kInk, "grows e-fold in {:.1f} ms", 1000.0 / rate);
@@ -115,6 +120,10 @@ void show_verdict(const StabilityPrediction &prediction) {
         "each motor separately, with no hand and with five hands from light to firm;\n"
         "a motion decays, or grows, by a factor of e = 2.7 in this time",
         prediction.worst.eigenvalue));
+    ui::wrapped(kInk, "coupling {}", prediction.coupling);
+    ui::explain("passive: whatever holds the device, and whatever is between it and the motors,\n"
+                "cannot be made to oscillate; in contact and in free space, at any η.\n"
+                "A linear hand is any of masses, springs and dampers that do not change");
 }
 
 void show_prediction(const StabilityPrediction &prediction) {
@@ -136,6 +145,7 @@ void show_margins(const limits::AutoTuned &found) {
     ui::wrapped(kInk, "K_DC {:.3g} N·m/rad at dR {:.3g} Ω", margins.K_DC_Nm_per_rad,
                 found.tuning.dR_Ohm);
     ui::explain("static stiffness k_T K_P/dR (13) at the motor");
+    ui::wrapped(kInk, "coupling {}", found.coupling);
     ui::wrapped(kInk, "margins: gains × {:.2f}, dR to {:.3g} Ω, delay + {}", margins.gain,
                 margins.min_dR_Ohm, margins.more_delay_periods);
     ui::explain("changes with which it remains stable, one at a time: larger K_P and K_D, a lower\n"
@@ -326,12 +336,13 @@ void StabilityTab::start_search(const session::Session &session) {
     message_.clear();
     searched_ = stability_case_of(session, session.tuning().now());
     searched_slot_ = session.tuning().slots().active();
-    search_.start([request = limits::AutoTuneRequest{searched_, margin_}](BackgroundTalk &talk) {
-        return limits::auto_tune(request, [&talk](double share) {
-            talk.share = share;
-            return talk.is_needed();
+    search_.start(
+        [request = limits::AutoTuneRequest{searched_, margin_, is_passive_}](BackgroundTalk &talk) {
+            return limits::auto_tune(request, [&talk](double share) {
+                talk.share = share;
+                return talk.is_needed();
+            });
         });
-    });
 }
 
 /// The result as a tuning file in the own folder.
@@ -361,6 +372,10 @@ void StabilityTab::draw_search(const session::Session &session) {
         ui::progress("search", search_.share(), done);
         return;
     }
+    ui::checkbox("passive", is_passive_);
+    ui::explain("for the search: whatever holds the device cannot be made to oscillate, not only\n"
+                "the hands tried; less stiff");
+    ImGui::SameLine();
     if (ui::button("find the stiffest")) {
         start_search(session);
     }

@@ -63,6 +63,7 @@ struct StabilityHeadroom {
 struct StabilityPrediction {
     loops::WorstMember worst;
     double period_s = 1e-3;
+    std::string coupling; ///< see `loops::port_text`
     StabilityHeadroom K_P;
     StabilityHeadroom K_D;
     StabilityHeadroom dR;
@@ -86,6 +87,7 @@ private:
     void save();
 
     double margin_ = limits::AutoTuneRequest{}.margin;
+    bool is_passive_ = true; ///< the tuning that is searched for
     Background<StabilityPrediction> watch_;
     std::optional<StabilityPrediction> prediction_;
     std::optional<loops::StabilityCase> looked_at_;

@@ -7,6 +7,7 @@
 #include "base/print.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/control/tuning.h"
+#include "engine/lab/loops/passivity.h"
 
 #include <fmt/core.h>
 
@@ -158,7 +159,7 @@ loops::StabilityCase stability_case_of(const session::Session &session,
 StabilityIndicator TuningEditor::compute_indicator(const control::Tuning &tuning) const {
     loops::StabilityCase which = stability_case_of(session_, tuning);
     which.hands = hands_of(hand);
-    return {loops::worst_member(which), which.period_s};
+    return {loops::worst_member(which), which.period_s, loops::passivity(which).holds()};
 }
 
 void TuningEditor::update() { indicator_ = compute_indicator(now()); }

@@ -84,6 +84,7 @@ inline constexpr std::array<const char *, 5> kIndicatorHandLabels{
 struct StabilityIndicator {
     loops::WorstMember worst; ///< the loop of a motor and a hand that decays most slowly
     double period_s = 1e-3;   ///< of the servo
+    bool is_passive = false;  ///< whatever the hand, see loops/passivity.h
 
     [[nodiscard]] bool is_stable() const { return worst.is_stable(); }
 

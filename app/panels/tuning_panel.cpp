@@ -255,9 +255,14 @@ void draw_indicator(TuningEditor &editor) {
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
     const double time_ms = 1e3 * indicator.time_constant_s();
-    ui::text(is_stable ? kGood : kDanger, "{}", is_stable ? "stable" : "UNSTABLE");
+    ui::text(is_stable ? kGood : kDanger, "{}",
+             !is_stable             ? "UNSTABLE"
+             : indicator.is_passive ? "passive"
+                                    : "stable");
     ui::explain(
-        ui::formatted("predicted for the active tuning at the present configuration, in contact:\n"
+        ui::formatted("passive: with whatever holds the device, in contact and in free space;\n"
+                      "stable: with the hand chosen here, in contact.\n"
+                      "predicted for the active tuning at the present configuration, in contact:\n"
                       "a motion {} by a factor of e in {:.0f} ms, of motor {} with {}",
                       is_stable ? "decays" : "grows", time_ms, indicator.worst.member.motor + 1,
                       loops::hand_text(indicator.worst.member.hand.name)));

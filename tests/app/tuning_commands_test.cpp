@@ -3,6 +3,7 @@
 #include "engine/control/tuning_file.h"
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/lab/limits/stability_limits.h"
+#include "engine/lab/loops/passivity.h"
 #include "tests/support/csv.h"
 #include "tests/support/program.h"
 #include "tests/support/stability_cases.h"
@@ -70,6 +71,7 @@ TEST(TuneCommand, WritesATuningThatIsStable) {
     ASSERT_EQ(told.exit_status, 0) << told.error;
     EXPECT_EQ(told.out.substr(0, 4), "K_P ") << told.out;
     EXPECT_NE(told.out.find("margins: "), std::string::npos) << told.out;
+    EXPECT_NE(told.out.find("coupling passive"), std::string::npos) << told.out;
     EXPECT_EQ(to_standard_output.out, testing::contents_of(file))
         << "the report is on a separate stream";
     EXPECT_EQ(to_standard_output.error.substr(0, 4), "K_P ") << to_standard_output.error;
@@ -83,6 +85,7 @@ TEST(TuneCommand, WritesATuningThatIsStable) {
     const testing::Ending stable =
         run_tuning("stability", {"--tuning-file", file, "--servo-hz", "500"});
     EXPECT_EQ(stable.exit_status, 0) << stable.out << stable.error;
+    EXPECT_NE(stable.out.find("coupling   passive"), std::string::npos) << stable.out;
 }
 
 TEST(TuneCommand, SaysByHowManyPerCentCountsHeldItBack) {
@@ -284,6 +287,22 @@ TEST(StabilityCommand, KnowsEveryLoopThatCanBeTyped) {
                   loops::worst_member(which).eigenvalue)
             << (one.options.empty() ? "" : one.options.front());
     }
+}
+
+TEST(StabilityCommand, TellsWhetherTheCouplingIsPassive) {
+    for (const char *K_P : {"3", "12", "25"}) {
+        loops::StabilityCase which = testing::firm();
+        which.tuning.K_P_V_per_rad = std::stod(K_P);
+        const loops::LeastAtPort passive = loops::passivity(which);
+        const bool with_linear_hands = loops::stability_with_linear_hands(which).holds();
+        const Json coupling = json_of({"--kp", K_P})["coupling"];
+        EXPECT_EQ(coupling["passive"], passive.holds()) << K_P;
+        EXPECT_EQ(coupling["stable_with_every_linear_hand"], with_linear_hands) << K_P;
+        EXPECT_EQ(coupling["least_absorbed"].get<double>(), passive.value) << K_P;
+        EXPECT_EQ(coupling["at_rad_per_s"].get<double>(), passive.omega_rad_per_s) << K_P;
+    }
+    EXPECT_TRUE(json_of({"--drive", "current"})["coupling"].is_null());
+    EXPECT_TRUE(json_of({"--dR", "-0.05"})["coupling"]["least_absorbed"].is_null());
 }
 
 /// The printed limit for a wall without B is the limit found for such a wall: motor 3, the weakest.

@@ -5,9 +5,12 @@
 #include "engine/control/coupling.h"
 #include "engine/control/tuning.h"
 #include "engine/lab/limits/stability_simulation.h"
+#include "engine/lab/loops/passivity.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace springdrive::limits {
@@ -54,7 +57,8 @@ void refine_grid(double step, const Look &look_at, const Best &best) {
 class Search {
 public:
     Search(loops::TuningConstraints &loops, const AutoTuneRequest &request)
-        : loops_(loops), margin_(request.margin), max_K_P_(request.max_K_P_V_per_rad) {}
+        : loops_(loops), margin_(request.margin), max_K_P_(request.max_K_P_V_per_rad),
+          passive_(request.is_passive ? std::optional(request.which) : std::nullopt) {}
 
     struct Best {
         Place place;
@@ -63,7 +67,7 @@ public:
 
     /// Tries a place, and keeps it if it is better than all before.
     void look_at(const Place &place) {
-        if (best_.K_P > 0.0 && !loops_.are_stable(critical_, with_margin(place, best_.K_P))) {
+        if (best_.K_P > 0.0 && !holds(place, best_.K_P)) {
             return; // less stiff than the best: most places
         }
         double K_P = largest(place);
@@ -83,9 +87,10 @@ public:
 
     [[nodiscard]] const Best &best() const { return best_; }
 
-    /// Whether every loop is stable there, with the margin and without.
+    /// Whether every loop is stable there, with the margin and without, and passive if it must be.
     [[nodiscard]] bool all_stable(const Place &place, double K_P) {
-        return loops_.first_unstable(with_margin(place, K_P)) == loops_.count() &&
+        return is_passive(place, K_P) &&
+               loops_.first_unstable(with_margin(place, K_P)) == loops_.count() &&
                loops_.first_unstable(place.gains(K_P)) == loops_.count();
     }
 
@@ -132,19 +137,37 @@ private:
     }
 
     /// For the critical loops only.
+    [[nodiscard]] bool holds(const Place &place, double K_P) const {
+        return loops_.are_stable(critical_, with_margin(place, K_P)) && is_passive(place, K_P);
+    }
+
+    /// Whether it is, with kPassiveMargin, if it must be. The gains that are make a convex set,
+    /// with no gains in it: so with larger ones this implies it with these.
+    [[nodiscard]] bool is_passive(const Place &place, double K_P) const {
+        if (!passive_) {
+            return true;
+        }
+        loops::StabilityCase which = *passive_;
+        const loops::Gains gains = place.gains(K_P);
+        which.tuning.K_P_V_per_rad = kPassiveMargin * gains.K_P_V_per_rad;
+        which.tuning.K_D_Vs_per_rad = kPassiveMargin * gains.K_D_Vs_per_rad;
+        which.tuning.lambda_rad_per_s = gains.lambda_rad_per_s;
+        return loops::passivity(which).holds();
+    }
+
+    /// For the critical loops only.
     [[nodiscard]] double largest(const Place &place) const {
-        const auto holds = [&](double K_P) {
-            return loops_.are_stable(critical_, with_margin(place, K_P));
-        };
-        if (holds(max_K_P_)) {
+        const auto holds_here = [&](double K_P) { return holds(place, K_P); };
+        if (holds_here(max_K_P_)) {
             return max_K_P_;
         }
-        return holds(0.0) ? last_that_holds({0.0, max_K_P_}, 1e-4, holds) : -1.0;
+        return holds_here(0.0) ? last_that_holds({0.0, max_K_P_}, 1e-4, holds_here) : -1.0;
     }
 
     loops::TuningConstraints &loops_;
     double margin_;
     double max_K_P_;
+    std::optional<loops::StabilityCase> passive_; ///< of which it must be, if it must
     /// Loops found to limit K_P; the first is a likely one.
     std::vector<std::size_t> critical_{0};
     Best best_;
@@ -318,13 +341,18 @@ AutoTuned auto_tune(const AutoTuneRequest &request, const Progress &progress) {
     Search places(loops, request);
     search(places, progress);
     if (places.best().K_P <= 0.0) {
-        throw InputError("no tuning is stable with this servo rate, delay, dR and margin; raise "
-                         "dR or the servo rate, or lower the delay or the margin");
+        throw InputError(std::string("no tuning is ") +
+                         (request.is_passive ? "passive" : "stable") +
+                         " with this servo rate, delay, dR and margin; raise dR or the servo rate, "
+                         "or lower the delay or the margin");
     }
     AutoTuned found;
     found.taken_back = take_back(places, request.which, found.tuning, progress);
-    found.margins = margins_of(loops, tuned(request.which, found.tuning));
+    const loops::StabilityCase best = tuned(request.which, found.tuning);
+    found.margins = margins_of(loops, best);
     found.loops = loops.count();
+    found.coupling =
+        loops::port_text(loops::passivity(best), loops::stability_with_linear_hands(best));
     progress(1.0);
     return found;
 }

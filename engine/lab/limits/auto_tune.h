@@ -2,29 +2,37 @@
 //
 // With device, servo rate, delay and dR given, K_DC (13) is proportional to K_P. The result is
 // therefore the largest K_P, over all K_D and λ, for which every loop of `TuningConstraints` is
-// stable even with K_P and K_D larger by the margin. For each pair of K_D and λ the largest K_P is
-// found by bisection; a grid of pairs, then ever finer ones around the best, give the maximum.
-// Where encoder counts keep that tuning vibrating, K_P is reduced.
+// stable even with K_P and K_D larger by the margin, and whose coupling is passive if asked for.
+// For each pair of K_D and λ the largest K_P is found by bisection; a grid of pairs, then ever
+// finer ones around the best, give the maximum. Where encoder counts keep that tuning vibrating,
+// K_P is reduced.
 #pragma once
 
 #include "engine/control/tuning_file.h"
 #include "engine/lab/loops/tuning_constraints.h"
 
 #include <functional>
+#include <string>
 
 namespace springdrive::limits {
 
 struct AutoTuneRequest {
     loops::StabilityCase which; ///< of its tuning, dR, the map and the source of α are kept
     double margin = 1.3;        ///< the factor by which K_P and K_D could be larger; at least 1
+    bool is_passive = false;    ///< whether it must be, with kPassiveMargin
     /// By default the limit of tuning files and panels.
     double max_K_P_V_per_rad = control::parameter_of(&control::Tuning::K_P_V_per_rad).maximum;
 };
+
+/// By this factor K_P and K_D of a passive tuning could be larger until it is active in contact. In
+/// free space, where no gain enters, λ has none.
+inline constexpr double kPassiveMargin = 1.0 / 0.9;
 
 struct AutoTuned {
     control::Tuning tuning; ///< with η = 0
     control::TuningMargins margins;
     std::size_t loops = 0; ///< how many loops were checked; all are stable
+    std::string coupling;  ///< "passive", or what is known of it, see `loops::port_text`
     /// The share by which K_P was reduced because a trial with counts and supply did not come to
     /// rest.
     double taken_back = 0.0;

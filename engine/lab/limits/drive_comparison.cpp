@@ -130,7 +130,7 @@ DriveComparison compare_drives(const loops::StabilityCase &which, double margin,
     loops::StabilityCase spring = here;
     spring.drive = device::AmplifierKind::spring_drive;
     try {
-        both.tuning = spring.tuning = auto_tune({spring, margin, kNoBound_V_per_rad}).tuning;
+        both.tuning = spring.tuning = auto_tune({spring, margin, false, kNoBound_V_per_rad}).tuning;
         both.spring = qualities(spring);
     } catch (const InputError &) { // no tuning is stable: a valid result
     }

@@ -10,6 +10,7 @@
 #include "engine/lab/limits/auto_tune.h"
 #include "engine/lab/limits/drive_comparison.h"
 #include "engine/lab/limits/stability_simulation.h"
+#include "engine/lab/loops/passivity.h"
 #include "engine/lab/loops/rendered_stiffness.h"
 #include "tests/support/devices.h"
 #include "tests/support/stability_cases.h"
@@ -120,6 +121,34 @@ TEST_F(FoundTuning, AWiderMarginIsSofter) {
     const AutoTuned softer = auto_tune(careful);
     EXPECT_LT(softer.margins.K_DC_Nm_per_rad, found.margins.K_DC_Nm_per_rad);
     EXPECT_GE(softer.margins.gain, 2.0 * (1.0 - 1e-3));
+}
+
+/// Passive up to kPassiveMargin and not beyond, and no pair of K_D and λ of a grid allows more.
+TEST_F(FoundTuning, APassiveOneIsSofterAndTheStiffestOfAGrid) {
+    AutoTuneRequest wary = request;
+    wary.which.delay_periods = 0.0;
+    wary.is_passive = true;
+    const AutoTuned passive = auto_tune(wary);
+    EXPECT_EQ(passive.coupling, "passive");
+    const auto is_passive = [&](const loops::Gains &gains) {
+        loops::StabilityCase which = wary.which;
+        which.tuning.K_P_V_per_rad = kPassiveMargin * gains.K_P_V_per_rad;
+        which.tuning.K_D_Vs_per_rad = kPassiveMargin * gains.K_D_Vs_per_rad;
+        which.tuning.lambda_rad_per_s = gains.lambda_rad_per_s;
+        return loops::passivity(which).holds();
+    };
+    EXPECT_TRUE(is_passive(loops::gains_of(passive.tuning)));
+    EXPECT_EQ(passive.taken_back, 0.0); // else the grid is no judge
+    for (double K_D = 0.0; K_D < 0.02; K_D += 0.0004) {
+        for (double lambda = 100.0; lambda <= 5000.0; lambda *= 1.1) {
+            EXPECT_FALSE(is_passive({1.01 * passive.tuning.K_P_V_per_rad, K_D, lambda}))
+                << K_D << ' ' << lambda;
+        }
+    }
+    wary.is_passive = false;
+    const AutoTuned stable_only = auto_tune(wary);
+    EXPECT_NE(stable_only.coupling, "passive");
+    EXPECT_GT(stable_only.margins.K_DC_Nm_per_rad, passive.margins.K_DC_Nm_per_rad);
 }
 
 /// Every hand of the family and others between them, at any η.
