@@ -6,8 +6,10 @@
 #include "device/core/phantom/kinematics.h"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -105,10 +107,17 @@ struct JointLimits {
     }
 };
 
-/// Compliance between transmission and tip.
+/// Compliance between rotors and tip, of cables and links. A data sheet tells only the whole.
 struct StructuralCompliance {
-    double stiffness_N_per_m = 0.0;
-    double damping_Ns_per_m = 0.0;
+    double stiffness_N_per_m = 0.0; ///< K, of all that lies between rotor and tip
+    double damping_Ns_per_m = 0.0;  ///< b, beside K
+    /// s, the cables' share of the compliance 1/K; the rest is between linkage and tip. Empty:
+    /// unknown, anything from 0 to 1.
+    std::optional<double> cable_share;
+    /// Of a rotor that swings on its cable, relative to critical. The default is assumed, as much
+    /// as b is of a tip of 0.1 kg. Not from b/K, which would damp the faster swing of a stiffer
+    /// cable more, by up to 0.3 of critical at s = 0.1: steel is no dashpot.
+    double cable_damping_ratio = 0.03;
 };
 
 /// How the winding currents are measured: by the amplifiers, for (6), and by a converter, for the
@@ -147,6 +156,51 @@ struct DeviceDescription {
         return 2.0 * std::numbers::pi / encoder_counts_per_turn;
     }
 };
+
+/// The tip's side of a structure of which the share s of the compliance is in the cables: K/(1 − s)
+/// and b/(1 − s), both infinite, that is rigid, at s = 1. RT-safe.
+[[nodiscard]] inline StructuralCompliance tip_compliance(const StructuralCompliance &whole,
+                                                         double cable_share) {
+    StructuralCompliance tip = whole;
+    if (cable_share < 1.0) {
+        tip.stiffness_N_per_m /= 1.0 - cable_share;
+        tip.damping_Ns_per_m /= 1.0 - cable_share;
+    } else {
+        tip.stiffness_N_per_m = std::numeric_limits<double>::infinity();
+        tip.damping_Ns_per_m = std::numeric_limits<double>::infinity();
+    }
+    return tip;
+}
+
+/// The cable between a rotor and its joint, a spring with a damper, in rotor coordinates. Infinite:
+/// rigid.
+struct CableCompliance {
+    double stiffness_Nm_per_rad = std::numeric_limits<double>::infinity();
+    double damping_Nms_per_rad = std::numeric_limits<double>::infinity();
+};
+
+/// The cables' side: of motor j, with the rotor's inertia J_m and the damping ratio ζ,
+///
+///   κ = (K/s) (JᵀJ)_jj       c = 2 ζ √(κ J_m)       J = ∂x/∂θ at the default pose
+///
+/// so that there a tip held by that motor alone yields by s/K, along column j of J. Rigid at s = 0.
+/// RT-safe.
+[[nodiscard]] inline std::array<CableCompliance, 3>
+cable_compliance(const DeviceDescription &device, double cable_share) {
+    std::array<CableCompliance, 3> cables;
+    if (!(cable_share > 0.0)) {
+        return cables;
+    }
+    const Matrix3 J = motor_jacobian(device.geometry, default_pose_rad());
+    for (std::size_t j = 0; j < cables.size(); ++j) {
+        const double stiffness_Nm_per_rad = device.structure.stiffness_N_per_m / cable_share *
+                                            J.col(static_cast<Eigen::Index>(j)).squaredNorm();
+        cables[j] = {stiffness_Nm_per_rad,
+                     2.0 * device.structure.cable_damping_ratio *
+                         std::sqrt(stiffness_Nm_per_rad * device.motor[j].rotor_inertia_kg_m2)};
+    }
+    return cables;
+}
 
 /// Whether the tip can be at `tip_m`, within reach and joint limits. RT-safe.
 [[nodiscard]] inline bool can_reach(const DeviceDescription &device, const Vector3 &tip_m) {

@@ -251,6 +251,13 @@ StructuralCompliance read_structure(StrictTomlTable table) {
     StructuralCompliance structure;
     structure.stiffness_N_per_m = table.number("stiffness_N_per_m", {10.0, 1e7});
     structure.damping_Ns_per_m = table.number("damping_Ns_per_m", {0.0, 1e4});
+    // Known of few devices.
+    if (table.has("cable_share")) {
+        structure.cable_share = table.number("cable_share", {0.0, 1.0});
+    }
+    if (table.has("cable_damping_ratio")) {
+        structure.cable_damping_ratio = table.number("cable_damping_ratio", {0.0, 1.0});
+    }
     table.refuse_unknown_keys();
     return structure;
 }

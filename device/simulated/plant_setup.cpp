@@ -41,11 +41,11 @@ void check_coupling(const SimulationOptions &options) {
     if (options.dynamics != PlantDynamics::coupling) {
         return;
     }
-    if (options.effects.coulomb_friction || options.effects.structural_compliance) {
-        throw InputError(
-            "simulated device: with dynamics 'coupling' it has no masses, so it can have neither "
-            "coulomb_friction nor structural_compliance; switch them off or choose other "
-            "dynamics");
+    if (options.effects.coulomb_friction || options.effects.structural_compliance ||
+        options.effects.cable_compliance) {
+        throw InputError("simulated device: with dynamics 'coupling' it has no masses, so it can "
+                         "have none of coulomb_friction, structural_compliance and "
+                         "cable_compliance; switch them off or choose other dynamics");
     }
     if (options.amplifier == device::AmplifierKind::current_drive &&
         !(options.hand.stiffness_N_per_m + options.hand.damping_Ns_per_m > 0.0)) {
@@ -54,21 +54,50 @@ void check_coupling(const SimulationOptions &options) {
     }
 }
 
-/// Linkage and rotors, with the enabled effects and the load rigidly attached to the tip.
+/// The cables' share of the simulated compliance: all of it if only they are compliant.
+double simulated_cable_share(const PlantEffects &effects, const SampledDevice &own) {
+    if (!effects.cable_compliance) {
+        return 0.0;
+    }
+    return effects.structural_compliance ? own.cable_share : 1.0;
+}
+
+/// The longest sub-step for rotors that swing between their cables and windings (4): h ω ≤ 1/4 with
+/// ω² = (κ + k_T²/L)/J_m, where the midpoint rule errs by (h ω)²/12 = 0.5 % of the frequency. On
+/// the PHANTOM 1.0 that shortens the default where the cables' share is below 0.13. Below
+/// the floor, where cables have less than 0.4 % of the compliance, they are as good as rigid; they
+/// remain stable and exact in energy.
+double longest_step_s(const std::array<device::CableCompliance, 3> &cables,
+                      const std::array<device::MotorParameters, 3> &motors) {
+    constexpr double kTurn = 0.25;
+    constexpr double kFloor_s = 20e-6;
+    double longest_s = std::numeric_limits<double>::infinity();
+    for (std::size_t j = 0; j < cables.size(); ++j) {
+        const double winding_Nm_per_rad =
+            motors[j].inductance_H > 0.0 ? device::inductive_stiffness_Nm_per_rad(motors[j]) : 0.0;
+        longest_s = std::min(
+            longest_s, kTurn * std::sqrt(motors[j].rotor_inertia_kg_m2 /
+                                         (cables[j].stiffness_Nm_per_rad + winding_Nm_per_rad)));
+    }
+    return std::max(longest_s, kFloor_s);
+}
+
+/// Linkage and rotors, with the enabled effects and the load, as far as they are rigidly connected.
+/// @param has_cables  between rotors and linkage
+/// @param has_free_tip  with the load, behind a compliant structure
 LinkagePlant linkage_plant(const device::DeviceDescription &description,
-                           const SimulationOptions &options) {
+                           const SimulationOptions &options, bool has_cables, bool has_free_tip) {
     const double at_tip_kg = description.inertia.tip_load_kg + options.hand.mass_kg;
     LinkagePlant plant;
     plant.geometry = description.geometry;
-    plant.moments =
-        device::linkage_moments(description.geometry, description.inertia,
-                                options.effects.structural_compliance ? 0.0 : at_tip_kg);
-    if (!options.effects.structural_compliance) {
+    plant.moments = device::linkage_moments(description.geometry, description.inertia,
+                                            has_free_tip ? 0.0 : at_tip_kg);
+    if (!has_free_tip) {
         // The person holds the hand up: its mass adds inertia, but no weight.
         plant.moments.ma_kg_m -= options.hand.mass_kg * description.geometry.upper_arm_m;
         plant.moments.mb_kg_m -= options.hand.mass_kg * description.geometry.forearm_m;
     }
-    for (Eigen::Index j = 0; j < 3; ++j) {
+    for (Eigen::Index j = 0; j < 3 && !has_cables; ++j) {
         const double N = description.geometry.transmission_ratio[j];
         plant.rotor_kg_m2[j] =
             N * N * description.motor[static_cast<std::size_t>(j)].rotor_inertia_kg_m2;
@@ -158,6 +187,7 @@ device::WindingTemperature temperature(const device::MotorParameters &motor,
 
 SampledDevice sampled_device(const device::DeviceDescription &description, std::uint64_t seed) {
     SampledDevice drawn;
+    drawn.cable_share = description.structure.cable_share.value_or(drawn.cable_share);
     if (seed == 0) {
         return drawn;
     }
@@ -192,6 +222,8 @@ SampledDevice sampled_device(const device::DeviceDescription &description, std::
         own.torque_ripple = motor.max_torque_ripple * (0.75 + 0.25 * either_way(random));
         own.torque_ripple_phase_rad = std::numbers::pi * either_way(random);
     }
+    const double share = 0.5 * (1.0 + either_way(random));
+    drawn.cable_share = description.structure.cable_share.value_or(share);
     return drawn;
 }
 
@@ -278,12 +310,25 @@ PlantParts plant_parts(const device::DeviceDescription &description,
     const std::array<device::MotorParameters, 3> motor = true_motors(description, options, own);
     device::HandParameters hand = options.hand;
     hand.mass_kg = options.dynamics == PlantDynamics::coupling ? 0.0 : hand.mass_kg;
+    const double cable_share = simulated_cable_share(options.effects, own);
+    std::optional<device::StructuralCompliance> tip_structure;
+    if (options.effects.structural_compliance && cable_share < 1.0) {
+        tip_structure = device::tip_compliance(description.structure, cable_share);
+    }
+    std::optional<std::array<device::CableCompliance, 3>> cables;
+    double step_s = options.longest_step_s;
+    if (cable_share > 0.0) {
+        cables = device::cable_compliance(description, cable_share);
+        step_s = std::min(step_s, longest_step_s(*cables, motor));
+    }
     return {options.dynamics,
             options.effects,
-            options.longest_step_s,
+            step_s,
             options.delay_periods,
             hand,
-            linkage_plant(description, options),
+            linkage_plant(description, options, cables.has_value(), tip_structure.has_value()),
+            tip_structure,
+            cables,
             motor,
             own,
             {temperature(motor[0], options), temperature(motor[1], options),

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 namespace springdrive::simulated {
 
@@ -43,10 +44,11 @@ struct SampledMotor {
     double torque_ripple_phase_rad = 0.0;
 };
 
-/// One device of a kind: its motors and current sensors, drawn at random within the tolerances of
-/// the device file.
+/// One device of a kind: its motors, current sensors and structure, drawn at random within the
+/// tolerances of the device file.
 struct SampledDevice {
     std::array<SampledMotor, 3> motor;
+    double cable_share = 0.5; ///< of the structure's compliance: the file's, if it tells it
 };
 
 /// The device of a seed. Seed 0 is the device of the file, with ideal brushes and sensors. Else its
@@ -57,6 +59,7 @@ struct SampledDevice {
 /// - the second harmonic of R's ripple from 0 to 1/4 of the first; the ripple of k_T from half of
 ///   the file's greatest to that
 /// - of an odd number of segments each second device has two ripples per segment
+/// - the cables' share from 0 to 1, where the file does not tell it
 [[nodiscard]] SampledDevice sampled_device(const device::DeviceDescription &description,
                                            std::uint64_t seed);
 
@@ -74,10 +77,12 @@ void check_options(const device::DeviceDescription &description, const Simulatio
 struct PlantParts {
     PlantDynamics dynamics = PlantDynamics::electromechanical;
     PlantEffects effects;
-    double longest_step_s = 0.0;
+    double longest_step_s = 0.0; ///< with cables, short enough for what swings on them
     double delay_periods = 0.0;
     device::HandParameters hand; ///< massless if the dynamics are
-    LinkagePlant linkage;        ///< with rotors, enabled effects and the load at the tip
+    LinkagePlant linkage;        ///< with what is rigidly connected to it: rotors, load at the tip
+    std::optional<device::StructuralCompliance> tip_structure; ///< between linkage and tip
+    std::optional<std::array<device::CableCompliance, 3>> cables;
     /// True parameters: R is the file's times the `resistance_share` of the options and of the
     /// sampled motor; ripple and L are zero unless they are simulated.
     std::array<device::MotorParameters, 3> motor;

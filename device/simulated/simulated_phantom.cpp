@@ -15,6 +15,9 @@ namespace {
 /// `set_hand_target`, which also smooths the steps of a 60 Hz mouse.
 constexpr double kHandReachRate = 40.0; // rad/s
 
+/// Time constant with which a residual twist fades: slow, compared with any motion of a rotor.
+constexpr double kFading_s = 0.2;
+
 Vector3 limited(const Vector3 &vector, double max_norm) {
     const double norm = vector.norm();
     return norm > max_norm ? Vector3(vector * (max_norm / norm)) : vector;
@@ -38,9 +41,9 @@ SimulatedPhantom::SimulatedPhantom(const device::DeviceDescription &description,
     truth_.hand_target_m = start_tip_m;
     hand_.position_m = start_tip_m;
     pull_target_ = hand_;
+    note_linkage(linkage_); // where the cables, if any, are without load
     activate(parts_);
     counts_per_rad_ = 1.0 / description_.rad_per_count();
-    note_linkage(linkage_);
     warm_windings();
 }
 
@@ -49,14 +52,76 @@ void SimulatedPhantom::activate(const PlantParts &parts) noexcept {
     parts_ = parts;
     parts_.linkage.outward = {std::sin(linkage_.q_rad[0]), 0.0, std::cos(linkage_.q_rad[0])};
     first_joint_ = parts_.linkage.planar ? 1 : 0;
-    if (parts_.effects.structural_compliance) {
-        free_tip_ =
-            FreeTip{description_.structure, description_.inertia.tip_load_kg + parts_.hand.mass_kg,
-                    truth_.tip_m, truth_.tip_velocity_m_per_s};
+    if (parts_.cables) {
+        connect_rotors();
+    } else if (free_rotors_) {
+        release_rotors();
+    }
+    if (parts_.tip_structure) {
+        connect_tip();
     } else if (free_tip_) {
         free_tip_.reset();
         note_rigid_tip();
     }
+}
+
+/// Rotors and linkage keep their angles and rates. A cable that becomes stiffer keeps its torque,
+/// which costs energy; at the same twist it would gain some.
+void SimulatedPhantom::connect_rotors() noexcept {
+    FreeRotors rotors;
+    for (std::size_t motor = 0; motor < rotors.size(); ++motor) {
+        const auto j = static_cast<Eigen::Index>(motor);
+        FreeRotor &rotor = rotors[motor];
+        rotor.cable = (*parts_.cables)[motor];
+        rotor.inertia_kg_m2 = parts_.motor[motor].rotor_inertia_kg_m2;
+        rotor.rate_rad_per_s = truth_.theta_rate_rad_per_s[j];
+        if (free_rotors_) {
+            const FreeRotor &before = (*free_rotors_)[motor];
+            rotor.twist_rad =
+                before.twist_rad *
+                std::min(1.0, before.cable.stiffness_Nm_per_rad / rotor.cable.stiffness_Nm_per_rad);
+            residual_twist_rad_[j] += before.twist_rad - rotor.twist_rad;
+        }
+    }
+    free_rotors_ = rotors;
+}
+
+/// The rotors become part of the linkage: of angles nothing changes, and with both momenta
+///
+///   (M + N² J_m) q̇ = M q̇₀ + N J_m θ̇₀
+///
+/// so that the energy of twist and of relative motion is lost, and none is gained.
+void SimulatedPhantom::release_rotors() noexcept {
+    for (Eigen::Index j = 0; j < 3; ++j) {
+        residual_twist_rad_[j] += (*free_rotors_)[static_cast<std::size_t>(j)].twist_rad;
+    }
+    free_rotors_.reset();
+    LinkageState joined = linkage_;
+    if (parts_.linkage.has_mass) {
+        const Matrix3 links = device::mass_matrix(parts_.linkage.moments, linkage_.q_rad);
+        Matrix3 together = links;
+        together.diagonal() += parts_.linkage.rotor_kg_m2;
+        const Vector3 rotors = parts_.linkage.rotor_kg_m2.cwiseProduct(
+            device::joint_from_motor(description_.geometry, truth_.theta_rate_rad_per_s));
+        joined.rate_rad_per_s =
+            solve_definite<3>(together, links * linkage_.rate_rad_per_s + rotors);
+    }
+    note_linkage(joined);
+    if (!free_tip_) {
+        note_rigid_tip();
+    }
+}
+
+/// The tip keeps its place and velocity, unless the structure becomes stiffer: as cables do.
+void SimulatedPhantom::connect_tip() noexcept {
+    const device::StructuralCompliance &structure = *parts_.tip_structure;
+    if (free_tip_ && structure.stiffness_N_per_m > free_tip_->structure.stiffness_N_per_m) {
+        const Vector3 end_m = linkage_end_m();
+        truth_.tip_m = end_m + free_tip_->structure.stiffness_N_per_m /
+                                   structure.stiffness_N_per_m * (truth_.tip_m - end_m);
+    }
+    free_tip_ = FreeTip{structure, description_.inertia.tip_load_kg + parts_.hand.mass_kg,
+                        truth_.tip_m, truth_.tip_velocity_m_per_s};
 }
 
 void SimulatedPhantom::simulate_as(const SimulationOptions &options) {
@@ -127,6 +192,7 @@ device::Measurement SimulatedPhantom::read() noexcept {
     const auto whole = static_cast<std::size_t>(parts_.delay_periods);
     const double fraction = parts_.delay_periods - static_cast<double>(whole);
     const double period_s = options_.servo_period_s;
+    residual_twist_rad_ /= 1.0 + period_s / kFading_s;
     Vector3 impulse = Vector3::Zero();
     if (fraction > 0.0) {
         impulse = run(pending_[whole + 1], fraction * period_s);
@@ -210,6 +276,11 @@ double SimulatedPhantom::stored_energy_J() const {
         const double current_A = truth_.current_A[static_cast<Eigen::Index>(j)];
         energy += 0.5 * parts_.motor[j].inductance_H * current_A * current_A;
     }
+    if (free_rotors_) {
+        for (const FreeRotor &rotor : *free_rotors_) {
+            energy += rotor.energy_J();
+        }
+    }
     if (free_tip_) {
         energy += free_tip_->energy_J(linkage_end_m());
         if (parts_.effects.gravity) {
@@ -225,6 +296,11 @@ void SimulatedPhantom::set_in_motion(const Vector3 &q_rate_rad_per_s, const Vect
     truth_.current_A = current_A;
     linkage_.rate_rad_per_s.head(first_joint_).setZero();
     truth_.current_A.head(first_joint_).setZero();
+    for (std::size_t j = 0; free_rotors_ && j < 3; ++j) {
+        const auto index = static_cast<Eigen::Index>(j);
+        (*free_rotors_)[j].rate_rad_per_s =
+            description_.geometry.transmission_ratio[index] * linkage_.rate_rad_per_s[index];
+    }
     note_linkage(linkage_);
     truth_.tip_velocity_m_per_s =
         device::joint_jacobian(description_.geometry, linkage_.q_rad) * linkage_.rate_rad_per_s;
@@ -235,9 +311,17 @@ void SimulatedPhantom::set_in_motion(const Vector3 &q_rate_rad_per_s, const Vect
 
 void SimulatedPhantom::note_linkage(const LinkageState &linkage) noexcept {
     linkage_ = linkage;
-    truth_.theta_rad = device::motor_from_joint(description_.geometry, linkage.q_rad);
+    truth_.q_rad = linkage.q_rad;
+    truth_.q_rate_rad_per_s = linkage.rate_rad_per_s;
+    truth_.theta_rad =
+        device::motor_from_joint(description_.geometry, linkage.q_rad) + residual_twist_rad_;
     truth_.theta_rate_rad_per_s =
         device::motor_from_joint(description_.geometry, linkage.rate_rad_per_s);
+    for (std::size_t j = 0; free_rotors_ && j < 3; ++j) {
+        const auto index = static_cast<Eigen::Index>(j);
+        truth_.theta_rad[index] += (*free_rotors_)[j].twist_rad;
+        truth_.theta_rate_rad_per_s[index] = (*free_rotors_)[j].rate_rad_per_s;
+    }
 }
 
 /// Sets the tip's state to that of the linkage's end.
@@ -370,18 +454,30 @@ device::CurrentStep SimulatedPhantom::drive_motor(Eigen::Index j, const PlantCom
                    : device::spring_drive_step(motor, now, e_W_V, cancelled_Ohm, h);
 }
 
-LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive,
-                                   const VelocityLoad &tip) const noexcept {
+/// Of a winding, on a shaft that its motor turns `gear` times as fast.
+RateTorque SimulatedPhantom::drive_torque(const CurrentSteps &drive, Eigen::Index j,
+                                          double gear) const noexcept {
+    const device::CurrentStep &current = drive[static_cast<std::size_t>(j)];
+    const double k_T = truth_.torque_constant_Nm_per_A[j];
+    return {gear * k_T * current.mean_A, -gear * gear * k_T * current.mean_As_per_rad};
+}
+
+LinkageLoad SimulatedPhantom::load(const CurrentSteps &drive, const VelocityLoad &tip,
+                                   double h) const noexcept {
     LinkageLoad load;
     load.tip_force_N = tip.force_N;
     load.tip_damping_Ns_per_m = tip.damping_Ns_per_m;
     for (Eigen::Index j = 0; j < 3; ++j) {
-        const device::CurrentStep &current = drive[static_cast<std::size_t>(j)];
         const double N = description_.geometry.transmission_ratio[j];
-        const double k_T = truth_.torque_constant_Nm_per_A[j];
-        load.torque_Nm[j] = N * k_T * current.mean_A;
+        RateTorque motor = drive_torque(drive, j, N);
+        if (free_rotors_) {
+            const FreeRotor &rotor = (*free_rotors_)[static_cast<std::size_t>(j)];
+            motor = rotor.at_joint(drive_torque(drive, j, 1.0), h);
+            motor = {N * motor.torque_Nm, N * N * motor.damping_Nms_per_rad};
+        }
+        load.torque_Nm[j] = motor.torque_Nm;
         load.damping_Nms_per_rad[j] =
-            -N * N * k_T * current.mean_As_per_rad +
+            motor.damping_Nms_per_rad +
             (parts_.effects.viscous_friction ? description_.friction.viscous_Nms_per_rad : 0.0);
     }
     return load;
@@ -408,14 +504,28 @@ Vector3 SimulatedPhantom::linkage_end_m() const noexcept {
     return device::tip_position_m(description_.geometry, linkage_.q_rad);
 }
 
-void SimulatedPhantom::settle_currents(const CurrentSteps &drive, const LinkageMotion &motion,
+SimulatedPhantom::RotorMotion SimulatedPhantom::settle_rotors(const CurrentSteps &drive,
+                                                              const LinkageMotion &motion,
+                                                              double h) noexcept {
+    const device::PhantomGeometry &geometry = description_.geometry;
+    RotorMotion rotors{device::motor_from_joint(geometry, motion.mean_rate_rad_per_s),
+                       device::motor_from_joint(geometry, motion.after.rate_rad_per_s)};
+    for (Eigen::Index j = first_joint_; free_rotors_ && j < 3; ++j) {
+        FreeRotor &rotor = (*free_rotors_)[static_cast<std::size_t>(j)];
+        rotors.mean_rate_rad_per_s[j] =
+            rotor.settle(drive_torque(drive, j, 1.0), rotors.mean_rate_rad_per_s[j], h);
+        rotors.end_rate_rad_per_s[j] = rotor.rate_rad_per_s;
+    }
+    return rotors;
+}
+
+void SimulatedPhantom::settle_currents(const CurrentSteps &drive, const RotorMotion &rotors,
                                        double h) noexcept {
     const bool at_once = parts_.dynamics != PlantDynamics::electromechanical;
     for (Eigen::Index j = first_joint_; j < 3; ++j) {
         const device::CurrentStep &current = drive[static_cast<std::size_t>(j)];
-        const double N = description_.geometry.transmission_ratio[j];
-        const double mean_rate = N * motion.mean_rate_rad_per_s[j];
-        const double end_rate = at_once ? N * motion.after.rate_rad_per_s[j] : mean_rate;
+        const double mean_rate = rotors.mean_rate_rad_per_s[j];
+        const double end_rate = at_once ? rotors.end_rate_rad_per_s[j] : mean_rate;
         // i² averaged as if i were linear over the step; a current without inductance may jump at
         // the start of the step.
         const double after_A = current.end_at(end_rate);
@@ -448,9 +558,9 @@ Vector3 SimulatedPhantom::step(const PlantCommand &command, double h) noexcept {
     const VelocityLoad at_linkage =
         free_tip_ ? free_tip_->at_linkage(with_weight(hand), end_before_m, h) : hand;
     const LinkageMotion motion =
-        linkage_step(parts_.linkage, linkage_, load(currents, at_linkage), h, friction_mode_);
+        linkage_step(parts_.linkage, linkage_, load(currents, at_linkage, h), h, friction_mode_);
 
-    settle_currents(currents, motion, h);
+    settle_currents(currents, settle_rotors(currents, motion, h), h);
     const Vector3 tip_before_m = truth_.tip_m;
     const Vector3 velocity_before = truth_.tip_velocity_m_per_s;
     note_linkage(motion.after);

@@ -11,7 +11,10 @@
 // hour.
 //
 // With structural compliance the hand holds a separate mass, connected to the end of the linkage by
-// a spring and a damper.
+// a spring and a damper. With cable compliance the rotors are bodies of their own, and motors and
+// encoders see them, θ ≠ N q; without N² J_m the linkage has in place of N k_T i
+//
+//   N [κ (θ − N q) + c (θ̇ − N q̇)]       J_m θ̈ = k_T i − κ (θ − N q) − c (θ̇ − N q̇), each motor
 //
 // Disabled parts are not computed (PlantDynamics, SimulationOptions::planar): without inductance
 // the currents follow (11) with L = 0 immediately; without masses the second equation becomes a
@@ -97,6 +100,60 @@ private:
     [[nodiscard]] Vector3 momentum_rate(double step_s) const {
         return 2.0 * mass_kg / step_s * velocity_m_per_s;
     }
+};
+
+/// A torque that is affine in the mean rate of the body it acts on: τ − b ω̄.
+struct RateTorque {
+    double torque_Nm = 0.0;
+    double damping_Nms_per_rad = 0.0;
+};
+
+/// A rotor behind the cable to its joint, in rotor coordinates. The same step as FreeTip's, with
+/// the twist s = θ − N q at its start and k_e = c + hκ/2:
+///
+///   J_m (θ̇₁ − θ̇₀)/h = τ − b ω̄ − F       F = κ s + k_e (ω̄ − N q̄̇)
+///
+/// with τ − b ω̄ from the winding, whose mean current is affine in ω̄.
+struct FreeRotor {
+    device::CableCompliance cable;
+    double inertia_kg_m2 = 0.0;
+    double twist_rad = 0.0;
+    double rate_rad_per_s = 0.0;
+
+    /// The cable's torque on the joint over N, F above with ω̄ eliminated: affine in N q̄̇. RT-safe.
+    [[nodiscard]] RateTorque at_joint(const RateTorque &drive, double step_s) const {
+        const double spring_Nm = cable.stiffness_Nm_per_rad * twist_rad;
+        const double share = coupling(step_s) / impedance(drive, step_s);
+        const double uncoupled = inertial(step_s) + drive.damping_Nms_per_rad;
+        return {spring_Nm +
+                    share * (inertial(step_s) * rate_rad_per_s + drive.torque_Nm - spring_Nm),
+                share * uncoupled}; // k_e (1 − share), without cancellation
+    }
+
+    /// Advances the rotor over the step, given N q̄̇; returns ω̄. RT-safe.
+    double settle(const RateTorque &drive, double mean_joint_rate_rad_per_s, double step_s) {
+        const double mean = (inertial(step_s) * rate_rad_per_s + drive.torque_Nm -
+                             cable.stiffness_Nm_per_rad * twist_rad +
+                             coupling(step_s) * mean_joint_rate_rad_per_s) /
+                            impedance(drive, step_s);
+        twist_rad += step_s * (mean - mean_joint_rate_rad_per_s);
+        rate_rad_per_s = 2.0 * mean - rate_rad_per_s;
+        return mean;
+    }
+
+    [[nodiscard]] double energy_J() const {
+        return 0.5 * cable.stiffness_Nm_per_rad * twist_rad * twist_rad +
+               0.5 * inertia_kg_m2 * rate_rad_per_s * rate_rad_per_s;
+    }
+
+private:
+    [[nodiscard]] double coupling(double step_s) const {
+        return cable.damping_Nms_per_rad + 0.5 * step_s * cable.stiffness_Nm_per_rad;
+    }
+    [[nodiscard]] double impedance(const RateTorque &drive, double step_s) const {
+        return inertial(step_s) + drive.damping_Nms_per_rad + coupling(step_s);
+    }
+    [[nodiscard]] double inertial(double step_s) const { return 2.0 * inertia_kg_m2 / step_s; }
 };
 
 /// The converter that digitises a motor's current for the servo. RT-safe. The noise is a sequence
@@ -193,8 +250,10 @@ public:
     /// The true state, which no real device reports. Thread of `read` only.
     struct Truth {
         double time_s = 0.0;
-        Vector3 theta_rad{Vector3::Zero()};
+        Vector3 theta_rad{Vector3::Zero()}; ///< of the rotors, which the encoders see
         Vector3 theta_rate_rad_per_s{Vector3::Zero()};
+        Vector3 q_rad{Vector3::Zero()}; ///< of the linkage; θ = N q only without cable compliance
+        Vector3 q_rate_rad_per_s{Vector3::Zero()};
         Vector3 current_A{Vector3::Zero()};
         Vector3 resistance_Ohm{Vector3::Zero()};           ///< R(T, θ)
         Vector3 torque_constant_Nm_per_A{Vector3::Zero()}; ///< k_T(T, θ)
@@ -209,7 +268,8 @@ public:
     [[nodiscard]] const Truth &truth() const { return truth_; }
 
     /// Kinetic energy (including the hand's mass), gravity, and the energy stored in windings,
-    /// stops and structure; without the hand's spring. No passive element can increase it. [J]
+    /// stops, cables and structure; without the hand's spring. No passive element can increase it.
+    /// [J]
     [[nodiscard]] double stored_energy_J() const;
 
     /// Sets joint rates [rad/s] and winding currents [A], starting from rest. A quantity that is no
@@ -218,23 +278,37 @@ public:
 
 private:
     using CurrentSteps = std::array<device::CurrentStep, 3>;
+    using FreeRotors = std::array<FreeRotor, 3>;
+
+    /// Of the rotors over a sub-step.
+    struct RotorMotion {
+        Vector3 mean_rate_rad_per_s{Vector3::Zero()};
+        Vector3 end_rate_rad_per_s{Vector3::Zero()};
+    };
 
     [[nodiscard]] device::Measurement measurement() noexcept;
     [[nodiscard]] double clock_s() const noexcept;
     void activate(const PlantParts &parts) noexcept;
+    void connect_rotors() noexcept;
+    void release_rotors() noexcept;
+    void connect_tip() noexcept;
     void take_over(const PlantParts &requested) noexcept;
     [[nodiscard]] Vector3 run(const PlantCommand &command, double duration_s) noexcept;
     [[nodiscard]] Vector3 step(const PlantCommand &command, double h) noexcept;
     [[nodiscard]] CurrentSteps drive(const PlantCommand &command, double h) noexcept;
     [[nodiscard]] Vector3 linkage_end_m() const noexcept;
-    [[nodiscard]] LinkageLoad load(const CurrentSteps &drive,
-                                   const VelocityLoad &tip) const noexcept;
+    [[nodiscard]] RateTorque drive_torque(const CurrentSteps &drive, Eigen::Index j,
+                                          double gear) const noexcept;
+    [[nodiscard]] LinkageLoad load(const CurrentSteps &drive, const VelocityLoad &tip,
+                                   double h) const noexcept;
     [[nodiscard]] VelocityLoad hand_load(double h) const noexcept;
     [[nodiscard]] VelocityLoad with_weight(const VelocityLoad &hand) const noexcept;
     void set_angle_dependent(Eigen::Index motor, double theta_rad) noexcept;
     [[nodiscard]] device::CurrentStep drive_motor(Eigen::Index motor, const PlantCommand &command,
                                                   double h) noexcept;
-    void settle_currents(const CurrentSteps &drive, const LinkageMotion &motion, double h) noexcept;
+    [[nodiscard]] RotorMotion settle_rotors(const CurrentSteps &drive, const LinkageMotion &motion,
+                                            double h) noexcept;
+    void settle_currents(const CurrentSteps &drive, const RotorMotion &rotors, double h) noexcept;
     void settle_tip(const LinkageMotion &motion, const VelocityLoad &hand,
                     const Vector3 &linkage_end_before_m, double h) noexcept;
     void warm_windings() noexcept;
@@ -247,10 +321,14 @@ private:
     SimulationOptions requested_; ///< by the last `simulate_as`, for its thread
     PlantParts parts_;
     LatestValue<PlantParts> requested_parts_;
-    std::uint32_t newest_parts_ = 0;  ///< their number, for the thread of `simulate_as`
-    double delay_periods_;            ///< of these, for the same thread
-    std::optional<FreeTip> free_tip_; ///< with structural compliance
-    Eigen::Index first_joint_ = 0;    ///< that moves
+    std::uint32_t newest_parts_ = 0;        ///< their number, for the thread of `simulate_as`
+    double delay_periods_;                  ///< of these, for the same thread
+    std::optional<FreeTip> free_tip_;       ///< with structural compliance
+    std::optional<FreeRotors> free_rotors_; ///< with cable compliance
+    /// What θ exceeds N q by, beyond a cable's twist: left over from a cable that became rigid, so
+    /// that neither encoder nor tip jumps. It fades.
+    Vector3 residual_twist_rad_{Vector3::Zero()};
+    Eigen::Index first_joint_ = 0; ///< that moves
     double counts_per_rad_ = 0.0;
     LatestValue<Vector3> hand_target_;
     std::optional<HandPath> path_;

@@ -32,7 +32,9 @@ struct PlantEffects {
     bool amplifier_limits = true;   ///< supply voltage and peak current
     bool winding_heat = true;       ///< R(T); if off, windings stay as they are, at first at 25 °C
     bool commutation_ripple = true; ///< R(θ)
-    bool structural_compliance = false; ///< between transmission and tip; needs a mass at the tip
+    // With both, the compliance is split by the file's cable_share, or as `device_seed` draws it.
+    bool structural_compliance = false; ///< between linkage and tip; needs a mass at the tip
+    bool cable_compliance = false;      ///< between rotors and linkage; needs masses
     bool magnet_heat = true;            ///< k_T(T) of the housing, as warm as with winding_heat
     // With a `device_seed` only:
     bool motor_tolerances = true; ///< of R, its ripple, k_T and the winding's heat path
@@ -42,7 +44,7 @@ struct PlantEffects {
     bool torque_ripple = true;    ///< k_T(θ)
 
     [[nodiscard]] static constexpr PlantEffects none() {
-        return {false, false, false, false, false, false, false,
+        return {false, false, false, false, false, false, false, false,
                 false, false, false, false, false, false, false};
     }
 };
@@ -54,7 +56,7 @@ struct PlantEffect {
 };
 
 /// The list of all effects, read by command line and tests.
-inline constexpr std::array<PlantEffect, 14> kPlantEffects{{
+inline constexpr std::array<PlantEffect, 15> kPlantEffects{{
     {"gravity", &PlantEffects::gravity},
     {"viscous_friction", &PlantEffects::viscous_friction},
     {"coulomb_friction", &PlantEffects::coulomb_friction},
@@ -63,6 +65,7 @@ inline constexpr std::array<PlantEffect, 14> kPlantEffects{{
     {"winding_heat", &PlantEffects::winding_heat},
     {"commutation_ripple", &PlantEffects::commutation_ripple},
     {"structural_compliance", &PlantEffects::structural_compliance},
+    {"cable_compliance", &PlantEffects::cable_compliance},
     {"magnet_heat", &PlantEffects::magnet_heat},
     {"motor_tolerances", &PlantEffects::motor_tolerances},
     {"commutator_phase", &PlantEffects::commutator_phase},

@@ -75,6 +75,28 @@ TEST(DeviceFile, ThreeMotorsMayDiffer) {
     EXPECT_EQ(device.motor[2].resistance_Ohm, 2.18);
 }
 
+TEST(DeviceFile, MayTellWhereTheStructureYields) {
+    EXPECT_FALSE(testing::phantom_1_0().structure.cable_share);
+    const double assumed_ratio = StructuralCompliance{}.cable_damping_ratio;
+    EXPECT_EQ(testing::phantom_1_0().structure.cable_damping_ratio, assumed_ratio);
+    const std::string before = "damping_Ns_per_m = 1.0";
+    const auto with = [&](const std::string &lines) {
+        std::string text = good_text();
+        text.insert(text.find(before), lines);
+        return read_device_text(text, "device.toml").structure;
+    };
+    for (const double end : {0.0, 1.0}) {
+        EXPECT_EQ(with(fmt::format("cable_share = {}\n", end)).cable_share, end);
+        EXPECT_EQ(with(fmt::format("cable_damping_ratio = {}\n", end)).cable_damping_ratio, end);
+    }
+    for (const char *outside : {"-0.001", "1.001", "nan"}) {
+        for (const char *key : {"cable_share", "cable_damping_ratio"}) {
+            expect_all(error(before, fmt::format("{} = {}\n", key, outside) + before),
+                       {key, "structure", "from"});
+        }
+    }
+}
+
 TEST(DeviceFile, RejectsInvalidValuesByNameLineAndRange) {
     expect_all(error("0.238e-3", "-1e-3"), {":56:", "motor.inductance_H", "-0.001", "from"});
     expect_all(error("0.238e-3", "nan"), {"motor.inductance_H", "from"});

@@ -48,15 +48,30 @@ struct Ending {
     Vector3 hand_force_N{Vector3::Zero()}; ///< mean over the last period
 };
 
-/// The plant's equations as simulated_phantom.h states them, y = (q, q̇, i, x, ẋ, ∫ spring dt).
+/// The plant's equations as simulated_phantom.h states them, y = (q, q̇, i, x, ẋ, ∫ spring dt, θ,
+/// θ̇). Without cables θ is not integrated.
 class PlantEquations {
 public:
     explicit PlantEquations(const Trial &trial)
         : device_(trial.device), options_(trial.options), command_(trial.command),
-          target_m_(device::tip_position_m(device_.geometry, trial.start_q_rad)), start_(18) {
+          target_m_(device::tip_position_m(device_.geometry, trial.start_q_rad)), start_(24) {
         start_ << trial.start_q_rad, trial.start_rate, trial.start_current_A, target_m_,
             device::joint_jacobian(device_.geometry, trial.start_q_rad) * trial.start_rate,
-            Vector3::Zero();
+            Vector3::Zero(), device::motor_from_joint(device_.geometry, trial.start_q_rad),
+            device::motor_from_joint(device_.geometry, trial.start_rate);
+        // The whole compliance is 1/K; without the other side all of it is on this one.
+        const double cable_share = bends() ? device_.structure.cable_share.value_or(0.5) : 1.0;
+        const Matrix3 J = device::motor_jacobian(device_.geometry, device::default_pose_rad());
+        for (int j = 0; j < 3; ++j) {
+            const double rotor_kg_m2 =
+                device_.motor[static_cast<std::size_t>(j)].rotor_inertia_kg_m2;
+            cable_Nm_per_rad_[j] =
+                device_.structure.stiffness_N_per_m / cable_share * J.col(j).dot(J.col(j));
+            cable_Nms_per_rad_[j] = 2.0 * device_.structure.cable_damping_ratio *
+                                    std::sqrt(cable_Nm_per_rad_[j] * rotor_kg_m2);
+        }
+        tip_side_ =
+            1.0 / (1.0 - (has_cables() ? device_.structure.cable_share.value_or(0.5) : 0.0));
         // A hand's mass adds inertia, but no weight.
         inertia_ = device::linkage_moments(device_.geometry, device_.inertia,
                                            bends() ? 0.0 : options_.hand.mass_kg);
@@ -71,15 +86,18 @@ public:
         const VectorXd before = at(kReferencePeriods - 1);
         const VectorXd end = at(kReferencePeriods);
         const device::HandParameters &hand = options_.hand;
-        const Vector3 impulse = end.tail<3>() - before.tail<3>() -
+        const Vector3 impulse = (end - before).segment<3>(15) -
                                 hand.damping_Ns_per_m * (end - before).segment<3>(9) -
                                 hand.mass_kg * (end - before).segment<3>(12);
-        return {device::motor_from_joint(device_.geometry, end.head<3>()), end.segment<3>(9),
-                end.segment<3>(6), impulse / kPeriod_s};
+        const Vector3 theta_rad = has_cables()
+                                      ? Vector3(end.segment<3>(18))
+                                      : device::motor_from_joint(device_.geometry, end.head<3>());
+        return {theta_rad, end.segment<3>(9), end.segment<3>(6), impulse / kPeriod_s};
     }
 
 private:
     [[nodiscard]] bool bends() const { return options_.effects.structural_compliance; }
+    [[nodiscard]] bool has_cables() const { return options_.effects.cable_compliance; }
 
     [[nodiscard]] VectorXd rates(const VectorXd &y) const {
         const Vector3 q = y.head<3>();
@@ -91,34 +109,61 @@ private:
         const Vector3 pull_N = spring_N - options_.hand.damping_Ns_per_m * tip_rate;
         Vector3 on_linkage_N = pull_N;
         if (bends()) {
-            on_linkage_N = device_.structure.stiffness_N_per_m *
-                               (tip_m - device::tip_position_m(device_.geometry, q)) +
-                           device_.structure.damping_Ns_per_m * (tip_rate - J * w);
+            on_linkage_N = tip_side_ * (device_.structure.stiffness_N_per_m *
+                                            (tip_m - device::tip_position_m(device_.geometry, q)) +
+                                        device_.structure.damping_Ns_per_m * (tip_rate - J * w));
+        }
+        const Vector3 theta_rad = has_cables() ? Vector3(y.segment<3>(18))
+                                               : device::motor_from_joint(device_.geometry, q);
+        const Vector3 theta_rate = has_cables() ? Vector3(y.segment<3>(21))
+                                                : device::motor_from_joint(device_.geometry, w);
+        const Vector3 motor_Nm = torque_Nm(theta_rad, y.segment<3>(6));
+        Vector3 on_joints_Nm = motor_Nm;
+        Vector3 theta_acceleration = Vector3::Zero();
+        if (has_cables()) {
+            on_joints_Nm = cable_Nm_per_rad_.cwiseProduct(
+                               theta_rad - device::motor_from_joint(device_.geometry, q)) +
+                           cable_Nms_per_rad_.cwiseProduct(
+                               theta_rate - device::motor_from_joint(device_.geometry, w));
+            for (int j = 0; j < 3; ++j) {
+                theta_acceleration[j] =
+                    (motor_Nm[j] - on_joints_Nm[j]) /
+                    device_.motor[static_cast<std::size_t>(j)].rotor_inertia_kg_m2;
+            }
         }
         const Vector3 q_acceleration =
-            acceleration(q, w, y.segment<3>(6), J.transpose() * on_linkage_N);
+            acceleration(q, w,
+                         J.transpose() * on_linkage_N +
+                             device::motor_from_joint(device_.geometry, on_joints_Nm));
         const Vector3 tip_acceleration =
             bends() ? Vector3((pull_N - on_linkage_N) / options_.hand.mass_kg)
                     : Vector3(J * q_acceleration +
                               device::joint_jacobian_rate(device_.geometry, q, w) * w);
-        VectorXd y_rate(18);
-        y_rate << w, q_acceleration, current_rate(q, w, y.segment<3>(6)), tip_rate,
-            tip_acceleration, spring_N;
+        VectorXd y_rate(24);
+        y_rate << w, q_acceleration, current_rate(theta_rad, theta_rate, y.segment<3>(6)), tip_rate,
+            tip_acceleration, spring_N, has_cables() ? theta_rate : Vector3(Vector3::Zero()),
+            theta_acceleration;
         return y_rate;
     }
 
-    [[nodiscard]] Vector3 acceleration(const Vector3 &q, const Vector3 &w, const Vector3 &current_A,
+    [[nodiscard]] Vector3 acceleration(const Vector3 &q, const Vector3 &w,
                                        const Vector3 &load_Nm) const {
         Matrix3 M = device::mass_matrix(inertia_, q);
         Vector3 torque_Nm = load_Nm - device::coriolis_torque_Nm(inertia_, q, w) -
                             device::gravity_torque_Nm(weight_, q) -
                             device_.friction.viscous_Nms_per_rad * w;
-        for (int j = 0; j < 3; ++j) {
+        for (int j = 0; j < 3 && !has_cables(); ++j) {
             const double N = device_.geometry.transmission_ratio[j];
             M(j, j) += N * N * device_.motor[static_cast<std::size_t>(j)].rotor_inertia_kg_m2;
-            torque_Nm[j] += N * torque_constant(j, N * q[j]) * current_A[j];
         }
         return M.inverse() * torque_Nm;
+    }
+
+    /// Of the motors, on their shafts.
+    [[nodiscard]] Vector3 torque_Nm(const Vector3 &theta_rad, const Vector3 &current_A) const {
+        return {torque_constant(0, theta_rad[0]) * current_A[0],
+                torque_constant(1, theta_rad[1]) * current_A[1],
+                torque_constant(2, theta_rad[2]) * current_A[2]};
     }
 
     [[nodiscard]] double torque_constant(int j, double theta_rad) const {
@@ -129,7 +174,7 @@ private:
                (1.0 + own.torque_ripple * std::cos(turned_rad + own.torque_ripple_phase_rad));
     }
 
-    [[nodiscard]] Vector3 current_rate(const Vector3 &q, const Vector3 &w,
+    [[nodiscard]] Vector3 current_rate(const Vector3 &theta_rad, const Vector3 &theta_rate,
                                        const Vector3 &current_A) const {
         if (options_.amplifier == device::AmplifierKind::current_drive) {
             return Vector3::Zero(); // holds the 0 A that it starts with
@@ -137,10 +182,9 @@ private:
         Vector3 rate;
         for (int j = 0; j < 3; ++j) {
             const device::MotorParameters &motor = device_.motor[static_cast<std::size_t>(j)];
-            const double N = device_.geometry.transmission_ratio[j];
             const SampledMotor &own = own_.motor[static_cast<std::size_t>(j)];
             const double turned_rad =
-                own.ripples_per_segment * motor.commutator_segments * N * q[j];
+                own.ripples_per_segment * motor.commutator_segments * theta_rad[j];
             const double second = own.second_harmonic_ratio;
             const double ripple =
                 motor.commutation_ripple / (1.0 + second) *
@@ -151,7 +195,7 @@ private:
                 (command_.e_W_V[j] - (R_Ohm - command_.cancelled_resistance_Ohm[j]) * current_A[j] -
                  options_.brush_voltage_V.value_or(0.0) *
                      std::tanh(current_A[j] / options_.brush_current_A) -
-                 torque_constant(j, N * q[j]) * N * w[j]) /
+                 torque_constant(j, theta_rad[j]) * theta_rate[j]) /
                 motor.inductance_H;
         }
         return rate;
@@ -162,6 +206,9 @@ private:
     SampledDevice own_ = sampled_device(device_, options_.device_seed);
     device::DeviceCommand command_;
     Vector3 target_m_;
+    Vector3 cable_Nm_per_rad_{Vector3::Zero()};
+    Vector3 cable_Nms_per_rad_{Vector3::Zero()};
+    double tip_side_ = 1.0; ///< its stiffness and damping, relative to the whole structure's
     VectorXd start_;
     device::LinkageMoments inertia_;
     device::LinkageMoments weight_;
@@ -185,11 +232,13 @@ struct Plant {
     device::AmplifierKind amplifier = device::AmplifierKind::spring_drive;
     bool bends = false;
     bool is_sampled = false; ///< with brushes and ripples of its own
+    bool has_cables = false;
 
     [[nodiscard]] std::string name() const {
         return std::string(amplifier == device::AmplifierKind::spring_drive ? "SpringDrive"
                                                                             : "CurrentDrive") +
-               (bends ? "Compliant" : "Rigid") + (is_sampled ? "Sampled" : "");
+               (bends ? "Compliant" : "Rigid") + (is_sampled ? "Sampled" : "") +
+               (has_cables ? "Cables" : "");
     }
 };
 void PrintTo(const Plant &plant, std::ostream *out) { *out << plant.name(); }
@@ -201,6 +250,8 @@ Trial random_trial(const Plant &plant, std::mt19937_64 &random) {
     trial.options.effects.viscous_friction = true;
     trial.options.effects.commutation_ripple = true;
     trial.options.effects.structural_compliance = plant.bends;
+    trial.options.effects.cable_compliance = plant.has_cables;
+    trial.device.structure.cable_share = 0.6;
     trial.options.amplifier = plant.amplifier;
     trial.options.servo_period_s = kPeriod_s;
     trial.options.hand.max_force_N = 1e6; // a limit has a corner
@@ -252,14 +303,19 @@ TEST_P(PlantReference, ConvergesAtSecondOrderFarBelowAnEncoderCount) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Plants, PlantReference,
-                         ::testing::Values(Plant{device::AmplifierKind::spring_drive, false},
-                                           Plant{device::AmplifierKind::spring_drive, true},
-                                           Plant{device::AmplifierKind::spring_drive, false, true},
-                                           Plant{device::AmplifierKind::spring_drive, true, true},
-                                           Plant{device::AmplifierKind::current_drive, false},
-                                           Plant{device::AmplifierKind::current_drive, true}),
-                         [](const auto &instance) { return instance.param.name(); });
+INSTANTIATE_TEST_SUITE_P(
+    Plants, PlantReference,
+    ::testing::Values(Plant{device::AmplifierKind::spring_drive, false},
+                      Plant{device::AmplifierKind::spring_drive, true},
+                      Plant{device::AmplifierKind::spring_drive, false, true},
+                      Plant{device::AmplifierKind::spring_drive, true, true},
+                      Plant{device::AmplifierKind::current_drive, false},
+                      Plant{device::AmplifierKind::current_drive, true},
+                      Plant{device::AmplifierKind::spring_drive, false, false, true},
+                      Plant{device::AmplifierKind::spring_drive, true, false, true},
+                      Plant{device::AmplifierKind::spring_drive, true, true, true},
+                      Plant{device::AmplifierKind::current_drive, true, false, true}),
+    [](const auto &instance) { return instance.param.name(); });
 
 // Covers device/simulated/simulated_phantom.cpp, linkage_step.cpp and simulated_phantom.h: without
 // a source the plant never gains energy, and friction holds loads below breakaway.
