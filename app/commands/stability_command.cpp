@@ -75,8 +75,12 @@ void check_that_it_counts(const std::string &option, const loops::StabilityParam
     if (name == "alpha" && which.tuning.map == control::MotionMap::inverse) {
         refuse("applies to the transpose map (23); omit --kinematics inverse");
     }
-    if (which.freedom == loops::Freedom::three_motors && (name == "inertia" || name == "damping")) {
+    const bool own_load = name == "inertia" || name == "damping";
+    if (own_load && which.freedom == loops::Freedom::three_motors) {
         refuse("applies to one motor by itself; omit --motors 3");
+    }
+    if (own_load && !which.is_rigid()) {
+        refuse("applies to rigid links; omit --structure");
     }
     if (without_hand && is_of_hand(parameter)) {
         refuse("there is no hand; omit --no-hand");
@@ -108,6 +112,25 @@ void check_parameter_range(const std::string &option, const loops::StabilityPara
     }
 }
 
+/// @throw InputError for a text that `--structure` does not know
+std::vector<loops::Structure> structures_of(const std::string &text) {
+    if (text == "all") {
+        return loops::all_structures();
+    }
+    if (text == "rigid") {
+        return {loops::Structure{}};
+    }
+    const std::optional<double> cable_share = text == "tip"     ? 0.0
+                                              : text == "cable" ? 1.0
+                                              : text == "split" ? 0.5
+                                                                : number_in<double>(text);
+    if (!cable_share || !(*cable_share >= 0.0 && *cable_share <= 1.0)) {
+        throw InputError("--structure " + text +
+                         ": must be rigid, cable, tip, split, all, or the cable's share, 0 to 1");
+    }
+    return {{cable_share}};
+}
+
 /// Options that define a loop.
 struct StabilityOptions {
     std::filesystem::path device_file;
@@ -119,6 +142,7 @@ struct StabilityOptions {
     int motors = 1;
     std::vector<double> q_deg = default_joint_angles_deg();
     bool no_hand = false;
+    std::string structure = "rigid";
 
     /// The options hold references to this: it must stay where it is until the parse is over.
     void add_to(Command &command);
@@ -157,10 +181,16 @@ void StabilityOptions::add_to(Command &command) {
     command.add_flag("--no-hand", no_hand,
                      "without a hand [all must be stable: no hand, and five from light to "
                      "firm]");
+    command
+        .add_option("--structure", structure,
+                    "where the device's compliance is: rigid, cable, tip, split, the cable's "
+                    "share of it, or all: every one must be stable [rigid]")
+        .type_name("PLACE");
 }
 
 std::vector<std::string> StabilityOptions::options_of_drive_and_servo() {
-    std::vector<std::string> options{"--tuning-file", "--kinematics", "--drive", "--motors"};
+    std::vector<std::string> options{"--tuning-file", "--kinematics", "--drive", "--motors",
+                                     "--structure"};
     for (const loops::StabilityParameter &parameter : loops::stability_parameters()) {
         if (!is_of_hand(parameter)) {
             options.push_back(option_of(parameter));
@@ -189,6 +219,7 @@ loops::StabilityCase StabilityOptions::stability_case() const {
     if (no_hand) {
         which.hands = {loops::no_hand()};
     }
+    which.structures = structures_of(structure);
     for (std::size_t i = 0; i < values.size(); ++i) {
         const loops::StabilityParameter &parameter = loops::stability_parameters()[i];
         if (!values[i]) {
@@ -225,10 +256,11 @@ std::string who(const loops::StabilityCase &which, const loops::LoopMember &memb
     if (which.rotor) {
         return "the motor given, " + loops::hand_text(member.hand.name);
     }
-    return which.freedom == loops::Freedom::three_motors
-               ? "all motors, " + loops::hand_text(member.hand.name)
-               : "motor " + std::to_string(member.motor + 1) + ", " +
-                     loops::hand_text(member.hand.name);
+    return (which.freedom == loops::Freedom::three_motors
+                ? "all motors, "
+                : "motor " + std::to_string(member.motor + 1) + ", ") +
+           loops::hand_text(member.hand.name) +
+           (which.is_rigid() ? "" : ", " + loops::structure_text(member.structure));
 }
 
 void write_setting(std::ostream &out, const StabilityReport &report) {
@@ -276,8 +308,9 @@ void write_verdict(std::ostream &out, const StabilityReport &report) {
     print(out, "predicted  {:<8}  largest eigenvalue {:.6f} ({})\n",
           report.worst.is_stable() ? "stable" : "UNSTABLE", report.worst.eigenvalue,
           who(report.which, report.worst.member));
-    print(out, "simulated  {:<8}  released 1 mm aside, with encoder counts and supply limits\n",
-          report.stable_simulated ? "stable" : "UNSTABLE");
+    print(out, "simulated  {:<8}  released 1 mm aside, with encoder counts and supply limits{}\n",
+          report.stable_simulated ? "stable" : "UNSTABLE",
+          report.which.is_rigid() ? "" : ", rigid links");
     if (report.passive) {
         print(out, "coupling   {}\n", loops::port_text(*report.passive, report.linear_hands));
     }
@@ -325,6 +358,10 @@ void write_limits(std::ostream &out, const StabilityReport &report) {
         table.rows.push_back(std::move(row));
     }
     write_text(out, table);
+    if (!report.which.is_rigid()) {
+        out << "\nSimulations have rigid links: limits with structure are predicted only.\n";
+        return;
+    }
     out << "\nEach simulated limit is followed by its ratio to the prediction. Counts can sustain\n"
            "a slowly decaying motion, and cease to do so farther on: the limit given is the first\n"
            "from the stable side. Friction stops small motions. Slow motions are simulated for\n"
@@ -346,7 +383,8 @@ Json member_json(const loops::StabilityCase &which, const loops::LoopMember &mem
             {"hand", member.hand.name},
             {"hand_mass_kg", member.hand.mass_kg},
             {"hand_damping_Ns_per_m", member.hand.damping_Ns_per_m},
-            {"hand_stiffness_N_per_m", member.hand.stiffness_N_per_m}};
+            {"hand_stiffness_N_per_m", member.hand.stiffness_N_per_m},
+            {"structure", loops::structure_text(member.structure)}};
 }
 
 void write_stability_table(std::ostream &out, const StabilityReport &report) {
@@ -489,7 +527,8 @@ std::string loop_text(const loops::StabilityCase &which, bool alpha_varies, bool
                            : "spring drive, " + std::string(control::label_of(map));
     text += which.freedom == loops::Freedom::one_motor ? ", each motor by itself"
                                                        : ", all motors together";
-    return text + ", " + hands_text(which, is_one_hand);
+    return text + ", " + hands_text(which, is_one_hand) +
+           (which.is_rigid() ? "" : ", compliant structure (trials: rigid links)");
 }
 
 /// The settings of a map, for the lines below its title.

@@ -310,6 +310,8 @@ const std::vector<Refusal> kOthers{
     {"stability --inertia 1e-5 --motors 3", 1, "--motors"},
     {"stability --motors 2", 2, "--motors"},
     {"stability --drive hydraulic", 2, "--drive"},
+    {"stability --structure bolts|1.1|-0.1|nan", 1, "the cable's share, 0 to 1"},
+    {"stability --structure cable --inertia 1e-5", 1, "omit --structure"},
     {"stability --q 0,20", 2, "--q"},
     {"stability --q 0,200,0", 1, "q"},
     {"stability --tuning-file none.toml", 1, "none.toml"},
@@ -342,6 +344,7 @@ const std::vector<Refusal> kOthers{
     {"stability --table --kinematics inverse", 2, "--kinematics excludes --table"},
     {"stability --table --drive current", 2, "--drive excludes --table"},
     {"stability --table --motors 3", 2, "--motors excludes --table"},
+    {"stability --table --structure all", 2, "--structure excludes --table"},
     {"stability --table --hand-mass -0.1", 1, "0 to 100"}, // taken until values are checked
     {"stability --table --q nan,0,0", 1, "--q"},
     {"stability --table --no-hand --device-file none.toml", 1, "none.toml"},

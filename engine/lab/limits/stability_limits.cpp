@@ -255,6 +255,9 @@ std::vector<StabilityLimit> stability_limits(const loops::StabilityCase &which,
                                              const loops::StabilityParameter &parameter,
                                              const ParameterRange &range) {
     std::vector<StabilityLimit> limits = predicted_limits(which, parameter, range);
+    if (!which.is_rigid()) {
+        return limits;
+    }
     const auto search = [&](const StabilityLimit &limit, const TrialOptions &options) {
         return std::async(std::launch::async, [&which, &parameter, &limit, options] {
             return simulated_limit(which, parameter, limit, options);
@@ -287,8 +290,8 @@ double lever_m(const loops::StabilityCase &which, const loops::LoopMember &membe
 }
 
 void fill(MapCell &cell, const loops::StabilityCase &there) {
-    const std::vector<loops::WorstMember> ranked = loops::ranked_members(there);
-    cell.eigenvalue = ranked.front().eigenvalue;
+    const std::vector<loops::WorstMember> ranked = loops::ranked_members(on_rigid_links(there));
+    cell.eigenvalue = (there.is_rigid() ? ranked.front() : loops::worst_member(there)).eigenvalue;
     TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
     options.longest_s = 1.0;
     options.extension_s = 0.0;

@@ -49,7 +49,8 @@ predicted_limits(const loops::StabilityCase &which, const loops::StabilityParame
                                                     const StabilityLimit &predicted,
                                                     const TrialOptions &options);
 
-/// Predictions and trials, one thread for each kind of trial.
+/// Predictions and trials, one thread for each kind of trial. Trials have rigid links: with other
+/// structures there are predictions only.
 [[nodiscard]] std::vector<StabilityLimit>
 stability_limits(const loops::StabilityCase &which, const loops::StabilityParameter &parameter,
                  const ParameterRange &range);
@@ -83,7 +84,8 @@ struct MapCell {
 
 /// Row by row, x running fastest, on all processors.
 ///
-/// A trial releases the tip a millimetre from rest and records its motion for a second. The members
+/// A trial releases the tip a millimetre from rest, on rigid links, and records its motion for a
+/// second. The members
 /// are tried in the order in which they are predicted to fail, until one does; with the whole
 /// linkage, whose trials take long, only the two worst.
 /// @param progress  receives a share from 0 to 1, from one thread at a time

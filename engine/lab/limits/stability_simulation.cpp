@@ -179,12 +179,19 @@ device::HandParameters simulated_hand(const loops::Hand &hand, double max_force_
 
 Trial simulated(const loops::StabilityCase &which, const loops::LoopMember &member,
                 const TrialOptions &options) {
-    return which.freedom == loops::Freedom::one_motor ? one_motor_trial(which, member, options)
-                                                      : three_motor_trial(which, member, options);
+    const loops::LoopMember rigid{member.motor, member.hand};
+    return which.freedom == loops::Freedom::one_motor ? one_motor_trial(which, rigid, options)
+                                                      : three_motor_trial(which, rigid, options);
+}
+
+loops::StabilityCase on_rigid_links(const loops::StabilityCase &which) {
+    loops::StabilityCase rigid = which;
+    rigid.structures = {loops::Structure{}};
+    return rigid;
 }
 
 bool is_stable_simulated(const loops::StabilityCase &which, const TrialOptions &options) {
-    const std::vector<loops::LoopMember> all = loops::members(which);
+    const std::vector<loops::LoopMember> all = loops::members(on_rigid_links(which));
     return std::all_of(all.begin(), all.end(), [&](const loops::LoopMember &member) {
         return simulated(which, member, options).stable;
     });

@@ -61,7 +61,7 @@ struct Trial {
 };
 
 /// One member's loop. With one motor that is `RotorSimulation`; with three the simulated PHANTOM
-/// under the whole law, its tip tied to a point.
+/// under the whole law, its tip tied to a point. Links are rigid, whatever the member's structure.
 ///
 /// Stable means that it comes to rest, or stays within two encoder counts for 0.4 s, or for a
 /// period where oscillations are slow: chatter between adjacent counts is not an instability of the
@@ -69,7 +69,10 @@ struct Trial {
 [[nodiscard]] Trial simulated(const loops::StabilityCase &which, const loops::LoopMember &member,
                               const TrialOptions &options);
 
-/// Whether every member's motion decays; stops at the first that does not.
+/// The case with rigid links only: that which is simulated.
+[[nodiscard]] loops::StabilityCase on_rigid_links(const loops::StabilityCase &which);
+
+/// Whether the motion of every member with rigid links decays; stops at the first that does not.
 [[nodiscard]] bool is_stable_simulated(const loops::StabilityCase &which,
                                        const TrialOptions &options);
 

@@ -21,27 +21,41 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Complex = std::complex<double>;
 
-/// The rows of one block of states, as a selector.
-class Blocks {
-public:
-    Blocks(Index motors, Index count) : motors_(motors), count_(count) {}
-
-    [[nodiscard]] Index states() const { return motors_ * count_; }
-    [[nodiscard]] Index at(Index block) const { return motors_ * block; }
-    [[nodiscard]] MatrixXd selector(Index block) const {
-        MatrixXd rows = MatrixXd::Zero(motors_, states());
-        rows.middleCols(at(block), motors_).setIdentity();
-        return rows;
-    }
-
-private:
-    Index motors_;
-    Index count_;
+/// The directions of x in which law or load exert a restoring force: those of the motors as
+/// columns, and how further bodies follow the motors at rest, x_b = G θ.
+struct PulledPositions {
+    MatrixXd motors;
+    MatrixXd follow; ///< G
 };
 
-/// An orthonormal basis of the positions on which law or load exert a restoring force, one column
-/// for each.
-MatrixXd pulled_positions(const MatrixXd &per_position, const MatrixXd &stiffness) {
+/// K as the motors feel it at rest: K_θθ + K_θb G, with G = −K_bb⁻¹ K_bθ.
+MatrixXd stiffness_at_motors(const MatrixXd &stiffness, const MatrixXd &follow) {
+    const Index motors = follow.cols();
+    const Index others = follow.rows();
+    MatrixXd at_motors = stiffness.topLeftCorner(motors, motors);
+    if (others > 0) {
+        // Where no spring leads to the ground, only round-off remains. Springs of the structure are
+        // at most some 1e6 times as stiff as a light hand, with round-off of 1e-12.
+        constexpr double kRoundOff = 1e-9;
+        const double scale = at_motors.norm();
+        at_motors += stiffness.topRightCorner(motors, others) * follow;
+        if (at_motors.norm() < kRoundOff * scale) {
+            at_motors.setZero();
+        }
+    }
+    return at_motors;
+}
+
+PulledPositions pulled_positions(const MatrixXd &per_position, const MatrixXd &stiffness) {
+    const Index motors = per_position.cols();
+    const Index others = stiffness.rows() - motors;
+    PulledPositions pulled;
+    pulled.follow = MatrixXd::Zero(others, motors);
+    if (others > 0) {
+        pulled.follow = -stiffness.bottomRightCorner(others, others)
+                             .llt()
+                             .solve(stiffness.bottomLeftCorner(others, motors));
+    }
     const auto weighed = [](const MatrixXd &pull) -> MatrixXd {
         const double scale = pull.squaredNorm();
         return scale > 0.0 ? MatrixXd(pull.transpose() * pull / scale)
@@ -49,9 +63,11 @@ MatrixXd pulled_positions(const MatrixXd &per_position, const MatrixXd &stiffnes
     };
     // On squared values: a direction counts as pulled from 1e-6 of the strongest pull on.
     constexpr double kPulled = 1e-12;
-    const Modes modes = symmetric_modes(weighed(per_position) + weighed(stiffness));
+    const Modes modes = symmetric_modes(weighed(per_position) +
+                                        weighed(stiffness_at_motors(stiffness, pulled.follow)));
     const Index free = (modes.eigenvalues.array() < kPulled).count();
-    return modes.eigenvectors.rightCols(per_position.cols() - free);
+    pulled.motors = modes.eigenvectors.rightCols(motors - free);
+    return pulled;
 }
 
 /// 1 − e^(−jx) without the cancellation at small x.
@@ -78,8 +94,9 @@ Complex filtered_rate(double omega_rad_per_s, double pole, double period_s) {
 
 } // namespace
 
-DrivenLoad DrivenLoad::of(Index motors) {
-    const MatrixXd nothing = MatrixXd::Zero(motors, motors);
+DrivenLoad DrivenLoad::of(Index motors, Index coordinates) {
+    SPRINGDRIVE_ASSERT(coordinates >= motors);
+    const MatrixXd nothing = MatrixXd::Zero(coordinates, coordinates);
     const VectorXd none = VectorXd::Zero(motors);
     return {nothing, nothing, nothing, none, none, none, none};
 }
@@ -112,18 +129,21 @@ SampledLaw drift_compensation(const VectorXd &k_T, const Gains &gains, const Mat
 }
 
 MatrixXd sampled_load(const DrivenLoad &load, double period_s) {
-    const Index n = load.motors();
-    MatrixXd rates = MatrixXd::Zero(4 * n, 4 * n); // of [θ, θ̇, i, u]
+    const Index n = load.coordinates();
+    const Index m = load.motors();
+    MatrixXd torque = MatrixXd::Zero(n, m);
+    torque.topRows(m).diagonal() = load.torque_Nm_per_A;
+    MatrixXd rates = MatrixXd::Zero(2 * (n + m), 2 * (n + m)); // of [x, ẋ, i, u]
     const Eigen::LLT<MatrixXd> inertia(load.inertia_kg_m2);
     rates.block(0, n, n, n).setIdentity();
     rates.block(n, 0, n, n) = -inertia.solve(load.stiffness_Nm_per_rad);
     rates.block(n, n, n, n) = -inertia.solve(load.damping_Nms_per_rad);
-    rates.block(n, 2 * n, n, n) = inertia.solve(MatrixXd(load.torque_Nm_per_A.asDiagonal()));
-    rates.block(2 * n, n, n, n).diagonal() = load.current_rate_per_velocity;
-    rates.block(2 * n, 2 * n, n, n).diagonal() = load.current_rate_per_current;
-    rates.block(2 * n, 3 * n, n, n).diagonal() = load.current_rate_per_command;
+    rates.block(n, 2 * n, n, m) = inertia.solve(torque);
+    rates.block(2 * n, n, m, m).diagonal() = load.current_rate_per_velocity;
+    rates.block(2 * n, 2 * n, m, m).diagonal() = load.current_rate_per_current;
+    rates.block(2 * n, 2 * n + m, m, m).diagonal() = load.current_rate_per_command;
     const MatrixXd whole = (rates * period_s).exp();
-    return whole.topRows(3 * n);
+    return whole.topRows(2 * n + m);
 }
 
 MatrixXd sampled_load(const DrivenLoad &load, double period_s, double delay_periods) {
@@ -131,70 +151,84 @@ MatrixXd sampled_load(const DrivenLoad &load, double period_s, double delay_peri
     if (fraction == 0.0) {
         return sampled_load(load, period_s);
     }
-    const Index n = load.motors();
+    const Index states = 2 * load.coordinates() + load.motors();
     const MatrixXd first = sampled_load(load, fraction * period_s);
     const MatrixXd second = sampled_load(load, (1.0 - fraction) * period_s);
-    MatrixXd both(3 * n, 5 * n);
-    both << second.leftCols(3 * n) * first, second.rightCols(n);
+    MatrixXd both(states, states + 2 * load.motors());
+    both << second.leftCols(states) * first, second.rightCols(load.motors());
     return both;
 }
 
 MatrixXd one_period_map(const MatrixXd &load, const SampledLaw &law) {
-    using enum StateBlock::Start;
-    const Index n = law.per_velocity.rows();
+    const Index m = law.per_velocity.rows();
+    const Index n = (load.rows() - m) / 2;
     const device::SplitDelay delay = device::split_delay(law.delay_periods);
     const Index held = delay.held();
-    SPRINGDRIVE_ASSERT(load.cols() == (delay.fraction > 0.0 ? 5 : 4) * n);
-    const Blocks blocks(n, first_held + held);
+    SPRINGDRIVE_ASSERT(load.rows() == 2 * n + m &&
+                       load.cols() == load.rows() + (delay.fraction > 0.0 ? 2 : 1) * m);
+    const StateStarts at(m, n);
+    const Index states = at.first_held + m * held;
+    const auto selector = [states](Index start, Index count) {
+        MatrixXd rows = MatrixXd::Zero(count, states);
+        rows.middleCols(start, count).setIdentity();
+        return rows;
+    };
 
     const double a = law.filter_pole;
     const MatrixXd v =
-        a * blocks.selector(velocity) + (1.0 - a) / law.period_s * blocks.selector(moved);
-    const MatrixXd u = law.per_velocity * v + law.per_position * blocks.selector(theta);
+        a * selector(at.velocity, m) + (1.0 - a) / law.period_s * selector(at.moved, m);
+    const MatrixXd u = law.per_velocity * v + law.per_position * selector(at.position, m);
     const auto command = [&](Index back) { // u[k − back]
-        return back == 0 ? u : blocks.selector(first_held + back - 1);
+        return back == 0 ? u : selector(at.first_held + m * (back - 1), m);
     };
 
-    MatrixXd before(load.cols(), blocks.states()); // [θ, θ̇, i, u] or [θ, θ̇, i, u_old, u_new]
+    MatrixXd before(load.cols(), states); // [x, ẋ, i, u] or [x, ẋ, i, u_old, u_new]
     if (delay.fraction > 0.0) {
-        before << blocks.selector(theta), blocks.selector(rate), blocks.selector(current),
+        before << selector(at.position, n), selector(at.rate, n), selector(at.current, m),
             command(delay.whole + 1), command(delay.whole);
     } else {
-        before << blocks.selector(theta), blocks.selector(rate), blocks.selector(current),
+        before << selector(at.position, n), selector(at.rate, n), selector(at.current, m),
             command(delay.whole);
     }
     const MatrixXd after = load * before;
 
-    MatrixXd map = MatrixXd::Zero(blocks.states(), blocks.states());
-    map.middleRows(blocks.at(theta), n) = after.topRows(n);
-    map.middleRows(blocks.at(moved), n) = after.topRows(n) - before.topRows(n);
-    map.middleRows(blocks.at(rate), n) = after.middleRows(n, n);
-    map.middleRows(blocks.at(current), n) = after.middleRows(2 * n, n);
-    map.middleRows(blocks.at(velocity), n) = v;
+    MatrixXd map = MatrixXd::Zero(states, states);
+    map.middleRows(at.position, n) = after.topRows(n);
+    map.middleRows(at.moved, m) = after.topRows(m) - before.topRows(m);
+    map.middleRows(at.rate, n) = after.middleRows(n, n);
+    map.middleRows(at.current, m) = after.middleRows(2 * n, m);
+    map.middleRows(at.velocity, m) = v;
     if (held > 0) {
-        map.middleRows(blocks.at(first_held), n) = u;
-        map.block(blocks.at(first_held + 1), blocks.at(first_held), n * (held - 1), n * (held - 1))
-            .setIdentity();
+        map.middleRows(at.first_held, m) = u;
+        map.block(at.first_held + m, at.first_held, m * (held - 1), m * (held - 1)).setIdentity();
     }
     return map;
 }
 
 bool pulls_on_all_positions(const MatrixXd &per_position, const MatrixXd &stiffness_Nm_per_rad) {
-    return pulled_positions(per_position, stiffness_Nm_per_rad).cols() == per_position.cols();
+    return pulled_positions(per_position, stiffness_Nm_per_rad).motors.cols() ==
+           per_position.cols();
 }
 
 double largest_eigenvalue(const MatrixXd &map, const SampledLaw &law,
                           const MatrixXd &stiffness_Nm_per_rad) {
-    const Index n = law.per_position.cols();
-    const MatrixXd pulled = pulled_positions(law.per_position, stiffness_Nm_per_rad);
-    if (pulled.cols() == n) {
+    const PulledPositions pulled = pulled_positions(law.per_position, stiffness_Nm_per_rad);
+    const Index m = pulled.motors.rows();
+    const Index kept = pulled.motors.cols();
+    if (kept == m) {
         return eigenvalues(map).cwiseAbs().maxCoeff();
     }
-    const Index others = map.rows() - n;
-    MatrixXd onto = MatrixXd::Zero(pulled.cols() + others, map.rows());
-    onto.topLeftCorner(pulled.cols(), n) = pulled.transpose();
+    // Further bodies are counted from where they would rest, x_b − G θ: then a free direction is
+    // one of the motors alone, and leaving it out changes nothing else.
+    const Index bodies = pulled.follow.rows();
+    const Index others = map.rows() - m;
+    MatrixXd onto = MatrixXd::Zero(kept + others, map.rows());
+    onto.topLeftCorner(kept, m) = pulled.motors.transpose();
     onto.bottomRightCorner(others, others).setIdentity();
-    return eigenvalues(onto * map * onto.transpose()).cwiseAbs().maxCoeff();
+    MatrixXd back = onto.transpose();
+    onto.block(kept, 0, bodies, m) = -pulled.follow;
+    back.block(m, 0, bodies, kept) = pulled.follow * pulled.motors;
+    return eigenvalues(onto * map * back).cwiseAbs().maxCoeff();
 }
 
 LinearLoop::LinearLoop(DrivenLoad load, const Sampling &sampling)
@@ -230,7 +264,10 @@ MatrixXd static_stiffness(const DrivenLoad &load, const SampledLaw &law) {
     const VectorXd torque_per_command =
         -load.torque_Nm_per_A.cwiseProduct(load.current_rate_per_command)
              .cwiseQuotient(load.current_rate_per_current);
-    return load.stiffness_Nm_per_rad - torque_per_command.asDiagonal() * law.per_position;
+    MatrixXd stiffness = load.stiffness_Nm_per_rad;
+    stiffness.topLeftCorner(load.motors(), load.motors()) -=
+        torque_per_command.asDiagonal() * law.per_position;
+    return stiffness;
 }
 
 VectorXd static_squares(const DrivenLoad &load, const SampledLaw &law) {

@@ -5,12 +5,14 @@
 #include "engine/control/motion_control.h"
 #include "engine/control/velocity_filter.h"
 
+#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace springdrive::loops {
 
@@ -44,10 +46,10 @@ struct Linkage {
     Matrix3 damping_Nms_per_rad;
 };
 
-Linkage linkage(const StabilityCase &which) {
+Linkage linkage(const StabilityCase &which, double tip_load_kg) {
     const device::DeviceDescription &device = which.device;
     const device::LinkageMoments moments =
-        device::linkage_moments(device.geometry, device.inertia, device.inertia.tip_load_kg);
+        device::linkage_moments(device.geometry, device.inertia, tip_load_kg);
     const Vector3 per_N = device.geometry.transmission_ratio.cwiseInverse();
     const Matrix3 scaled =
         per_N.asDiagonal() * device::mass_matrix(moments, which.q_rad) * per_N.asDiagonal();
@@ -60,6 +62,43 @@ MatrixXd squared_levers(const StabilityCase &which, const LoopMember &member) {
     const Matrix3 J = jacobian(which);
     return picked(J.transpose() * J, moving(which, member));
 }
+
+/// What moves between the rotors and the ground: linkage, hand and structure, in the coordinates of
+/// `driven_load`. Entries are added to blocks, one block for each kind of coordinate.
+class Bodies {
+public:
+    Bodies(DrivenLoad &load, Eigen::Index motors) : load_(load), motors_(motors) {}
+
+    void add(Eigen::Index block, const MatrixXd &inertia, const MatrixXd &damping,
+             const MatrixXd &stiffness) {
+        at(load_.inertia_kg_m2, block, block) += inertia;
+        at(load_.damping_Nms_per_rad, block, block) += damping;
+        at(load_.stiffness_Nm_per_rad, block, block) += stiffness;
+    }
+
+    /// A spring and a damper between two blocks, for each coordinate of the second one.
+    /// @param levers  its motion per motion of the first
+    void tie(Eigen::Index first, Eigen::Index second, const MatrixXd &levers,
+             const VectorXd &stiffness, const VectorXd &damping) {
+        for (const auto &[matrix, of] : {std::pair(&load_.stiffness_Nm_per_rad, &stiffness),
+                                         std::pair(&load_.damping_Nms_per_rad, &damping)}) {
+            const MatrixXd K = of->asDiagonal();
+            at(*matrix, first, first) += levers.transpose() * K * levers;
+            at(*matrix, first, second) -= levers.transpose() * K;
+            at(*matrix, second, first) -= K * levers;
+            at(*matrix, second, second) += K;
+        }
+    }
+
+private:
+    [[nodiscard]] Eigen::Block<MatrixXd> at(MatrixXd &matrix, Eigen::Index row,
+                                            Eigen::Index column) const {
+        return matrix.block(row * motors_, column * motors_, motors_, motors_);
+    }
+
+    DrivenLoad &load_;
+    Eigen::Index motors_;
+};
 
 double bandwidth_rad_per_s(const StabilityCase &which) {
     return 2.0 * std::numbers::pi * which.device.amplifier.current_bandwidth_hz;
@@ -79,10 +118,13 @@ StabilityCase motors_alone(const device::DeviceDescription &device, const contro
 
 std::vector<LoopMember> members(const StabilityCase &which) {
     const bool each = which.freedom == Freedom::one_motor && !which.rotor;
+    const std::vector<Structure> rigid{Structure{}};
     std::vector<LoopMember> all;
-    for (const Hand &hand : which.hands) {
-        for (const int motor : each ? std::vector<int>{0, 1, 2} : std::vector<int>{1}) {
-            all.push_back({motor, hand});
+    for (const Structure &structure : which.rotor ? rigid : which.structures) {
+        for (const Hand &hand : which.hands) {
+            for (const int motor : each ? std::vector<int>{0, 1, 2} : std::vector<int>{1}) {
+                all.push_back({motor, hand, structure});
+            }
         }
     }
     return all;
@@ -112,20 +154,55 @@ MatrixXd held_share(const StabilityCase &which) {
 DrivenLoad driven_load(const StabilityCase &which, const LoopMember &member) {
     const std::vector<int> motors = moving(which, member);
     const auto count = static_cast<Eigen::Index>(motors.size());
+    const Structure gives = which.rotor ? Structure{} : member.structure;
+    const double in_cable = gives.in_cable();
+    const double tip_kg = member.hand.mass_kg + which.device.inertia.tip_load_kg;
+    const double at_tip = tip_kg > 0.0 ? gives.at_tip() : 0.0;
+    const Eigen::Index linkage_block = in_cable > 0.0 ? 1 : 0;
+    const Eigen::Index tip_block = linkage_block + (at_tip > 0.0 ? 1 : 0);
+    DrivenLoad load = DrivenLoad::of(count, count * (tip_block + 1));
+    Bodies bodies(load, count);
+
+    const Hand &hand = member.hand;
     const MatrixXd hand_levers = squared_levers(which, member);
-    DrivenLoad load = DrivenLoad::of(count);
     if (which.rotor) {
-        load.inertia_kg_m2 = MatrixXd::Constant(1, 1, which.rotor->inertia_kg_m2);
-        load.damping_Nms_per_rad = MatrixXd::Constant(1, 1, which.rotor->damping_Nms_per_rad);
-        load.stiffness_Nm_per_rad = MatrixXd::Constant(1, 1, which.rotor->stiffness_Nm_per_rad);
+        bodies.add(0, MatrixXd::Constant(1, 1, which.rotor->inertia_kg_m2),
+                   MatrixXd::Constant(1, 1, which.rotor->damping_Nms_per_rad),
+                   MatrixXd::Constant(1, 1, which.rotor->stiffness_Nm_per_rad));
     } else {
-        const Linkage carried = linkage(which);
-        load.inertia_kg_m2 = picked(carried.inertia_kg_m2, motors);
-        load.damping_Nms_per_rad = picked(carried.damping_Nms_per_rad, motors);
+        const Linkage carried =
+            linkage(which, at_tip > 0.0 ? 0.0 : which.device.inertia.tip_load_kg);
+        bodies.add(linkage_block, picked(carried.inertia_kg_m2, motors),
+                   picked(carried.damping_Nms_per_rad, motors), MatrixXd::Zero(count, count));
     }
-    load.inertia_kg_m2 += member.hand.mass_kg * hand_levers;
-    load.damping_Nms_per_rad += member.hand.damping_Ns_per_m * hand_levers;
-    load.stiffness_Nm_per_rad += member.hand.stiffness_N_per_m * hand_levers;
+    if (in_cable > 0.0) {
+        const std::array<device::CableCompliance, 3> cables =
+            device::cable_compliance(which.device, in_cable);
+        VectorXd stiffness(count);
+        VectorXd damping(count);
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const device::CableCompliance &cable =
+                cables[static_cast<std::size_t>(motors[static_cast<std::size_t>(i)])];
+            stiffness[i] = cable.stiffness_Nm_per_rad;
+            damping[i] = cable.damping_Nms_per_rad;
+        }
+        bodies.tie(0, linkage_block, MatrixXd::Identity(count, count), stiffness, damping);
+    }
+    if (at_tip > 0.0) {
+        const MatrixXd all = MatrixXd::Identity(count, count);
+        bodies.add(tip_block, tip_kg * all, hand.damping_Ns_per_m * all,
+                   hand.stiffness_N_per_m * all);
+        const MatrixXd levers =
+            count == 1 ? MatrixXd(hand_levers.cwiseSqrt()) : MatrixXd(jacobian(which));
+        const device::StructuralCompliance tip =
+            device::tip_compliance(which.device.structure, 1.0 - at_tip);
+        bodies.tie(linkage_block, tip_block, levers,
+                   VectorXd::Constant(count, tip.stiffness_N_per_m),
+                   VectorXd::Constant(count, tip.damping_Ns_per_m));
+    } else {
+        bodies.add(linkage_block, hand.mass_kg * hand_levers, hand.damping_Ns_per_m * hand_levers,
+                   hand.stiffness_N_per_m * hand_levers);
+    }
 
     for (Eigen::Index i = 0; i < count; ++i) {
         const device::MotorParameters &of = motor(which, motors[static_cast<std::size_t>(i)]);
@@ -178,6 +255,37 @@ std::vector<WorstMember> ranked_members(const StabilityCase &which) {
 WorstMember worst_member(const StabilityCase &which) { return ranked_members(which).front(); }
 
 bool is_stable(const StabilityCase &which) { return worst_member(which).is_stable(); }
+
+std::string structure_text(const Structure &structure) {
+    if (!structure.cable_share) {
+        return "rigid links";
+    }
+    return structure.in_cable() == 0.0 ? "compliant tip"
+           : structure.at_tip() == 0.0
+               ? "compliant cable"
+               : fmt::format("{:g} of the compliance in the cable", *structure.cable_share);
+}
+
+Matrix3 structural_compliance_m_per_N(const device::DeviceDescription &device,
+                                      const Structure &structure, const Vector3 &q_rad) {
+    Matrix3 compliance =
+        structure.at_tip() / device.structure.stiffness_N_per_m * Matrix3::Identity();
+    if (structure.in_cable() > 0.0) {
+        const Matrix3 J = device::motor_jacobian(device.geometry, q_rad);
+        const auto cables = device::cable_compliance(device, structure.in_cable());
+        for (std::size_t j = 0; j < cables.size(); ++j) {
+            const Vector3 along = J.col(static_cast<Eigen::Index>(j));
+            compliance += along * along.transpose() / cables[j].stiffness_Nm_per_rad;
+        }
+    }
+    return compliance;
+}
+
+Matrix3 felt_stiffness_N_per_m(const Matrix3 &rendered_N_per_m, const Matrix3 &compliance_m_per_N) {
+    return (Matrix3::Identity() + rendered_N_per_m * compliance_m_per_N)
+        .partialPivLu()
+        .solve(rendered_N_per_m);
+}
 
 namespace {
 

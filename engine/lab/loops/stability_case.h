@@ -1,5 +1,6 @@
-// The subject of a stability analysis: a device, its drive, sampling and configuration, and the
-// hands that hold it; and the parameters that such an analysis varies.
+// The subject of a stability analysis: a device, its drive, sampling and configuration, the places
+// where its structure may be compliant, and the hands that hold it; and the parameters that such an
+// analysis varies.
 #pragma once
 
 #include "base/assertions.h"
@@ -11,6 +12,7 @@
 #include "engine/control/tuning.h"
 #include "engine/lab/loops/linear_loop.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -69,6 +71,30 @@ struct Hand {
     return hands;
 }
 
+/// Where the compliance between motors and tip is, see `cable_compliance` of the device. A part
+/// with less than `kRigidShare` of it has none, and the other one all: its modes are far above all
+/// others.
+struct Structure {
+    std::optional<double> cable_share; ///< s, 0 to 1; nothing: everything is rigid
+
+    static constexpr double kRigidShare = 1e-3;
+
+    /// s; zero where nothing gives in the cable.
+    [[nodiscard]] double in_cable() const {
+        const double share = cable_share.value_or(0.0);
+        return share < kRigidShare ? 0.0 : share > 1.0 - kRigidShare ? 1.0 : share;
+    }
+    /// 1 − s; zero where nothing gives at the tip.
+    [[nodiscard]] double at_tip() const { return cable_share ? 1.0 - in_cable() : 0.0; }
+};
+
+/// Rigid, all at the tip, all in the cable and half of each: where the split is not known.
+[[nodiscard]] inline std::vector<Structure> all_structures() { return {{}, {0.0}, {1.0}, {0.5}}; }
+
+/// Text for messages: "rigid links", "compliant tip", "compliant cable", "0.5 of the compliance in
+/// the cable".
+[[nodiscard]] std::string structure_text(const Structure &structure);
+
 /// Which motors move.
 enum class Freedom : std::uint8_t {
     one_motor,    ///< each motor alone, the other joints locked: the paper's 1-DOF
@@ -85,7 +111,9 @@ struct StabilityCase {
     Vector3 q_rad = device::default_pose_rad();
     Freedom freedom = Freedom::one_motor;
     std::vector<Hand> hands = hand_family();
-    /// One motor with this load instead of the device; its own rotor is included.
+    /// The device counts as stable only if it is with each of them, as with each hand.
+    std::vector<Structure> structures{Structure{}};
+    /// One motor with this load instead of the device; its own rotor is included, and it is rigid.
     std::optional<device::RotorLoad> rotor;
     /// The actual net resistance where it differs from what a drive can be set to, for example
     /// after a winding has cooled. It may be negative.
@@ -96,6 +124,12 @@ struct StabilityCase {
         return net_resistance_Ohm.value_or(device::residual_resistance_Ohm(motor, tuning.dR_Ohm));
     }
     [[nodiscard]] Sampling sampling() const { return {period_s, delay_periods}; }
+    /// Whether links are rigid in all members.
+    [[nodiscard]] bool is_rigid() const {
+        return rotor || std::ranges::none_of(structures, [](const Structure &each) {
+                   return each.cable_share.has_value();
+               });
+    }
 };
 
 /// Each motor of a device alone, at the zero pose, without a hand and under K_P, K_D and η only: a
@@ -107,9 +141,10 @@ struct StabilityCase {
 struct LoopMember {
     int motor = 0; ///< the one that moves; ignored with three
     Hand hand;
+    Structure structure{};
 };
 
-/// Each hand with each motor, or with all at once.
+/// Each structure and hand with each motor, or with all at once.
 [[nodiscard]] std::vector<LoopMember> members(const StabilityCase &which);
 
 /// The share of a motion that the law treats as an error: (1 − η) G C J with G the map and C = I,
@@ -117,8 +152,16 @@ struct LoopMember {
 /// with the inverse map (1 − η) I; for one motor, its largest eigenvalue.
 [[nodiscard]] Eigen::MatrixXd held_share(const StabilityCase &which);
 
-/// The load at a configuration, in motor coordinates: rotors, linkage and hand. Weight and Coriolis
-/// forces are negligible near rest.
+/// The load at a configuration: rotors, linkage and hand. Weight and Coriolis forces are negligible
+/// near rest. On rigid links its coordinates are the motors'. Otherwise these are the rotors', and
+/// further ones follow:
+///
+///   θ_l  of the linkage, in motor angles, behind cables:   τ = κ (θ_l − θ)
+///   x    of the tip [m], with hand and tip load:           F = K/(1 − s) (x − J θ_l)
+///
+/// with κ of `cable_compliance`; with one motor, x is along its motion of the tip. A
+/// hand without mass on a tip without load leaves nothing to move there: it is then tied to the
+/// linkage, which is rigid at the tip.
 [[nodiscard]] DrivenLoad driven_load(const StabilityCase &which, const LoopMember &member);
 
 /// The servo's law for it: (10), (18) or (23), and (30), or the wall of a current drive.
@@ -145,6 +188,17 @@ struct WorstMember {
 
 /// Whether every motion of every member decays, by the eigenvalues.
 [[nodiscard]] bool is_stable(const StabilityCase &which);
+
+/// What gives at the tip for a force on it while the motors hold still [m/N]:
+/// J diag(1/κ) Jᵀ + (1 − s)/K I.
+[[nodiscard]] Matrix3 structural_compliance_m_per_N(const device::DeviceDescription &device,
+                                                    const Structure &structure,
+                                                    const Vector3 &q_rad);
+
+/// The stiffness that a hand feels at the tip, where the drive renders K_x at rigid links and the
+/// structure gives C in series: (K_x⁻¹ + C)⁻¹ = (I + K_x C)⁻¹ K_x [N/m]. K_x may be singular.
+[[nodiscard]] Matrix3 felt_stiffness_N_per_m(const Matrix3 &rendered_N_per_m,
+                                             const Matrix3 &compliance_m_per_N);
 
 // The parameters of a stability analysis: the list that command line, maps and tables read.
 

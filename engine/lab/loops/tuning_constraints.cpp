@@ -71,7 +71,7 @@ void add_loops(std::vector<TuningConstraint> &loops, StabilityCase which,
     const LinearLoop loop = linear_loop(which, member);
     const Eigen::MatrixXd rigid = held_share(which);
     for (const double eta : kEtas) {
-        loops.push_back({loop, (1.0 - eta) * rigid, member.hand.name, eta});
+        loops.push_back({loop, (1.0 - eta) * rigid, member.hand.name, eta, member.structure});
     }
 }
 

@@ -1,6 +1,6 @@
-// Every loop that a tuning has to keep stable, prepared for trying many gains: each hand and those
-// between, at each configuration, each motor alone and all together, at values of η from rigid to
-// free.
+// Every loop that a tuning has to keep stable, prepared for trying many gains: each structure of
+// the case, each hand and those between, at each configuration, each motor alone and all together,
+// at values of η from rigid to free.
 #pragma once
 
 #include "engine/lab/loops/stability_case.h"
@@ -17,6 +17,7 @@ struct TuningConstraint {
     Eigen::MatrixXd share; ///< see `held_share`, η included
     std::string hand;
     double eta = 0.0;
+    Structure structure{};
 };
 
 class TuningConstraints {

@@ -232,17 +232,16 @@ double speed_per_force(const loops::StabilityCase &which) {
     const Vector3 pressed_m =
         -Vector3::Constant(1.0 / std::sqrt(3.0)) / tip_stiffness_N_per_m(which);
     Eigen::VectorXd state = Eigen::VectorXd::Zero(map.rows());
-    const auto of = [&state](loops::StateBlock::Start block) {
-        return state.segment<3>(3 * block);
-    };
-    of(loops::StateBlock::theta) = J.inverse() * pressed_m;
+    const loops::StateStarts at(3, 3);
+    const auto of = [&state](Eigen::Index start) { return state.segment<3>(start); };
+    of(at.position) = J.inverse() * pressed_m;
     const Matrix3 per_position = law.per_position;
-    of(loops::StateBlock::current) = per_position * (J.inverse() * pressed_m) / which.tuning.dR_Ohm;
+    of(at.current) = per_position * (J.inverse() * pressed_m) / which.tuning.dR_Ohm;
     double maximum = 0.0;
     for (long tick = 0; tick < ticks_in(kContact_s, which); ++tick) {
         state = map * state;
-        maximum = std::max(maximum, Vector3(J * of(loops::StateBlock::rate)).norm());
-        if (Vector3(J * of(loops::StateBlock::theta)).minCoeff() > 0.0) {
+        maximum = std::max(maximum, Vector3(J * of(at.rate)).norm());
+        if (Vector3(J * of(at.position)).minCoeff() > 0.0) {
             break;
         }
     }

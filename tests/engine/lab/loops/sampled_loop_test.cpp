@@ -1,5 +1,5 @@
-// Covers engine/lab/loops/linear_loop.cpp: three coupled motors sample by sample, and one motor, by
-// which tests/support/sampled_loop.h is verified.
+// Covers engine/lab/loops/linear_loop.cpp: three coupled motors, with and without further bodies,
+// sample by sample, and one motor, by which tests/support/sampled_loop.h is verified.
 #include "base/bisection.h"
 #include "engine/lab/loops/linear_loop.h"
 #include "tests/support/devices.h"
@@ -22,21 +22,22 @@ using Eigen::VectorXd;
 
 constexpr Eigen::Index kMotors = 3;
 
-MatrixXd random_symmetric(double scale, std::mt19937_64 &random) {
+MatrixXd random_symmetric(double scale, std::mt19937_64 &random, Eigen::Index rows = kMotors) {
     testing::Draw draw(random);
-    const MatrixXd any =
-        MatrixXd::NullaryExpr(kMotors, kMotors, [&] { return draw.even(-1.0, 1.0); });
-    return scale * (any * any.transpose() + 0.3 * MatrixXd::Identity(kMotors, kMotors));
+    const MatrixXd any = MatrixXd::NullaryExpr(rows, rows, [&] { return draw.even(-1.0, 1.0); });
+    return scale * (any * any.transpose() + 0.3 * MatrixXd::Identity(rows, rows));
 }
 
-VectorXd random_values(double low, double high, std::mt19937_64 &random) {
+VectorXd random_values(double low, double high, std::mt19937_64 &random,
+                       Eigen::Index rows = kMotors) {
     testing::Draw draw(random);
-    return VectorXd::NullaryExpr(kMotors, [&] { return draw.even(low, high); });
+    return VectorXd::NullaryExpr(rows, [&] { return draw.even(low, high); });
 }
 
-DrivenLoad random_load(std::mt19937_64 &random) {
-    return {random_symmetric(1e-5, random),         random_symmetric(1e-4, random),
-            random_symmetric(0.05, random),         random_values(0.01, 0.05, random),
+/// @param n  its coordinates, the motors' first
+DrivenLoad random_load(std::mt19937_64 &random, Eigen::Index n = kMotors) {
+    return {random_symmetric(1e-5, random, n),      random_symmetric(1e-4, random, n),
+            random_symmetric(0.05, random, n),      random_values(0.01, 0.05, random),
             random_values(-3000.0, -500.0, random), random_values(-100.0, -20.0, random),
             random_values(1000.0, 5000.0, random)};
 }
@@ -50,19 +51,19 @@ SampledLaw random_law(double delay_periods, std::mt19937_64 &random) {
     return law;
 }
 
-/// [θ, θ̇, i] after a time, by Runge-Kutta steps.
+/// [x, ẋ, i] after a time, by Runge-Kutta steps.
 VectorXd moved_on(const DrivenLoad &load, VectorXd state, const VectorXd &u, double time_s) {
+    const Eigen::Index n = load.inertia_kg_m2.rows();
     const auto rates = [&](const VectorXd &x) {
-        const VectorXd theta = x.head(kMotors);
-        const VectorXd rate = x.segment(kMotors, kMotors);
+        const VectorXd place = x.head(n);
+        const VectorXd rate = x.segment(n, n);
         const VectorXd current = x.tail(kMotors);
-        VectorXd dx(3 * kMotors);
-        dx << rate,
-            load.inertia_kg_m2.inverse() *
-                (load.torque_Nm_per_A.cwiseProduct(current) - load.damping_Nms_per_rad * rate -
-                 load.stiffness_Nm_per_rad * theta),
+        VectorXd force = -load.damping_Nms_per_rad * rate - load.stiffness_Nm_per_rad * place;
+        force.head(kMotors) += load.torque_Nm_per_A.cwiseProduct(current);
+        VectorXd dx(x.size());
+        dx << rate, load.inertia_kg_m2.inverse() * force,
             load.current_rate_per_current.cwiseProduct(current) +
-                load.current_rate_per_velocity.cwiseProduct(rate) +
+                load.current_rate_per_velocity.cwiseProduct(rate.head(kMotors)) +
                 load.current_rate_per_command.cwiseProduct(u);
         return dx;
     };
@@ -87,15 +88,16 @@ double largest(const DrivenLoad &load, const SampledLaw &law) {
 TEST(SampledLoad, IsTheMotionOverAPeriodWithinWhichADelayChangesTheCommand) {
     std::mt19937_64 random(11);
     for (const double fraction : {0.0, 1e-3, 0.25, 0.5, 0.9, 0.999}) {
-        const DrivenLoad load = random_load(random);
+        const Eigen::Index n = kMotors + (fraction > 0.3 ? 2 : 0);
+        const DrivenLoad load = random_load(random, n);
         const VectorXd u_old = random_values(-1.0, 1.0, random);
         const VectorXd u_new = random_values(-1.0, 1.0, random);
-        VectorXd before(3 * kMotors);
-        before << random_values(-1.0, 1.0, random), random_values(-50.0, 50.0, random),
+        VectorXd before(2 * n + kMotors);
+        before << random_values(-1.0, 1.0, random, n), random_values(-50.0, 50.0, random, n),
             random_values(-1.0, 1.0, random);
-        VectorXd given(fraction > 0.0 ? 5 * kMotors : 4 * kMotors);
-        given.head(3 * kMotors) = before;
-        given.segment(3 * kMotors, kMotors) = u_old;
+        VectorXd given(before.size() + (fraction > 0.0 ? 2 : 1) * kMotors);
+        given.head(before.size()) = before;
+        given.segment(before.size(), kMotors) = u_old;
         given.tail(kMotors) = u_new;
         const VectorXd truth = moved_on(load, moved_on(load, before, u_old, fraction * 1e-3), u_new,
                                         (1.0 - fraction) * 1e-3);
@@ -122,18 +124,19 @@ TEST(OnePeriodMap, IsTheServoSampleBySample) {
     for (const double delay : {0.0, 1.0, 2.0, 5.0, 0.3, 0.999, 1.5, 3.001}) {
         const double whole = std::floor(delay);
         const double fraction = delay - whole;
-        const DrivenLoad load = random_load(random);
+        const Eigen::Index n = kMotors + (delay < 2.5 ? 4 : 0);
+        const DrivenLoad load = random_load(random, n);
         const SampledLaw law = random_law(delay, random);
         const MatrixXd map = one_period_map(sampled_load(load, law.period_s, delay), law);
-        ASSERT_EQ(map.rows(), kMotors * (5 + std::lround(std::ceil(delay))));
+        ASSERT_EQ(map.rows(), 2 * n + kMotors * (3 + std::lround(std::ceil(delay))));
 
-        VectorXd plant(3 * kMotors);
-        plant << random_values(-1.0, 1.0, random), VectorXd::Zero(2 * kMotors);
+        VectorXd plant(2 * n + kMotors);
+        plant << random_values(-1.0, 1.0, random, n), VectorXd::Zero(n + kMotors);
         VectorXd before = plant.head(kMotors);
         VectorXd v = VectorXd::Zero(kMotors);
         std::deque<VectorXd> held(static_cast<std::size_t>(whole) + 1, VectorXd::Zero(kMotors));
         VectorXd state = VectorXd::Zero(map.rows());
-        state.head(kMotors) = before;
+        state.head(n) = plant.head(n);
         for (int k = 0; k < 20; ++k) {
             const VectorXd theta = plant.head(kMotors);
             v = law.filter_pole * v + (1.0 - law.filter_pole) * (theta - before) / law.period_s;
@@ -146,8 +149,8 @@ TEST(OnePeriodMap, IsTheServoSampleBySample) {
             held.pop_front();
             state = map * state;
             const double scale = plant.norm();
-            EXPECT_LT((state.head(kMotors) - plant.head(kMotors)).norm(), 1e-6 * scale);
-            EXPECT_LT((state.segment(2 * kMotors, 2 * kMotors) - plant.tail(2 * kMotors)).norm(),
+            EXPECT_LT((state.head(n) - plant.head(n)).norm(), 1e-6 * scale);
+            EXPECT_LT((state.segment(n + kMotors, n + kMotors) - plant.tail(n + kMotors)).norm(),
                       1e-6 * scale)
                 << "delay " << delay << ", sample " << k;
         }
@@ -214,6 +217,44 @@ TEST(LargestEigenvalue, DirectionsThatNothingPullsBackDoNotCount) {
         // The third direction counts.
         law.per_position *= 1000.0;
         EXPECT_GT(largest(load, law), 1.0 + 1e-6);
+    }
+}
+
+/// Bodies behind springs follow the motors wherever these may rest; a spring to the ground at the
+/// far end of them pulls on the motors, too, however stiff those between are.
+TEST(LargestEigenvalue, BodiesThatFollowAFreeMotorDoNotCountEither) {
+    std::mt19937_64 random(6);
+    for (int i = 0; i < 40; ++i) {
+        constexpr Eigen::Index kBodies = 3;
+        const double tied = testing::Draw(random).by_ratio(0.1, 1e3);
+        DrivenLoad load = random_load(random, kMotors + kBodies);
+        const MatrixXd tie = random_symmetric(tied, random);
+        load.stiffness_Nm_per_rad << tie, -tie, -tie, tie;
+        const Eigen::Vector3d normal = random_values(-1.0, 1.0, random).normalized();
+        SampledLaw law;
+        law.per_velocity = -1e-3 * normal * normal.transpose();
+        law.per_position = -0.3 * normal * normal.transpose();
+        law.filter_pole = 0.4;
+        law.delay_periods = 0.5 * (i % 3);
+        const MatrixXd map =
+            one_period_map(sampled_load(load, law.period_s, law.delay_periods), law);
+        VectorXd sizes = map.eigenvalues().cwiseAbs();
+        const VectorXd distances = (map.eigenvalues().array() - 1.0).abs();
+        EXPECT_EQ((distances.array() < 1e-8).count(), 2) << "one for each free direction";
+        sizes = (distances.array() < 1e-8).select(0.0, sizes);
+        // Round-off of the exponential grows as the square of the fastest mode's rate: measured,
+        // 2e-12 for each N·m/rad.
+        const double round_off = 1e-11 * (1.0 + tied);
+        EXPECT_NEAR(largest(load, law), sizes.maxCoeff(), round_off) << tied;
+        load.stiffness_Nm_per_rad.bottomRightCorner(kBodies, kBodies).diagonal().array() += 0.01;
+        const double slow = largest(load, law);
+        EXPECT_NEAR(slow,
+                    one_period_map(sampled_load(load, law.period_s, law.delay_periods), law)
+                        .eigenvalues()
+                        .cwiseAbs()
+                        .maxCoeff(),
+                    round_off);
+        EXPECT_LT(slow, 1.0 - 1e-6);
     }
 }
 
