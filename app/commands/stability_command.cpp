@@ -14,6 +14,7 @@
 #include "engine/lab/limits/method_limits/experiment.h"
 #include "engine/lab/limits/stability_limits.h"
 #include "engine/lab/loops/passivity.h"
+#include "engine/lab/loops/rendered_stiffness.h"
 #include "engine/lab/loops/stability_case.h"
 #include "engine/lab/rig/scenario/scenarios.h"
 
@@ -369,6 +370,47 @@ void write_limits(std::ostream &out, const StabilityReport &report) {
            "one.\n";
 }
 
+/// At rest, along the vertical.
+struct FeltStiffness {
+    loops::Structure structure;
+    double vertical_N_per_m = 0.0;
+};
+
+/// Rendered, that is on rigid links, and felt behind the structures of the case, or where these are
+/// rigid, behind either end of what is not known of the device's.
+std::vector<FeltStiffness> felt_stiffness(const loops::StabilityCase &which) {
+    std::vector<loops::Structure> structures{{}};
+    const auto &asked =
+        which.is_rigid() ? std::vector<loops::Structure>{{1.0}, {0.0}} : which.structures;
+    std::ranges::copy_if(asked, std::back_inserter(structures),
+                         [](const auto &structure) { return structure.cable_share.has_value(); });
+    std::vector<FeltStiffness> felt;
+    for (const loops::Structure &structure : structures) {
+        felt.push_back({structure, loops::felt_at_rest_N_per_m(which, structure)(1, 1)});
+    }
+    return felt;
+}
+
+void write_felt_stiffness(std::ostream &out, const loops::StabilityCase &which) {
+    const std::vector<FeltStiffness> felt = felt_stiffness(which);
+    print(out, "stiffness  {:.3g} N/mm rendered at rest, vertically at the tip; felt",
+          1e-3 * felt.front().vertical_N_per_m);
+    for (std::size_t i = 1; i < felt.size(); ++i) {
+        print(out, "{} {:.3g} ({})", i == 1 ? "" : ",", 1e-3 * felt[i].vertical_N_per_m,
+              loops::structure_text(felt[i].structure));
+    }
+    out << '\n';
+}
+
+Json felt_json(const loops::StabilityCase &which) {
+    Json json;
+    for (const FeltStiffness &felt : felt_stiffness(which)) {
+        json.push_back({{"structure", loops::structure_text(felt.structure)},
+                        {"vertical_N_per_m", felt.vertical_N_per_m}});
+    }
+    return json;
+}
+
 Json found_json(const std::optional<double> &found) { return found ? Json(*found) : Json(nullptr); }
 
 Json finite_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -390,6 +432,9 @@ Json member_json(const loops::StabilityCase &which, const loops::LoopMember &mem
 void write_stability_table(std::ostream &out, const StabilityReport &report) {
     write_setting(out, report);
     write_verdict(out, report);
+    if (!report.which.rotor) {
+        write_felt_stiffness(out, report.which);
+    }
     if (report.varied != nullptr) {
         write_limits(out, report);
     }
@@ -403,6 +448,7 @@ void write_stability_json(std::ostream &out, const StabilityReport &report) {
                          {"largest_eigenvalue", report.worst.eigenvalue},
                          {"worst", member_json(report.which, report.worst.member)}};
     json["simulated"] = {{"stable", report.stable_simulated}};
+    json["stiffness"] = report.which.rotor ? Json(nullptr) : felt_json(report.which);
     json["coupling"] = report.passive
                            ? Json{{"passive", report.passive->holds()},
                                   {"stable_with_every_linear_hand", report.linear_hands.holds()},

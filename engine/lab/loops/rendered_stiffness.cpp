@@ -74,6 +74,17 @@ Complex tip_stiffness(const StabilityCase &which, const Vector3 &direction,
     return theta.cast<Complex>().dot(motors * theta.cast<Complex>());
 }
 
+Matrix3 felt_at_rest_N_per_m(const StabilityCase &which, const Structure &structure) {
+    const StabilityCase all = whole(which);
+    const LoopMember without_hand{0, no_hand()};
+    const Matrix3 motors =
+        motor_stiffness(driven_load(all, without_hand), sampled_law(all, without_hand), 0.0).real();
+    const Matrix3 per_tip = device::motor_jacobian(which.device.geometry, which.q_rad).inverse();
+    return felt_stiffness_N_per_m(
+        per_tip.transpose() * motors * per_tip,
+        structural_compliance_m_per_N(which.device, structure, which.q_rad));
+}
+
 double inductive_tip_stiffness(const StabilityCase &which, const Vector3 &direction) {
     if (which.drive == device::AmplifierKind::current_drive) {
         return 0.0;

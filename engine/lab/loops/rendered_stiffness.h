@@ -64,6 +64,10 @@ struct SpringDrive {
 [[nodiscard]] std::complex<double> tip_stiffness(const StabilityCase &which,
                                                  const Vector3 &direction, double omega_rad_per_s);
 
+/// The same at rest, for a vice that moves the tip in any direction, as a hand feels it behind a
+/// structure: see `felt_stiffness_N_per_m`.
+[[nodiscard]] Matrix3 felt_at_rest_N_per_m(const StabilityCase &which, const Structure &structure);
+
 /// The limit as ω goes to infinity: the inductive stiffness (14) of a spring drive, zero for a
 /// current drive [N/m].
 [[nodiscard]] double inductive_tip_stiffness(const StabilityCase &which, const Vector3 &direction);

@@ -9,6 +9,7 @@
 #include "engine/lab/limits/stability_simulation.h"
 #include "engine/lab/loops/link_plane.h"
 #include "engine/lab/loops/rendered_stiffness.h"
+#include "tests/support/configurations.h"
 #include "tests/support/csv.h"
 #include "tests/support/devices.h"
 #include "tests/support/sampled_loop.h"
@@ -540,6 +541,26 @@ TEST(TipStiffness, IsASphereAtRestUnderTheTransposeMap) {
         const std::complex<double> found = tip_stiffness(which, n, 0.0);
         EXPECT_NEAR(found.real(), alpha * c.K_DC_Nm_per_rad, 1e-9 * found.real());
         EXPECT_NEAR(found.imag(), 0.0, 1e-9 * found.real());
+    }
+}
+
+TEST(TipStiffness, IsFeltAsRenderedOnRigidLinksAndInSeriesBehindATip) {
+    std::mt19937_64 random(5);
+    for (int i = 0; i < 20; ++i) {
+        StabilityCase which = testing::firm();
+        which.q_rad = testing::random_workspace_angles(which.device, random);
+        const Matrix3 rendered = felt_at_rest_N_per_m(which, {});
+        for (const Vector3 &n : {Vector3(Vector3::UnitY()), kSlanted}) {
+            const double along = n.normalized().dot(rendered * n.normalized());
+            EXPECT_NEAR(along, tip_stiffness(which, n, 0.0).real(), 1e-9 * along) << i;
+        }
+        // The transpose map's sphere K behind the sphere 1/K_s.
+        const double K = rendered(0, 0);
+        const double K_s = which.device.structure.stiffness_N_per_m;
+        EXPECT_LT(
+            (felt_at_rest_N_per_m(which, {0.0}) - K * K_s / (K + K_s) * Matrix3::Identity()).norm(),
+            1e-6 * K) // of J's differences
+            << i;
     }
 }
 
