@@ -240,6 +240,8 @@ void write_tuned(std::ostream &out, const limits::AutoTuned &found) {
           loops::hand_text(margins.worst_hand), margins.worst_eta);
     print(out, ", {} more whole periods of delay, dR down to {:.3g} Ω\n",
           margins.more_delay_periods, margins.min_dR_Ohm);
+    print(out, "with compliance in cables, links or both, here: K_P and K_D × {:.3g}{}\n",
+          found.gain_with_structure, found.gain_with_structure < 1.0 ? ", UNSTABLE" : "");
     if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.max_K_P_V_per_rad) {
         out << "K_P is at the end of its range: larger values would be stable\n";
     }

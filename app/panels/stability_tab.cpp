@@ -153,6 +153,10 @@ void show_margins(const limits::AutoTuned &found) {
                 "first with " +
                 loops::hand_text(margins.worst_hand) + ". Stable: " + std::to_string(found.loops) +
                 " loops, of all hands, configurations and η");
+    ui::wrapped(found.gain_with_structure < 1.0 ? kWarning : kInk,
+                "with compliance in cables or links: gains × {:.2f}", found.gain_with_structure);
+    ui::explain("how much larger K_P and K_D may be until the loop is unstable with the data\n"
+                "sheet's compliance between rotors and tip, wherever it is; below 1 it is now");
     if (found.tuning.K_P_V_per_rad >= limits::AutoTuneRequest{}.max_K_P_V_per_rad) {
         ui::text(kFaintInk, "K_P is at the end of its range: larger values would be stable");
     }

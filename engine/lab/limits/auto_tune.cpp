@@ -235,6 +235,22 @@ void find_gain_margin(control::TuningMargins &margins, loops::TuningConstraints 
     margins.worst_eta = loops[worst].eta;
 }
 
+double gain_with_structure(loops::StabilityCase which) {
+    which.structures = loops::all_structures();
+    const control::Tuning tuning = which.tuning;
+    const auto holds = [&](double gain) {
+        which.tuning.K_P_V_per_rad = gain * tuning.K_P_V_per_rad;
+        which.tuning.K_D_Vs_per_rad = gain * tuning.K_D_Vs_per_rad;
+        which.freedom = loops::Freedom::one_motor;
+        const bool is_stable = loops::is_stable(which);
+        which.freedom = loops::Freedom::three_motors;
+        return is_stable && (which.rotor || loops::is_stable(which));
+    };
+    const auto is_wide = [](const Bracket &gains) { return gains.width() > 1e-3 * gains.fails_at; };
+    constexpr double kMaxGain = 100.0;
+    return holds(kMaxGain) ? kMaxGain : bisect({0.0, kMaxGain}, is_wide, holds).holds_at;
+}
+
 control::TuningMargins margins_of(loops::TuningConstraints &loops,
                                   const loops::StabilityCase &which) {
     control::TuningMargins margins;
@@ -351,6 +367,7 @@ AutoTuned auto_tune(const AutoTuneRequest &request, const Progress &progress) {
     const loops::StabilityCase best = tuned(request.which, found.tuning);
     found.margins = margins_of(loops, best);
     found.loops = loops.count();
+    found.gain_with_structure = gain_with_structure(best);
     found.coupling =
         loops::port_text(loops::passivity(best), loops::stability_with_linear_hands(best));
     progress(1.0);

@@ -32,7 +32,10 @@ struct AutoTuned {
     control::Tuning tuning; ///< with η = 0
     control::TuningMargins margins;
     std::size_t loops = 0; ///< how many loops were checked; all are stable
-    std::string coupling;  ///< "passive", or what is known of it, see `loops::port_text`
+    /// The factor by which K_P and K_D may rise with the device's compliance in cables, links or
+    /// both, in rigid contact at the case's configuration; below 1 they are unstable there.
+    double gain_with_structure = 0.0;
+    std::string coupling; ///< "passive", or what is known of it, see `loops::port_text`
     /// The share by which K_P was reduced because a trial with counts and supply did not come to
     /// rest.
     double taken_back = 0.0;

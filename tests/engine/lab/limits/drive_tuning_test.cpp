@@ -103,6 +103,30 @@ TEST_F(FoundTuning, HasTheReportedResistanceMargin) {
     EXPECT_FALSE(holds(which, 1.0));
 }
 
+/// Of a whole device, for a load of its own has no structure.
+TEST(FoundWithStructure, ThePassiveOneBearsWhatTheStiffestDoesNot) {
+    AutoTuneRequest whole = request_for(1000.0, 0, 0.5);
+    whole.which.rotor.reset();
+    whole.which.hands = {loops::no_hand(), loops::hand_of_firmness(0.5)};
+    for (const bool is_passive : {true, false}) {
+        whole.is_passive = is_passive;
+        const AutoTuned found = auto_tune(whole);
+        EXPECT_EQ(found.gain_with_structure > 1.0, is_passive);
+        loops::StabilityCase which = tuned(whole, found.tuning);
+        which.structures = loops::all_structures();
+        for (const double factor : {0.995, 1.005}) {
+            const double gain = factor * found.gain_with_structure;
+            which.tuning.K_P_V_per_rad = gain * found.tuning.K_P_V_per_rad;
+            which.tuning.K_D_Vs_per_rad = gain * found.tuning.K_D_Vs_per_rad;
+            which.freedom = loops::Freedom::one_motor;
+            bool is_stable = loops::is_stable(which);
+            which.freedom = loops::Freedom::three_motors;
+            is_stable = is_stable && loops::is_stable(which);
+            EXPECT_EQ(is_stable, factor < 1.0) << is_passive;
+        }
+    }
+}
+
 TEST_F(FoundTuning, ComesToRestWithCountsInEveryHand) {
     EXPECT_TRUE(is_stable_simulated(tuned(request, found.tuning),
                                     TrialOptions::with(SimulationEffects::electronics())));
