@@ -553,8 +553,8 @@ TEST(StructuredLoop, ApproachesRigidLinksAsTheStructureStiffens) {
             EXPECT_LT(stiff, 0.02) << i;
             // Half for the first order in 1/K, a quarter for the second. Where two modes are near
             // each other, an eigenvalue is off by the root of round-off, which grows with K.
-            constexpr double kRoundOff = 3e-7;
-            EXPECT_LE(std::abs(difference(4e5)), 0.55 * stiff + kRoundOff) << i;
+            constexpr double kNearDouble = 3e-7;
+            EXPECT_LE(std::abs(difference(4e5)), 0.55 * stiff + kNearDouble) << i;
 
             // A share of the compliance goes to zero: what is left is all at the tip.
             which.device.structure = structure_of(3500.0);
@@ -566,7 +566,7 @@ TEST(StructuredLoop, ApproachesRigidLinksAsTheStructureStiffens) {
             };
             // Of s, and of s√s by the cable's damping; where these cancel, of twice as much.
             const double more = std::max(std::abs(left(0.002)), std::abs(left(0.004)));
-            EXPECT_LE(std::abs(left(0.001)), 0.6 * more + kRoundOff) << i;
+            EXPECT_LE(std::abs(left(0.001)), 0.6 * more + kNearDouble) << i;
             EXPECT_EQ(left(0.0009), 0.0) << "a part without a share";
         }
     }
