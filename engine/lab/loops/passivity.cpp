@@ -95,7 +95,9 @@ private:
 
 SpringDrive drive_of(const StabilityCase &which) {
     SpringDrive drive{which.device.motor[0], which.tuning, which.period_s, which.delay_periods};
-    drive.tuning.dR_Ohm = which.dR_Ohm(which.device.motor[0]);
+    // As it is, not as far as a drive can be set: with nothing left, nothing is passive.
+    const double dR_Ohm = std::max(0.0, which.dR_Ohm(which.device.motor[0]));
+    drive.motor.resistance_Ohm = drive.tuning.dR_Ohm = dR_Ohm;
     return drive;
 }
 
