@@ -8,7 +8,6 @@
 #include "base/new_file.h"
 #include "device/core/phantom/kinematics.h"
 #include "engine/lab/limits/stability_limits.h"
-#include "engine/lab/loops/passivity.h"
 
 #include <algorithm>
 #include <array>
@@ -55,7 +54,8 @@ StabilityPrediction prediction_of(const loops::StabilityCase &which) {
     const bool is_stable = worst.is_stable();
     return {worst,
             which.period_s,
-            loops::port_text(loops::passivity(which), loops::stability_with_linear_hands(which)),
+            loops::passivity(which),
+            loops::stability_with_linear_hands(which),
             headroom_of(which, is_stable, "kp", true),
             headroom_of(which, is_stable, "kd", true),
             headroom_of(which, is_stable, "dR", false)};
@@ -120,10 +120,16 @@ void show_verdict(const StabilityPrediction &prediction) {
         "each motor separately, with no hand and with five hands from light to firm;\n"
         "a motion decays, or grows, by a factor of e = 2.7 in this time",
         prediction.worst.eigenvalue));
-    ui::wrapped(kInk, "coupling {}", prediction.coupling);
-    ui::explain("passive: whatever holds the device, and whatever is between it and the motors,\n"
-                "cannot be made to oscillate; in contact and in free space, at any η.\n"
-                "A linear hand is any of masses, springs and dampers that do not change");
+    // One line whatever it says: the buttons below stay where they are.
+    ui::text(kInk, "coupling {}",
+             prediction.passive.holds()        ? "passive"
+             : prediction.linear_hands.holds() ? "not passive, linear hands rest"
+                                               : "not passive, some hands do not rest");
+    ui::explain(
+        loops::port_text(prediction.passive, prediction.linear_hands) +
+        ".\npassive: whatever holds the device, and whatever is between it and the motors,\n"
+        "cannot be made to oscillate; in contact and in free space, at any η.\n"
+        "A linear hand is any of masses, springs and dampers that do not change");
 }
 
 void show_prediction(const StabilityPrediction &prediction) {

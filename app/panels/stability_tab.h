@@ -5,6 +5,7 @@
 #include "app/panels/tuning_editor.h"
 #include "base/background.h"
 #include "engine/lab/limits/auto_tune.h"
+#include "engine/lab/loops/passivity.h"
 #include "engine/lab/loops/stability_case.h"
 #include "engine/session/session.h"
 
@@ -63,7 +64,8 @@ struct StabilityHeadroom {
 struct StabilityPrediction {
     loops::WorstMember worst;
     double period_s = 1e-3;
-    std::string coupling; ///< see `loops::port_text`
+    loops::LeastAtPort passive;
+    loops::LeastAtPort linear_hands;
     StabilityHeadroom K_P;
     StabilityHeadroom K_D;
     StabilityHeadroom dR;
