@@ -199,7 +199,9 @@ void EffectOptions::add_to(Command &command) {
         .delimiter(',')
         .one_of(list_of(names));
     command
-        .add_option("--with", with, "switch them on again; only structural_compliance and cable_compliance start off")
+        .add_option(
+            "--with", with,
+            "switch them on again; only structural_compliance and cable_compliance start off")
         .type_name("EFFECT,...")
         .delimiter(',')
         .one_of(list_of(names));
