@@ -140,12 +140,7 @@ Trial three_motor_trial(const loops::StabilityCase &which, const loops::LoopMemb
     tied.coulomb_friction = options.effects.friction;
     tied.amplifier_limits = options.effects.saturation;
     tied.drive = which.drive;
-    rig::Scenario scenario = rig::tied_scenario(setting_of(which), tied);
-    simulated::PlantEffects &effects = scenario.simulation.effects;
-    const double tip_kg = member.hand.mass_kg + which.device.inertia.tip_load_kg;
-    effects.cable_compliance = member.structure.in_cable() > 0.0;
-    effects.structural_compliance = member.structure.at_tip() > 0.0 && tip_kg > 0.0;
-    scenario.device.structure.cable_share = member.structure.in_cable();
+    const rig::Scenario scenario = rig::tied_scenario(setting_of(which), tied);
     simulated::SimulatedPhantom phantom(scenario.device, scenario.simulation, scenario.start_m);
     rig::PhantomPlant plant(phantom);
     rig::LawRig loop(plant, law_of(which), scenario.constraint, rig::FirstCommand::answers);
@@ -184,21 +179,19 @@ device::HandParameters simulated_hand(const loops::Hand &hand, double max_force_
 
 Trial simulated(const loops::StabilityCase &which, const loops::LoopMember &member,
                 const TrialOptions &options) {
-    return which.freedom == loops::Freedom::one_motor
-               ? one_motor_trial(which, {member.motor, member.hand}, options)
-               : three_motor_trial(which, member, options);
+    const loops::LoopMember rigid{member.motor, member.hand};
+    return which.freedom == loops::Freedom::one_motor ? one_motor_trial(which, rigid, options)
+                                                      : three_motor_trial(which, rigid, options);
 }
 
-loops::StabilityCase as_tried(const loops::StabilityCase &which) {
-    loops::StabilityCase tried = which;
-    if (which.freedom == loops::Freedom::one_motor) {
-        tried.structures = {loops::Structure{}};
-    }
-    return tried;
+loops::StabilityCase on_rigid_links(const loops::StabilityCase &which) {
+    loops::StabilityCase rigid = which;
+    rigid.structures = {loops::Structure{}};
+    return rigid;
 }
 
 bool is_stable_simulated(const loops::StabilityCase &which, const TrialOptions &options) {
-    const std::vector<loops::LoopMember> all = loops::members(as_tried(which));
+    const std::vector<loops::LoopMember> all = loops::members(on_rigid_links(which));
     return std::all_of(all.begin(), all.end(), [&](const loops::LoopMember &member) {
         return simulated(which, member, options).stable;
     });
