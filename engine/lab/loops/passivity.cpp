@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <span>
@@ -34,7 +33,10 @@ public:
              (1.0 - port.held) * k_T_ * rate;
         const double half = std::sin(0.5 * omega_ * T_);
         of_zero_ = T_ * T_ / (4.0 * half * half);
-        of_p_ = T_ / (2.0 * p_) * std::sinh(p_ * T_) / (std::cosh(p_ * T_) - std::cos(omega_ * T_));
+        // sinh pT/(cosh pT − cos ωT), without its overflow where pT is large
+        const double fades = std::exp(-p_ * T_);
+        of_p_ = T_ / (2.0 * p_) * (1.0 - fades * fades) /
+                (1.0 + fades * fades - 2.0 * fades * std::cos(omega_ * T_));
     }
 
     /// Σ|c|²/g
@@ -111,10 +113,10 @@ bool has_losses(const SpringDrive &drive, const Port &port) {
     return drive.dR_Ohm() > 0.0 && port.damping_Nms_per_rad > 0.0;
 }
 
-using AtPort = std::function<double(const SpringDrive &, const Port &, double)>;
+using AtPort = double(const SpringDrive &, const Port &, double);
 
 /// Evenly in the frequency's logarithm, then more closely around the least of each a.
-LeastAtPort least(const SpringDrive &drive, double damping_Nms_per_rad, const AtPort &value,
+LeastAtPort least(const SpringDrive &drive, double damping_Nms_per_rad, AtPort *value,
                   std::span<const double> held, int points) {
     constexpr double kDecades = 4.0;
     const double highest = std::numbers::pi / drive.period_s;
@@ -124,8 +126,8 @@ LeastAtPort least(const SpringDrive &drive, double damping_Nms_per_rad, const At
         LeastAtPort found{std::numeric_limits<double>::infinity(), highest, a};
         const auto look_at = [&](double omega) {
             const double here = value(drive, {damping_Nms_per_rad, a}, omega);
-            if (here < found.value) {
-                found = {here, omega, a};
+            if (!(here >= found.value)) {
+                found = {std::isnan(here) ? kNever : here, omega, a}; // not known: does not hold
             }
         };
         for (int i = 0; i <= points; ++i) {

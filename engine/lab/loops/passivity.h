@@ -26,8 +26,8 @@
 //   | 1 + ½ Σ c̄q/g | > ½ Σ |c q|/g
 //
 // then also with smaller gains, as discs hold 0. This is less: the hand may not change in time. It
-// is more than the term n = 0 alone, (k_T² + q_0/(jω)) Y_0 + b of a positive real part, which holds
-// for hands that no alias reaches.
+// is more than the term n = 0 alone, g_0 + Re q_0/(jω) ≥ 0, which holds for hands that no alias
+// reaches.
 //
 // (30) at η = 1 − a has C_a = a (K_P + K_D D) − (1 − a) k_T D, as each mode of the transpose map
 // with an eigenvalue a. P is affine in C, and its least concave: for passivity the ends a = 0, free
@@ -69,8 +69,8 @@ struct LeastAtPort {
                                                       double damping_Nms_per_rad);
 
 // Of a device, whose motors render modes of the transpose map with α up to (29), or the inverse
-// map: with the least b of all at each motor, it is passive where such a motor is. η and hands of
-// the case do not enter.
+// map: with the least b of all at each motor, it is passive where such a motor is. All motors are
+// taken for the first one. η and hands of the case do not enter.
 
 [[nodiscard]] LeastAtPort passivity(const StabilityCase &which);
 [[nodiscard]] LeastAtPort stability_with_linear_hands(const StabilityCase &which);

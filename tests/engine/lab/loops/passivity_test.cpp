@@ -86,8 +86,9 @@ struct Alias {
 
 TEST_F(PassivityTest, ClosedFormsAreTheSums) {
     for (int run = 0; run < 40; ++run) {
-        const SpringDrive drive = any_drive();
+        SpringDrive drive = any_drive();
         const Port port{on_a_logarithm(1e-6, 1e-4), between(0.0, 1.0)};
+        drive.period_s = run % 10 == 0 ? 0.05 : drive.period_s; // e^(pT) is no number then
         const double omega = between(0.02, 1.0) * std::numbers::pi / drive.period_s;
         PortNumber both;
         double of_q = 0.0;
