@@ -1,8 +1,7 @@
 #include "tests/support/fault_trial.h"
-
-#include "engine/control/tuning_file.h"
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"
+#include "tests/support/tunings.h"
 
 #include <gtest/gtest.h>
 
@@ -40,9 +39,9 @@ FaultCase random_case(std::mt19937 &random, int number, Place place) {
     FaultCase what;
     what.servo_hz = number % 12 == 7 ? 10'000.0 : (number / 3 % 2 == 0 ? 1000.0 : 4000.0);
     const std::array<std::string, 3> tunings{
-        "firm", "soft", what.servo_hz < 4000.0 ? "stiffest_1kHz" : "stiffest_4kHz"};
+        "firm", "soft", what.servo_hz < 4000.0 ? "stable_only_1kHz" : "stable_only_4kHz"};
     what.tuning_name = tunings[static_cast<std::size_t>(number % 3)];
-    what.tuning = control::read_tuning_file(assets() / "tunings" / (what.tuning_name + ".toml"));
+    what.tuning = tuning(what.tuning_name);
     what.firm = number / 6 % 2 == 0;
     what.on_plate = place == Place::plate || place == Place::running_on_plate ||
                     (place == Place::anywhere && number / 12 % 2 == 0);

@@ -8,12 +8,14 @@
 #include "engine/control/tuning.h"
 #include "engine/control/tuning_file.h"
 #include "engine/lab/limits/auto_tune.h"
+#include "engine/lab/loops/passivity.h"
 #include "engine/lab/loops/tuning_constraints.h"
 #include "engine/session/telemetry_history.h"
 #include "tests/engine/session/session_fixture.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
 #include "tests/support/stability_cases.h"
+#include "tests/support/tunings.h"
 
 #include <gtest/gtest.h>
 
@@ -76,8 +78,7 @@ TEST(MeasuredStiffness, NeedsAChangeOfDepth) {
 }
 
 control::TuningFile read(std::string_view name) {
-    return control::read_whole_tuning_file(testing::assets() / "tunings" /
-                                           (std::string(name) + ".toml"));
+    return control::read_whole_tuning_file(testing::tuning_path(std::string(name)));
 }
 
 TEST(Presets, AreTheFilesInTheFolder) {
@@ -107,8 +108,8 @@ TEST(Presets, DependOnTheServo) {
 }
 
 /// The stiffest are what `springdrive tune` found for their servo rate, and at no rate for which
-/// they are offered is the margin gone.
-TEST(Presets, TheStiffestAreStableAtEveryRateForWhichTheyAreOffered) {
+/// they are offered is a margin gone.
+TEST(Presets, TheStiffestArePassiveAtEveryRateForWhichTheyAreOffered) {
     for (const double servo_hz : {1000.0, 1500.0, 2500.0, 3999.0, 4000.0, 6000.0, 10'000.0}) {
         const std::string name = preset_file("stiffest", servo_hz, 0.0);
         const control::TuningFile file = read(name);
@@ -121,6 +122,9 @@ TEST(Presets, TheStiffestAreStableAtEveryRateForWhichTheyAreOffered) {
         gains.K_P_V_per_rad *= limits::AutoTuneRequest{}.margin;
         gains.K_D_Vs_per_rad *= limits::AutoTuneRequest{}.margin;
         EXPECT_EQ(loops.first_unstable(gains), loops.count()) << name << " at " << servo_hz;
+        which.tuning.K_P_V_per_rad *= limits::kPassiveMargin;
+        which.tuning.K_D_Vs_per_rad *= limits::kPassiveMargin;
+        EXPECT_TRUE(loops::passivity(which).holds()) << name << " at " << servo_hz;
     }
 }
 

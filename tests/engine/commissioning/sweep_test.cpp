@@ -10,8 +10,8 @@
 #include "device/simulated/plant_setup.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/rendered_force.h"
-#include "engine/control/tuning_file.h"
 #include "tests/support/devices.h"
+#include "tests/support/tunings.h"
 
 #include <gtest/gtest.h>
 
@@ -360,7 +360,7 @@ TEST(StiffnessSweep, AStiffTuningIsMeasuredThroughItsResonance) {
     // Where the hand takes up much energy, and a volt makes much force.
     const factory::OpenBoard open = board();
     SweepOptions options = quick();
-    options.tuning = control::read_tuning_file(testing::assets() / "tunings/stiffest_1kHz.toml");
+    options.tuning = testing::tuning("stable_only_1kHz");
     const double dR_Ohm = 0.32; // which no winding guard holds up
     options.tuning.K_P_V_per_rad *= dR_Ohm / options.tuning.dR_Ohm; // the same static stiffness
     options.tuning.dR_Ohm = dR_Ohm;

@@ -2,13 +2,13 @@
 // force and speed of the plant, and healthy motors of any kind, which contradict nothing.
 #include "engine/servo/motor_consistency.h"
 
-#include "engine/control/tuning_file.h"
 #include "engine/lab/rig/servo_rig.h"
 #include "tests/support/cases.h"
 #include "tests/support/devices.h"
 #include "tests/support/fault_judge.h"
 #include "tests/support/fault_trial.h"
 #include "tests/support/surfaces.h"
+#include "tests/support/tunings.h"
 
 #include <gtest/gtest.h>
 
@@ -117,8 +117,7 @@ Outcome outcome_of(const WrongEncoder &what) {
     const device::DeviceDescription device = testing::phantom_1_0();
     rig::ServoRig rig(device, options, start_m, &box);
     rig.inputs.observes_resistance = what.observes;
-    rig.inputs.tuning =
-        control::read_tuning_file(testing::assets() / "tunings" / (what.tuning + ".toml"));
+    rig.inputs.tuning = testing::tuning(what.tuning);
     rig.inputs.tuning.map = what.map;
     if (what.dR_Ohm > 0.0) { // with the same static stiffness
         rig.inputs.tuning.K_P_V_per_rad *= what.dR_Ohm / rig.inputs.tuning.dR_Ohm;
@@ -175,7 +174,7 @@ Outcome outcome_of(const WrongEncoder &what) {
 // Without this check encoder 2 made 8.8 N in free air at dR 0.2 Ω, and no trip at 0.5 Ω.
 TEST(MotorConsistency, ADeadEncoderTripsOnceItsMotorMoves) {
     for (const auto &[tuning, dR_Ohm] :
-         {std::pair("firm", 0.0), {"stiffest_1kHz", 0.0}, {"firm", 2.0}}) {
+         {std::pair("firm", 0.0), {"stable_only_1kHz", 0.0}, {"firm", 2.0}}) {
         for (const bool observes : {true, false}) {
             for (const HandGoes way : {HandGoes::lifted, HandGoes::let_go, HandGoes::moved_free}) {
                 WrongEncoder what;
@@ -230,7 +229,7 @@ TEST(MotorConsistency, NoWrongEncoderMakesMoreThanTheLimits) {
         what.size = size;
         what.motor = i / 6 % 3;
         what.way = static_cast<HandGoes>(random() % 3);
-        what.tuning = i % 2 == 0 ? "firm" : "stiffest_1kHz";
+        what.tuning = i % 2 == 0 ? "firm" : "stable_only_1kHz";
         what.map = random() % 2 == 0 ? control::MotionMap::inverse : control::MotionMap::transpose;
         what.observes = random() % 2 == 0;
         what.press_N = testing::uniform(random, 2.0, 12.0);
@@ -285,9 +284,8 @@ double largest_share(int number) {
     rig::ServoRig rig(device, options, start_m, any(6) == 0 ? nullptr : &box);
     rig.inputs.observes_resistance = any(3) != 0;
     const bool is_quick = options.servo_period_s < 1.5e-3 && options.delay_periods < 0.5;
-    rig.inputs.tuning = control::read_tuning_file(
-        testing::assets() / "tunings" /
-        (std::string(is_quick ? std::array{"firm", "stiffest_1kHz"}[any(2)] : "soft") + ".toml"));
+    rig.inputs.tuning =
+        testing::tuning(is_quick ? std::array{"firm", "stable_only_1kHz"}[any(2)] : "soft");
     std::vector<MotorConsistency> motor;
     for (std::size_t j = 0; j < 3; ++j) {
         motor.emplace_back(rig.phantom().description(), j, options.servo_period_s);

@@ -6,12 +6,12 @@
 #include "device/simulated/plant_setup.h"
 #include "device/simulated/simulated_phantom.h"
 #include "engine/contact/proxy/proxy.h"
-#include "engine/control/tuning_file.h"
 #include "engine/lab/rig/servo_rig.h"
 #include "engine/scene/gltf.h"
 #include "tests/support/cases.h"
 #include "tests/support/devices.h"
 #include "tests/support/fault_judge.h"
+#include "tests/support/tunings.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -443,7 +443,7 @@ TEST(MotorsAsTheyAre, TheForceAtRestIsAlongTheNormal) {
                                                     testing::phantom_1_0().workspace);
         const contact::HapticSurface surface = scene::haptic_surface_of(scene);
         const std::vector<Place> places = places_of(scene, surface, count);
-        for (const std::string tuning : {"firm", "stiffest_1kHz"}) { // of 0.5 and 0.2 Ω
+        for (const std::string tuning : {"firm", "stable_only_1kHz"}) { // of 0.5 and 0.2 Ω
             std::vector<double> seen_deg;
             std::vector<double> file_deg;
             double worse_deg = 0.0;
@@ -453,8 +453,7 @@ TEST(MotorsAsTheyAre, TheForceAtRestIsAlongTheNormal) {
                 Case judged;
                 judged.seed = 1 + i / count;
                 judged.segments = i % 4 < 2 ? std::nullopt : std::optional(22); // the file's: 11
-                judged.tuning =
-                    control::read_tuning_file(testing::assets() / "tunings" / (tuning + ".toml"));
+                judged.tuning = testing::tuning(tuning);
                 seen_deg.push_back(error_at_rest_deg(judged, place, hand));
                 judged.is_observed = false;
                 file_deg.push_back(error_at_rest_deg(judged, place, hand));

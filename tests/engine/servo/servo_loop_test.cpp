@@ -6,10 +6,10 @@
 #include "device/simulated/simulated_phantom.h"
 #include "engine/control/coupling.h"
 #include "engine/control/motion_control.h"
-#include "engine/control/tuning_file.h"
 #include "tests/engine/servo/servo_rig.h"
 #include "tests/support/devices.h"
 #include "tests/support/surfaces.h"
+#include "tests/support/tunings.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -148,8 +148,7 @@ TEST(ServoLoop, RenderedForceIsWhatTheHandFeels) {
 /// The maximum force on a hand that moves at a constant 30 mm/s along an axis, in newtons.
 double max_force_on_a_slow_hand_N(const char *tuning, const Vector3 &axis) {
     Rig rig(following({{0.0, kStart_m}, {0.7, kStart_m}, {2.7, kStart_m + 0.06 * axis}}));
-    rig.inputs.tuning =
-        control::read_tuning_file(testing::assets() / "tunings" / (std::string(tuning) + ".toml"));
+    rig.inputs.tuning = testing::tuning(tuning);
     rig.run(kStartUp_s + 1.2);
     double max_N = 0.0;
     for (int i = 0; i < 1400; ++i) {
@@ -172,7 +171,7 @@ TEST(ServoLoop, ForceInFreeSpaceIsSmall) {
                                    std::numbers::pi / device.encoder_counts_per_turn *
                                    device.geometry.transmission_ratio[0] /
                                    device.geometry.upper_arm_m;
-        EXPECT_LT(max_force_on_a_slow_hand_N("stiffest_1kHz", axis), one_count_N)
+        EXPECT_LT(max_force_on_a_slow_hand_N("stable_only_1kHz", axis), one_count_N)
             << axis.transpose();
     }
 }
@@ -310,17 +309,14 @@ TEST(ServoLoop, AChangeOfTuningInContactCausesNoForceStep) {
     // A switch from one tuning to another while the hand presses: the rendered force stays between
     // the two steady forces, except for the overshoot of the hand's own spring, here well below a
     // newton.
-    const auto tuning = [](const char *name) {
-        return control::read_tuning_file(testing::assets() / "tunings" /
-                                         (std::string(name) + ".toml"));
-    };
-    for (const auto &[from, to] : {std::pair("soft", "stiffest_1kHz"),
-                                   std::pair("stiffest_1kHz", "soft"), std::pair("soft", "firm")}) {
+    for (const auto &[from, to] :
+         {std::pair("soft", "stable_only_1kHz"), std::pair("stable_only_1kHz", "soft"),
+          std::pair("soft", "firm")}) {
         Rig rig(following({{0.0, kStart_m}, {1.0, Vector3(0.0, -0.01, 0.0)}}), plate());
-        rig.inputs.tuning = tuning(from);
+        rig.inputs.tuning = testing::tuning(from);
         rig.run(kStartUp_s + 2.0);
         const double before_N = rig.tick().tip_force_N.norm();
-        rig.inputs.tuning = tuning(to);
+        rig.inputs.tuning = testing::tuning(to);
         double max_N = 0.0;
         for (int i = 0; i < 1000; ++i) {
             max_N = std::max(max_N, rig.tick().tip_force_N.norm());
