@@ -100,7 +100,7 @@ constexpr std::array<Symbol, 109> kSymbols{{
 
     // The law.
     {"map", "", "0 inverse, 1 transpose", "(18), (23)", ""},
-    {"alpha_mode", "", "source of α: 0 on the fly, 1 global, 2 by hand", "(29)", ""},
+    {"alpha_mode", "", "source of α: 0 on the fly, 1 global, 2 by hand, 3 at touch", "(29)", ""},
     {"eta_in_force", "η", "of surface and tuning together", "(30)", "η"},
     {"global_alpha", "α", "the minimum of the bound over the workspace", "(29)", "global minimum"},
     {"alpha_in_force", "α", "that acts", "(23)", "α"},

@@ -12,12 +12,14 @@ namespace springdrive::control {
 
 namespace {
 
-double active_alpha(const Tuning &tuning, double bound, double global) {
+double active_alpha(const Tuning &tuning, double bound, const AlphaSources &alpha) {
     switch (tuning.alpha_mode) {
     case AlphaMode::global:
-        return global;
+        return alpha.global;
     case AlphaMode::by_hand:
         return tuning.alpha_rad2_per_m2;
+    case AlphaMode::at_touch:
+        return std::min(bound, alpha.before);
     case AlphaMode::on_the_fly:
         break;
     }
@@ -38,13 +40,12 @@ Configuration HapticLaw::configuration(const Vector3 &theta_rad,
 }
 
 LawOutcome HapticLaw::operator()(const Configuration &now, const contact::Contact &contact,
-                                 const Tuning &tuning, double global_alpha_rad2_per_m2,
+                                 const Tuning &tuning, const AlphaSources &alpha,
                                  const ObservedMotors &motors, double lag_s) const noexcept {
     LawOutcome found;
     found.eta = combined_eta(contact.eta, tuning.eta);
     found.alpha_bound_rad2_per_m2 = alpha_bound(now.J, relative_stiffness_);
-    found.alpha_rad2_per_m2 =
-        active_alpha(tuning, found.alpha_bound_rad2_per_m2, global_alpha_rad2_per_m2);
+    found.alpha_rad2_per_m2 = active_alpha(tuning, found.alpha_bound_rad2_per_m2, alpha);
 
     const TipSetPoint target =
         contact_set_point(now.tip_m, now.tip_velocity_m_per_s(), contact, found.eta);

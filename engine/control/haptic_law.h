@@ -11,9 +11,18 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 namespace springdrive::control {
+
+/// What the sources of α need that do not follow from one configuration, in rad²/m².
+struct AlphaSources {
+    double global = 0.0; ///< the α of AlphaMode::global
+    /// The α that was active in the tick before, if in contact; else ∞. With AlphaMode::at_touch α
+    /// does not exceed it: a spring that only becomes softer returns no more than it stored.
+    double before = std::numeric_limits<double>::infinity();
+};
 
 /// The command of the law with its intermediate results.
 struct LawOutcome {
@@ -40,20 +49,19 @@ public:
     [[nodiscard]] Configuration configuration(const Vector3 &theta_rad,
                                               const Vector3 &theta_rate_rad_per_s) const noexcept;
 
-    /// @param global_alpha_rad2_per_m2  the α of AlphaMode::global
     /// @param motors  so that what is left of R is dR, and K_q (20) that of the file's k_T and the
     ///                tuning's dR: K_P and K_D are larger where k_T is smaller and where dR is held
     ///                up, see drive_gains.h
     /// @param lag_s   T (½ + d). RT-safe.
     [[nodiscard]] LawOutcome operator()(const Configuration &now, const contact::Contact &contact,
-                                        const Tuning &tuning, double global_alpha_rad2_per_m2,
+                                        const Tuning &tuning, const AlphaSources &alpha,
                                         const ObservedMotors &motors, double lag_s) const noexcept;
 
     /// The same with the motors of the device file, driven at the tuning's dR. RT-safe.
     [[nodiscard]] LawOutcome operator()(const Configuration &now, const contact::Contact &contact,
                                         const Tuning &tuning,
-                                        double global_alpha_rad2_per_m2) const noexcept {
-        return (*this)(now, contact, tuning, global_alpha_rad2_per_m2, motors_of_file(motor_), 0.0);
+                                        const AlphaSources &alpha) const noexcept {
+        return (*this)(now, contact, tuning, alpha, motors_of_file(motor_), 0.0);
     }
 
     /// The direction of the static tip force (19) of a motor set-point. RT-safe.

@@ -24,6 +24,7 @@ enum class AlphaMode : std::uint8_t {
     on_the_fly, ///< the bound (29) at the present configuration
     global,     ///< the minimum of (29) over the workspace
     by_hand,    ///< Tuning::alpha_rad2_per_m2
+    at_touch,   ///< (29) where a contact began, then only ever less: gives no energy
 };
 
 /// The defaults are the tuning `firm`.
@@ -94,7 +95,8 @@ inline constexpr std::array<Parameter, 6> kParameters{{
 /// The names of the maps and of the sources of α in files, records and on the command line, by
 /// their number.
 inline constexpr std::array<std::string_view, 2> kMotionMapNames{"inverse", "transpose"};
-inline constexpr std::array<std::string_view, 3> kAlphaModeNames{"on_the_fly", "global", "by_hand"};
+inline constexpr std::array<std::string_view, 4> kAlphaModeNames{"on_the_fly", "global", "by_hand",
+                                                                 "at_touch"};
 
 [[nodiscard]] constexpr std::string_view name_of(MotionMap map) {
     return kMotionMapNames[static_cast<std::size_t>(map)];
@@ -105,8 +107,8 @@ inline constexpr std::array<std::string_view, 3> kAlphaModeNames{"on_the_fly", "
 
 /// What they are called for people, by their number.
 inline constexpr std::array<const char *, 2> kMotionMapLabels{"inverse (18)", "transpose (23)"};
-inline constexpr std::array<const char *, 3> kAlphaModeLabels{"α on the fly", "global α",
-                                                              "α by hand"};
+inline constexpr std::array<const char *, 4> kAlphaModeLabels{"α on the fly", "global α",
+                                                              "α by hand", "α at touch"};
 static_assert(kMotionMapLabels.size() == kMotionMapNames.size());
 static_assert(kAlphaModeLabels.size() == kAlphaModeNames.size());
 

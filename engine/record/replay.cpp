@@ -54,6 +54,8 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
     has_measured_ = has_measured_ || sample.tick != 0 || sample.since_last_s > 0.0;
     before_ = sample;
     theta_rate_rad_per_s_ = sample.theta_rate_rad_per_s;
+    const double alpha_before = std::exchange(
+        alpha_before_, servo::alpha_in_contact(sample.contact, sample.alpha_rad2_per_m2));
     const device::DeviceCommand held = std::exchange(command_, sample.command);
     const servo::ActiveLimits active_limits = std::exchange(active_limits_, sample.active_limits);
     if (servo::is_final(sample.safety.cause)) {
@@ -77,8 +79,11 @@ std::optional<ReplayedTick> Replay::take(const servo::ServoSample &sample) {
         theta_rate_rad_per_s_ = theta_rate_rad_per_s;
     }
     tick.now = law_.configuration(theta_rad, theta_rate_rad_per_s);
-    tick.found = law_(tick.now, sample.contact, tuning, sample.global_alpha_rad2_per_m2,
-                      sample.motor, sample.lag_s);
+    tick.found = law_(tick.now, sample.contact, tuning,
+                      {sample.global_alpha_rad2_per_m2, alpha_before}, sample.motor, sample.lag_s);
+    if (tuning_) {
+        alpha_before_ = servo::alpha_in_contact(sample.contact, tick.found.alpha_rad2_per_m2);
+    }
     if (!servo::lets_pass(sample.safety.state)) {
         tick.command = device::DeviceCommand::braking();
     } else if (is_new) {

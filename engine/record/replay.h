@@ -17,6 +17,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -66,6 +67,7 @@ private:
     control::HapticLaw law_;
     std::optional<servo::ServoSample> before_;
     Vector3 theta_rate_rad_per_s_{Vector3::Zero()}; ///< from which the filter continues
+    double alpha_before_ = std::numeric_limits<double>::infinity(); ///< see control::AlphaSources
     device::DeviceCommand command_ = device::DeviceCommand::braking(); ///< of the previous tick
     servo::ActiveLimits active_limits_;                                ///< the same
     bool has_measured_ = false; ///< whether there was a measurement since the servo started

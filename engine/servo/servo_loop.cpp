@@ -132,7 +132,8 @@ ServoLoop::unchanged_law(control::VelocityFilter filter, double since_last_s,
     const LawSettings &before = transfer_.before();
     const double pole = control::velocity_filter_pole(before.tuning.lambda_rad_per_s, since_last_s);
     return law_(law_.configuration(theta_rad, filter.update(theta_rad, pole, since_last_s)),
-                contact, before.tuning, before.global_alpha_rad2_per_m2, motors_, lag_s());
+                contact, before.tuning, {before.global_alpha_rad2_per_m2, alpha_before_}, motors_,
+                lag_s());
 }
 
 control::LawOutcome ServoLoop::law(const control::Configuration &now,
@@ -140,8 +141,9 @@ control::LawOutcome ServoLoop::law(const control::Configuration &now,
     const LawSettings &active = transfer_.active();
     sample.motor = motors_;
     sample.lag_s = lag_s();
-    const control::LawOutcome found = law_(now, sample.contact, active.tuning,
-                                           active.global_alpha_rad2_per_m2, motors_, sample.lag_s);
+    const control::LawOutcome found =
+        law_(now, sample.contact, active.tuning, {active.global_alpha_rad2_per_m2, alpha_before_},
+             motors_, sample.lag_s);
     note_law(law_, now, found, sample);
     note_rendered_error(sample);
     return found;
@@ -312,6 +314,7 @@ ServoSample ServoLoop::begin_sample(const device::Measurement &measured,
 
 /// Completes the sample with the active command and the monitor's state.
 void ServoLoop::finish(const device::Measurement &measured, ServoSample &sample) noexcept {
+    alpha_before_ = alpha_in_contact(sample.contact, sample.alpha_rad2_per_m2);
     command_.number = measured.number;
     sample.command = command_;
     sample.safety = safety_.status();

@@ -13,6 +13,7 @@
 #include "engine/servo/servo_sample.h"
 #include "engine/servo/winding_observers.h"
 
+#include <limits>
 #include <optional>
 
 namespace springdrive::servo {
@@ -128,9 +129,10 @@ private:
     BumplessTransfer transfer_; ///< to the settings last requested
     control::VelocityFilter velocity_filter_;
     WindingObservers observers_;
-    control::ObservedMotors motors_;    ///< of this tick
-    Vector3 spring_A_{Vector3::Zero()}; ///< of the last law
-    Vector3 trim_V_{Vector3::Zero()};   ///< the same, along i*
+    control::ObservedMotors motors_;                                ///< of this tick
+    Vector3 spring_A_{Vector3::Zero()};                             ///< of the last law
+    Vector3 trim_V_{Vector3::Zero()};                               ///< the same, along i*
+    double alpha_before_ = std::numeric_limits<double>::infinity(); ///< see control::AlphaSources
     control::HeldForce held_force_;
     contact::Proxy proxy_;
     std::uint32_t scene_id_ = 0;

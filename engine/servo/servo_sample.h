@@ -68,6 +68,13 @@ struct ServoSample {
     double write_s = std::numeric_limits<double>::quiet_NaN();    ///< duration of `write`
 };
 
+/// What the next tick's AlphaSources::before is after a tick with this contact and this active α.
+/// RT-safe.
+[[nodiscard]] inline double alpha_in_contact(const contact::Contact &contact,
+                                             double alpha_rad2_per_m2) noexcept {
+    return contact.touching ? alpha_rad2_per_m2 : std::numeric_limits<double>::infinity();
+}
+
 // What the law finds in a tick, as its sample holds it.
 
 /// Notes η, α, x_Sd and θ_Sd, and the direction errors that both maps would render at rest. Uses

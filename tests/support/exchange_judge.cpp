@@ -81,7 +81,7 @@ private:
             control::velocity_filter_pole(tuned.tuning.lambda_rad_per_s, now.since_last_s);
         const control::Configuration state =
             law_.configuration(now.theta_rad, filter.update(now.theta_rad, pole, now.since_last_s));
-        return law_(state, now.contact, tuned.tuning, tuned.global_alpha_rad2_per_m2, now.motor,
+        return law_(state, now.contact, tuned.tuning, {tuned.global_alpha_rad2_per_m2}, now.motor,
                     now.lag_s)
             .command.e_W_V;
     }
@@ -95,8 +95,8 @@ private:
         const control::Configuration then =
             law_.configuration(before.theta_rad, before.theta_rate_rad_per_s);
         const control::LawOutcome last =
-            law_(then, before.contact, before.tuning, before.global_alpha_rad2_per_m2, before.motor,
-                 before.lag_s);
+            law_(then, before.contact, before.tuning, {before.global_alpha_rad2_per_m2},
+                 before.motor, before.lag_s);
         return within_supply(last.command.e_W_V + before.transfer_offset_V);
     }
 

@@ -284,7 +284,7 @@ void FaultJudge::look(const device::Measurement &measured, const servo::ServoInp
     look_at_energy(now, force_N, sample);
     const control::LawOutcome found =
         law_(law_.configuration(theta_rad, rate_rad_per_s_), sample.contact, sample.tuning,
-             sample.global_alpha_rad2_per_m2, sample.motor, sample.lag_s);
+             {sample.global_alpha_rad2_per_m2}, sample.motor, sample.lag_s);
     device::DeviceCommand requested = found.command;
     requested.e_W_V += sample.transfer_offset_V;
     const Permissible passes = permissible(now, requested, found.trim_V, sample);

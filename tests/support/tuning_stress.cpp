@@ -153,7 +153,7 @@ void TuningStress::check_set(const servo::ServoSample &sample) {
 /// The law's e_W for the state of one sample with the tuning of another, within the supply.
 Vector3 TuningStress::requested_V(const servo::ServoSample &state, const servo::ServoSample &tuned,
                                   const control::Configuration &now) const {
-    return law_(now, state.contact, tuned.tuning, tuned.global_alpha_rad2_per_m2, state.motor,
+    return law_(now, state.contact, tuned.tuning, {tuned.global_alpha_rad2_per_m2}, state.motor,
                 state.lag_s)
         .command.e_W_V;
 }

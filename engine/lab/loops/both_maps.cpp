@@ -58,7 +58,7 @@ MapForces map_forces(const device::DeviceDescription &device, const control::Con
                      const contact::Contact &contact, const control::Tuning &tuning,
                      double global_alpha_rad2_per_m2) {
     const control::HapticLaw law(device);
-    const control::LawOutcome found = law(now, contact, tuning, global_alpha_rad2_per_m2);
+    const control::LawOutcome found = law(now, contact, tuning, {global_alpha_rad2_per_m2});
     const auto force_N = [&](const control::MotorSetPoint &set_point) {
         return control::static_tip_force(now.J, law.static_stiffness_Nm_per_rad(tuning),
                                          set_point.theta_Sd_rad - now.theta_rad);

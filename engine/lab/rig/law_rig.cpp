@@ -52,7 +52,7 @@ void LawRig::answer() {
 
 device::DeviceCommand LawRig::spring_drive() const {
     device::DeviceCommand command =
-        law_(configuration_, contact_, options_.tuning, global_alpha_rad2_per_m2_).command;
+        law_(configuration_, contact_, options_.tuning, {global_alpha_rad2_per_m2_}).command;
     if (options_.net_resistance_Ohm) {
         for (std::size_t j = 0; j < 3; ++j) {
             command.cancelled_resistance_Ohm[static_cast<Eigen::Index>(j)] =

@@ -148,6 +148,7 @@ double active_alpha(const StudySetting &setting, const control::Tuning &tuning, 
     case control::AlphaMode::by_hand:
         return tuning.alpha_rad2_per_m2;
     case control::AlphaMode::on_the_fly:
+    case control::AlphaMode::at_touch:
         break;
     }
     return control::alpha_bound(J, control::relative_stiffness(setting.device));

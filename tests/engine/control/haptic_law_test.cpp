@@ -11,15 +11,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <utility>
+#include <vector>
 
 namespace springdrive::control {
 namespace {
 
-constexpr double kGlobalAlpha = 1234.5;
+constexpr AlphaSources kGlobalAlpha{1234.5};
 constexpr double kLag_s = 1.5e-3; ///< T (½ + d), 1 kHz and d 1
 
 class HapticLawTest : public ::testing::Test {
@@ -297,14 +300,82 @@ TEST_F(HapticLawTest, AlphaComesFromTheSourceInTheTuning) {
     const contact::Contact contact = any_contact(now);
     Tuning tuning;
     tuning.alpha_rad2_per_m2 = 777.0;
-    for (const auto &[mode, expected] :
-         {std::pair(AlphaMode::global, kGlobalAlpha), std::pair(AlphaMode::by_hand, 777.0)}) {
+    for (const auto &[mode, expected] : {std::pair(AlphaMode::global, kGlobalAlpha.global),
+                                         std::pair(AlphaMode::by_hand, 777.0)}) {
         tuning.alpha_mode = mode;
         EXPECT_EQ(law(now, contact, tuning, kGlobalAlpha).alpha_rad2_per_m2, expected);
     }
     tuning.alpha_mode = AlphaMode::on_the_fly;
     const LawOutcome found = law(now, contact, tuning, kGlobalAlpha);
-    EXPECT_EQ(found.alpha_rad2_per_m2, found.alpha_bound_rad2_per_m2);
+    const double bound = found.alpha_bound_rad2_per_m2;
+    EXPECT_EQ(found.alpha_rad2_per_m2, bound);
+    tuning.alpha_mode = AlphaMode::at_touch;
+    EXPECT_EQ(law(now, contact, tuning, kGlobalAlpha).alpha_rad2_per_m2, bound);
+    for (const double before : {0.9 * bound, 1.1 * bound}) {
+        EXPECT_EQ(law(now, contact, tuning, {0.0, before}).alpha_rad2_per_m2,
+                  std::min(before, bound));
+    }
+}
+
+/// The energy [J] that a hand receives from a frictionless sphere of 30 mm, taken slowly along
+/// waypoints below its surface, from touch to lift: ∫ F dx of the static force.
+double received_J(const HapticLaw &law, const device::DeviceDescription &device, AlphaMode mode,
+                  const std::vector<Vector3> &waypoints_m) {
+    constexpr double kRadius_m = 0.03;
+    constexpr double kStep_m = 20e-6;
+    const Vector3 k_T = law.k_T();
+    Tuning tuning;
+    tuning.alpha_mode = mode;
+    double alpha_before = std::numeric_limits<double>::infinity();
+    double received_J = 0.0;
+    Vector3 force_before_N = Vector3::Zero();
+    for (std::size_t leg = 1; leg < waypoints_m.size(); ++leg) {
+        const Vector3 way_m = waypoints_m[leg] - waypoints_m[leg - 1];
+        const int steps = static_cast<int>(std::ceil(way_m.norm() / kStep_m));
+        for (int i = 1; i <= steps; ++i) {
+            const Vector3 tip_m = waypoints_m[leg - 1] + static_cast<double>(i) / steps * way_m;
+            const Vector3 q_rad = *device::joint_angles_rad(device.geometry, tip_m);
+            const Configuration now = law.configuration(
+                device::motor_from_joint(device.geometry, q_rad), Vector3::Zero());
+            contact::Contact contact;
+            contact.touching = tip_m.norm() < kRadius_m;
+            contact.x0_m = contact.touching ? Vector3(kRadius_m * tip_m.normalized()) : tip_m;
+            contact.eta = contact.touching ? 0.0 : 1.0;
+            contact.normal = tip_m.normalized();
+            const LawOutcome found = law(now, contact, tuning, {0.0, alpha_before});
+            alpha_before = contact.touching ? found.alpha_rad2_per_m2
+                                            : std::numeric_limits<double>::infinity();
+            const Vector3 force_N =
+                now.J.transpose().inverse() *
+                k_T.cwiseProduct(found.command.e_W_V).cwiseQuotient(found.dR_Ohm);
+            received_J += 0.5 * (force_N + force_before_N).dot(way_m) / steps;
+            force_before_N = force_N;
+        }
+    }
+    return received_J;
+}
+
+// On the fly, pressed in where α is small and let out where it is large, it returns ½ Δα k̄ d² more
+// than was put in. A spring that only becomes softer cannot.
+TEST_F(HapticLawTest, AlphaAtTouchReturnsNoMoreThanWasPutIn) {
+    // Of the trapezes where the surface is crossed, twice: ½ k (20 µm)² at 1.3 N/mm.
+    constexpr double kCrossings_J = 2.0 * 0.26e-6;
+    double on_the_fly_J = 0.0;
+    for (int run = 0; run < 20; ++run) {
+        std::vector<Vector3> waypoints_m;
+        for (int i = 0; i < 6; ++i) { // at random depths of up to 3 mm, on the visible half
+            Vector3 way = testing::random_vector(random, 1.0).normalized();
+            way.z() = std::abs(way.z());
+            const bool is_end = i == 0 || i == 5;
+            std::uniform_real_distribution<double> radius_m(is_end ? 0.031 : 0.027,
+                                                            is_end ? 0.032 : 0.0299);
+            waypoints_m.push_back(radius_m(random) * way);
+        }
+        EXPECT_LT(received_J(law, device, AlphaMode::at_touch, waypoints_m), kCrossings_J);
+        on_the_fly_J =
+            std::max(on_the_fly_J, received_J(law, device, AlphaMode::on_the_fly, waypoints_m));
+    }
+    EXPECT_GT(on_the_fly_J, 0.1e-3); // not vacuous
 }
 
 TEST_F(HapticLawTest, TheBoundIsTheMinimumStiffnessOverDirections) {

@@ -6,6 +6,7 @@
 #include "engine/control/tuning_file.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
+#include "tests/support/tunings.h"
 
 #include <gtest/gtest.h>
 
@@ -40,8 +41,7 @@ std::string error(const std::string &from, const std::string &to) {
 TEST(TuningFile, TheShippedTuningsAreValidAndGrowStiffer) {
     double before = 0.0;
     for (const char *name : {"soft", "firm", "stiffest_1kHz", "stiffest_4kHz"}) {
-        const Tuning tuning =
-            read_tuning_file(testing::assets() / "tunings" / (std::string(name) + ".toml"));
+        const Tuning tuning = testing::tuning(name);
         EXPECT_EQ(validate(tuning), "");
         const double stiffness = tuning.K_P_V_per_rad / tuning.dR_Ohm;
         EXPECT_GT(stiffness, before);
@@ -61,7 +61,7 @@ TEST(TuningFile, RefusesUnknownKeysAndInvalidValues) {
     EXPECT_NE(error("dR_Ohm = 0.5", "dR_Ohm = 0.0").find("0.02 to 2.18"), std::string::npos);
     EXPECT_NE(error("eta = 0.0", "eta = nan").find("eta"), std::string::npos);
     EXPECT_NE(error("transpose", "transposed").find("inverse or transpose"), std::string::npos);
-    EXPECT_NE(error("on_the_fly", "auto").find("on_the_fly, global or by_hand"), std::string::npos);
+    EXPECT_NE(error("on_the_fly", "auto").find("by_hand or at_touch"), std::string::npos);
     EXPECT_NE(error("eta =", "mass = 1\neta =").find("mass is not known"), std::string::npos);
     // The parser quotes the line end that it did not expect; keys and texts may contain some.
     EXPECT_EQ(error("\"transpose\"", R"("trans\npose")").find('\n'), std::string::npos);
@@ -75,10 +75,12 @@ TEST(Parameters, MapsAndSourcesOfAlphaHaveTheirNamesAndLabels) {
     EXPECT_EQ(name_of(AlphaMode::on_the_fly), "on_the_fly");
     EXPECT_EQ(name_of(AlphaMode::global), "global");
     EXPECT_EQ(name_of(AlphaMode::by_hand), "by_hand");
+    EXPECT_EQ(name_of(AlphaMode::at_touch), "at_touch");
     for (const MotionMap map : {MotionMap::inverse, MotionMap::transpose}) {
         EXPECT_EQ(motion_map_named(name_of(map)), map);
     }
-    for (const AlphaMode mode : {AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand}) {
+    for (const AlphaMode mode :
+         {AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand, AlphaMode::at_touch}) {
         EXPECT_EQ(alpha_mode_named(name_of(mode)), mode);
     }
     EXPECT_EQ(label_of(MotionMap::inverse), "inverse (18)");
@@ -86,6 +88,7 @@ TEST(Parameters, MapsAndSourcesOfAlphaHaveTheirNamesAndLabels) {
     EXPECT_EQ(label_of(AlphaMode::on_the_fly), "α on the fly");
     EXPECT_EQ(label_of(AlphaMode::global), "global α");
     EXPECT_EQ(label_of(AlphaMode::by_hand), "α by hand");
+    EXPECT_EQ(label_of(AlphaMode::at_touch), "α at touch");
     EXPECT_FALSE(motion_map_named("Inverse"));
     EXPECT_FALSE(alpha_mode_named(""));
 }
@@ -107,7 +110,8 @@ TuningFile random_file(std::mt19937_64 &random) {
             parameter.minimum + share(random) * (parameter.maximum - parameter.minimum);
     }
     file.tuning.map = share(random) < 0.5 ? MotionMap::inverse : MotionMap::transpose;
-    constexpr std::array kModes{AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand};
+    constexpr std::array kModes{AlphaMode::on_the_fly, AlphaMode::global, AlphaMode::by_hand,
+                                AlphaMode::at_touch};
     file.tuning.alpha_mode = kModes[random() % kModes.size()];
     file.margins = TuningMargins{1.0 / (1e-4 + 1e-3 * share(random)),
                                  8.0 * share(random),
@@ -147,8 +151,7 @@ TEST(TuningFile, NeedsNoMargins) {
     TuningFile file;
     EXPECT_FALSE(written_and_read(file).margins);
     for (const char *name : {"soft", "firm", "stiffest_1kHz", "stiffest_4kHz"}) {
-        const TuningFile shipped =
-            read_whole_tuning_file(testing::assets() / "tunings" / (std::string(name) + ".toml"));
+        const TuningFile shipped = read_whole_tuning_file(testing::tuning_path(name));
         EXPECT_NE(shipped.description, "") << name;
     }
 }

@@ -128,7 +128,7 @@ private:
             contact.tangent_projector = Matrix3::Identity() - kNormal * kNormal.transpose();
             contact.eta = 0.0;
         }
-        device::DeviceCommand command = law_(now, contact, tuning_, 3000.0).command;
+        device::DeviceCommand command = law_(now, contact, tuning_, {3000.0}).command;
         command.e_W_V *= ramp;
         for (std::size_t motor = 0; motor < 3; ++motor) {
             const auto j = static_cast<Eigen::Index>(motor);

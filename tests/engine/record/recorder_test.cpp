@@ -220,7 +220,8 @@ std::vector<servo::ServoSample> eventful_run(unsigned seed, double period_s) {
             inputs.tuning.eta = 0.5 * share(random);
             inputs.tuning.map =
                 share(random) < 0.5 ? control::MotionMap::inverse : control::MotionMap::transpose;
-            inputs.tuning.alpha_mode = static_cast<control::AlphaMode>(random() % 3);
+            inputs.tuning.alpha_mode =
+                static_cast<control::AlphaMode>(random() % control::kAlphaModeNames.size());
             inputs.limits.tip_force_N = 1.0 + 8.0 * share(random);
         }
         if (tick % 97 == 48 && tick > ticks / 3) { // from touch to measurement, or back

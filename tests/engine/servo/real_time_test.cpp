@@ -110,7 +110,7 @@ template <typename Check> void for_every_scene(Check &&check) {
              {control::MotionMap::inverse, control::MotionMap::transpose}) {
             for (const control::AlphaMode mode :
                  {control::AlphaMode::on_the_fly, control::AlphaMode::global,
-                  control::AlphaMode::by_hand}) {
+                  control::AlphaMode::by_hand, control::AlphaMode::at_touch}) {
                 TouchedScene touched(scene, map, mode);
                 check(touched, scene);
             }

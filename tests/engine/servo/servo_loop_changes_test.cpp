@@ -203,8 +203,10 @@ Vector3 unchanged_V(const control::HapticLaw &law, const ServoSample &before,
     const double pole = control::velocity_filter_pole(before.tuning.lambda_rad_per_s, kPeriod_s);
     const control::Configuration state =
         law.configuration(now.theta_rad, filter.update(now.theta_rad, pole, kPeriod_s));
-    return law(state, now.contact, before.tuning, before.global_alpha_rad2_per_m2, now.motor,
-               now.lag_s)
+    return law(state, now.contact, before.tuning,
+               {before.global_alpha_rad2_per_m2,
+                alpha_in_contact(before.contact, before.alpha_rad2_per_m2)},
+               now.motor, now.lag_s)
                .command.e_W_V +
            before.transfer_offset_V;
 }
@@ -298,6 +300,10 @@ TEST(ServoLoopChanges, OfMapAlphaSourceAndGlobalAlphaMoveEWWithinTheBound) {
         start(inputs);
         inputs.tuning.alpha_mode = control::AlphaMode::global;
     };
+    const auto stiff = [](ServoInputs &inputs) { // α by hand, beyond (29)
+        inputs.tuning.alpha_rad2_per_m2 = 8000.0;
+        inputs.tuning.alpha_mode = control::AlphaMode::by_hand;
+    };
     const auto inverse = [&](ServoInputs &inputs) {
         start(inputs);
         inputs.tuning.map = control::MotionMap::inverse;
@@ -316,6 +322,7 @@ TEST(ServoLoopChanges, OfMapAlphaSourceAndGlobalAlphaMoveEWWithinTheBound) {
         {{"to the transpose map", to_map(control::MotionMap::transpose), 0.1}, inverse},
         {{"to α by hand", to_alpha(control::AlphaMode::by_hand), 0.3}, start},
         {{"to the global α", to_alpha(control::AlphaMode::global), 0.3}, start},
+        {{"to α at touch", to_alpha(control::AlphaMode::at_touch), 0.3}, stiff},
         {{"to α on the fly", to_alpha(control::AlphaMode::on_the_fly), 0.3}, global},
         {{"to a lower global α", to_global(500.0), 0.3}, global},
         {{"to no global α", to_global(0.0), 0.3}, global}};

@@ -7,13 +7,13 @@
 #include "engine/contact/mesh/triangle_soup.h"
 #include "engine/control/haptic_law.h"
 #include "engine/control/rendered_force.h"
-#include "engine/control/tuning_file.h"
 #include "engine/lab/limits/locked_device.h"
 #include "engine/lab/rig/servo_rig.h"
 #include "tests/support/calibrations.h"
 #include "tests/support/cases.h"
 #include "tests/support/devices.h"
 #include "tests/support/fault_judge.h"
+#include "tests/support/tunings.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -331,9 +331,8 @@ std::vector<double> direction_errors_deg(const control::Tuning &tuning, bool is_
 TEST(WindingObservers, TheForcePointsAlongTheNormal) {
     const int devices = testing::cases(2, 20);
     const int surfaces = testing::cases(6, 24);
-    for (const char *name : {"firm", "stiffest_1kHz"}) {
-        const control::Tuning tuning = control::read_tuning_file(testing::assets() / "tunings" /
-                                                                 (std::string(name) + ".toml"));
+    for (const char *name : {"firm", "stable_only_1kHz"}) {
+        const control::Tuning tuning = testing::tuning(name);
         const auto print = [&](const std::vector<double> &errors_deg, const char *how) {
             std::printf("worst of %zu, %s, %s: %.1f°, 95 %% below %.1f°\n", errors_deg.size(), name,
                         how, errors_deg.back(), errors_deg[errors_deg.size() * 95 / 100]);
@@ -577,7 +576,7 @@ TEST(WindingObservers, NoVoltageStepsWhenMotorsBecomeKnownOrAreDistrusted) {
                     const control::Configuration state =
                         law.configuration(now.theta_rad, now.theta_rate_rad_per_s);
                     const auto e_W_V = [&](const control::ObservedMotors &motors) {
-                        return law(state, now.contact, now.tuning, now.global_alpha_rad2_per_m2,
+                        return law(state, now.contact, now.tuning, {now.global_alpha_rad2_per_m2},
                                    motors, now.lag_s)
                             .command.e_W_V;
                     };

@@ -377,7 +377,7 @@ private:
                 device::WindingGuard(device_.motor[j], device_.amplifier.max_cancelled_Ohm, 1.0)
                     .max_cancelled_Ohm();
         }
-        return servo::limited(device_, law_(now, contact, control::Tuning{}, 0.0).command, inputs)
+        return servo::limited(device_, law_(now, contact, control::Tuning{}, {}).command, inputs)
             .active_limits;
     }
 

@@ -105,7 +105,7 @@ TEST(LawRig, IsFilterLawAndPlantInTurn) {
             rate = pole * rate + (1.0 - pole) / options.period_s * (theta_rad - before_rad);
             before_rad = theta_rad;
             const control::Configuration now = law.configuration(theta_rad, rate);
-            return law(now, wall(now.tip_m), options.tuning, 0.0).command;
+            return law(now, wall(now.tip_m), options.tuning, {}).command;
         };
         device::DeviceCommand command =
             first == FirstCommand::answers ? answer() : device::DeviceCommand::braking();

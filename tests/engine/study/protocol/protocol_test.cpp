@@ -148,7 +148,7 @@ TEST(FreeSpaceTuning, IsTheSameForEveryGainMapAndEta) {
                 tuning.K_P_V_per_rad = 6.0 * gain;
                 tuning.K_D_Vs_per_rad = 0.01 * gain;
                 tuning.eta = eta;
-                const Vector3 e_W_V = law(now, free, tuning, 0.0).command.e_W_V;
+                const Vector3 e_W_V = law(now, free, tuning, {}).command.e_W_V;
                 EXPECT_TRUE(e_W_V.isApprox(expected_V, 1e-9)) << e_W_V.transpose();
             }
         }
