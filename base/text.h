@@ -17,8 +17,12 @@ namespace springdrive {
 /// trimmed, and what is longer than `max_length` bytes is cut (never within a UTF-8 character).
 [[nodiscard]] std::string one_line(std::string_view text, std::size_t max_length = 300);
 
-/// `text` on one line, in single quotes.
+/// In single quotes, on one line, with all its blanks; at most 80 bytes of it.
 [[nodiscard]] std::string in_quotes(std::string_view text);
+
+/// Why people could not tell a name from another by eye: it has a control character or line end, or
+/// begins or ends with a blank or another character that is not seen. Empty if they can.
+[[nodiscard]] std::string validate_name(std::string_view name);
 
 /// The shortest text that reads back as `number`.
 [[nodiscard]] std::string shortest_text(double number);
@@ -72,11 +76,12 @@ void sort_by_similarity(std::vector<Element> &elements, std::string_view typed,
 /// The fewest digits that read back as the same number; empty if infinite or not a number.
 [[nodiscard]] std::string csv_cell(double number);
 
-/// A cell of a TSV file as in BIDS: on one line, guarded, in quotes if it has some itself; "n/a" if
-/// empty.
+/// A cell of a TSV file as in BIDS: guarded, in quotes if it has some itself; "n/a" if nothing of
+/// it can be seen. Control characters become blanks; those at its ends go.
 [[nodiscard]] std::string tsv_cell(std::string_view text);
 
-/// A string in gnuplot's language. A line end becomes a blank.
+/// A string in gnuplot's language. Control characters become blanks, and what SVG cannot have, the
+/// two non-characters of XML, becomes U+FFFD.
 ///
 /// gnuplot does not know doubled quotes in a CSV file: a comma behind a quote ends the cell, a line
 /// end the row, and a row that begins with # is left out. What is drawn is best passed as numbers.
@@ -85,6 +90,10 @@ void sort_by_similarity(std::vector<Element> &elements, std::string_view typed,
 /// Whether each byte is part of a character as Unicode defines UTF-8 (its table 3-7): none is cut,
 /// longer than need be, one half of a pair, or beyond the last.
 [[nodiscard]] bool is_utf8(std::string_view text);
+
+/// With each byte that is part of no such character, and each control character, as "\xff": of
+/// names of files, in messages.
+[[nodiscard]] std::string as_utf8(std::string_view text);
 
 /// A string of a TOML file, on one line. @pre it is UTF-8, as all of TOML
 [[nodiscard]] std::string toml_string(std::string_view text);
@@ -101,7 +110,8 @@ template <typename Texts> [[nodiscard]] std::string toml_list(const Texts &texts
     return '[' + list + ']';
 }
 
-/// Text between the tags of SVG. Control characters are left out.
+/// Text between the tags of SVG. Control characters are left out; the two non-characters of XML
+/// become U+FFFD.
 [[nodiscard]] std::string xml_text(std::string_view text);
 
 /// A JSON document, a value of nlohmann's library. Bytes that are no UTF-8, as names of files may

@@ -5,7 +5,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <cerrno>
 #include <cstring>
@@ -39,32 +39,40 @@ bool is_whole(const std::filesystem::path &svg) {
            text.compare(end + 1 - kEnd.size(), kEnd.size(), kEnd) == 0;
 }
 
-/// A CSV file without what is in quotes, under the name of a file to come: gnuplot does not know
-/// doubled quotes, so that a name could change which cells it reads.
-std::string without_quoted(const std::filesystem::path &csv, const std::filesystem::path &copy) {
+/// A CSV file without what is in quotes: gnuplot does not know doubled quotes, so that a name could
+/// change which cells it reads.
+std::string without_quoted(const std::filesystem::path &csv) {
     std::ifstream from(csv, std::ios::binary);
-    std::ofstream to(copy, std::ios::binary);
+    std::string text;
     bool is_quoted = false;
     for (char c = 0; from.get(c);) {
         is_quoted = is_quoted != (c == '"');
         if (!is_quoted && c != '"') {
-            to.put(c);
+            text += c;
         }
     }
-    if (!from.eof() || !to.flush()) {
-        throw InputError(csv.string() + ": cannot be copied for gnuplot; is the disk full?");
+    if (!from.eof()) {
+        throw InputError(csv.string() + ": cannot be read for gnuplot; check its permissions");
     }
-    return gnuplot_string(copy.string());
+    return text;
 }
 
 } // namespace
 
 void ChartMarks::add(std::string_view name, double number) {
-    assignments_ += fmt::format("{} = {:.17g}; ", name, number);
+    assignments_ += fmt::format("{} = {:.17g}\n", name, number);
 }
 
 void ChartMarks::add(std::string_view name, std::string_view text) {
-    assignments_ += fmt::format("{} = {}; ", name, gnuplot_string(text));
+    assignments_ += fmt::format("{} = {}\n", name, gnuplot_string(text));
+}
+
+void ChartMarks::add(std::string_view name, const std::vector<std::vector<double>> &rows) {
+    assignments_ += fmt::format("${} << end\n", name);
+    for (const std::vector<double> &row : rows) {
+        assignments_ += fmt::format("{:.17g}\n", fmt::join(row, ","));
+    }
+    assignments_ += "end\n";
 }
 
 Chart chart_of(std::string_view script, const ChartMarks &marks,
@@ -81,21 +89,33 @@ Chart chart_of(std::string_view script, const ChartMarks &marks,
 void draw(const Chart &chart, FilePolicy policy) {
     const std::filesystem::path svg = chart.folder / chart.svg;
     NewFile drawn(svg, policy.readers);
-    std::string files = "svg = " + gnuplot_string(drawn.temporary().string()) + "; ";
+    // gnuplot runs where it draws and is given names of our own only: it takes some that begin with
+    // < or | for commands, and no line end. All else is in a file: an argument has a limit.
+    const std::filesystem::path folder = drawn.temporary().parent_path();
     std::list<NewFile> copies; // gone at the end
+    const auto copied = [&](const std::string &text) {
+        const std::filesystem::path &copy = copies.emplace_back(svg, policy.readers).temporary();
+        std::ofstream file(copy, std::ios::binary);
+        if (!file.write(text.data(), std::ssize(text)).flush()) {
+            throw InputError(svg.string() + ": cannot be drawn: no room for gnuplot's copy of the "
+                                            "numbers; is the disk full?");
+        }
+        return copy.filename().string();
+    };
+    std::string marks =
+        fmt::format("svg = '{}'\n{}", drawn.temporary().filename().string(), chart.assignments);
     for (const auto &[variable, name] :
          {std::pair("csv", &chart.csv), std::pair("second_csv", &chart.second_csv)}) {
         if (!name->empty()) {
-            const std::filesystem::path csv = chart.folder / *name;
-            const NewFile &copy = copies.emplace_back(csv, policy.readers);
-            files += fmt::format("{} = {}; ", variable, without_quoted(csv, copy.temporary()));
+            marks +=
+                fmt::format("{} = '{}'\n", variable, copied(without_quoted(chart.folder / *name)));
         }
     }
     // -d: ignore the user's gnuplot settings.
     const std::filesystem::path script = std::filesystem::absolute(chart.script);
-    const ProgramEnding ending = run_program({"gnuplot", "-d", "-e", files + chart.assignments,
-                                              script.parent_path() / "style.gnuplot", script},
-                                             chart.folder, ProgramStream::error);
+    const ProgramEnding ending = run_program(
+        {"gnuplot", "-d", copied(marks), script.parent_path() / "style.gnuplot", script}, folder,
+        ProgramStream::error);
     if (ending.spawn_error == ENOENT) {
         throw InputError("gnuplot is not installed; install the package gnuplot-nox (the figures' "
                          "numbers are in " +

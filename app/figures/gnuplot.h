@@ -6,14 +6,18 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace springdrive::app {
 
-/// Names and values for a gnuplot script, as assignments in gnuplot's own language.
+/// Names and values for a gnuplot script, as lines in gnuplot's own language. Texts stay as they
+/// are if the script draws them as labels or titles with "noenhanced": those of tics are formats.
 class ChartMarks {
 public:
     void add(std::string_view name, double number);
     void add(std::string_view name, std::string_view text);
+    /// To be plotted as "$NAME".
+    void add(std::string_view name, const std::vector<std::vector<double>> &rows);
 
     [[nodiscard]] const std::string &assignments() const { return assignments_; }
 
@@ -24,9 +28,9 @@ private:
 /// A chart for gnuplot to draw.
 struct Chart {
     std::filesystem::path script; ///< run after the style.gnuplot beside it, which opens `svg`
-    std::string assignments;      ///< in gnuplot's language, before the script
+    std::string assignments;      ///< lines in gnuplot's language, before the script
     std::filesystem::path folder; ///< where the tables are and `svg` will be
-    std::string csv;              ///< a table of numbers; texts in it are not read
+    std::string csv;              ///< a table of numbers, if any; texts in it are not read
     std::string svg;
     std::string second_csv{}; ///< another table, if any
 };

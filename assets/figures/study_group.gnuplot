@@ -1,6 +1,5 @@
 # Thresholds of all participants and their mean, by condition; see app/commands/study/study_analyse.cpp.
-# The values are marks, not columns of a file, in which gnuplot would take a comma after a quote in the
-# name of a condition for the end of its cell.
+# $participants: panel, number, estimate and its interval; $means: panel, mean and its interval.
 width = 160.0 + 150*(panels < 3 ? 3 : panels)
 height = 560.0
 set terminal svg size width,height font "DejaVu Sans,13" enhanced background rgb "white"
@@ -11,13 +10,15 @@ set bmargin at screen 100/height
 set lmargin at screen 90/width
 set rmargin at screen (width - 25)/width
 set xrange [0.5:panels + 0.5]
-set xtics () noenhanced
+set xtics ("" 1)
 do for [i=1:panels] {
     name = value(sprintf("title_%d", i))
     # A long name takes two lines.
     blank = strlen(name) > 14 ? strstrt(name[8:*], " ") : 0
     if (blank > 0) { name = name[1:7 + blank - 1]."\n".name[7 + blank + 1:*] }
-    set xtics add (name i)
+    # A label: in the text of a tic, % begins a format.
+    set xtics add ("" i)
+    set label 2 + i name at i,graph 0 center offset 0,-1.4 noenhanced
 }
 set ylabel estimate_label.level_label noenhanced
 set autoscale yfix
@@ -30,16 +31,5 @@ if (is_logarithmic) {
 set key at screen 0.5,25/height center center maxrows 1 samplen 2 width 2 noenhanced
 # Participants side by side, the mean to their right.
 x_of(i, number) = i - 0.3 + (highest_number > 1 ? 0.45*(number - 1)/(highest_number - 1) : 0.2)
-set print $participants
-do for [k=0:words(participant_values)/5 - 1] {
-    print sprintf("%s,%s,%s,%s,%s", word(participant_values, 5*k + 1), word(participant_values, 5*k + 2), \
-        word(participant_values, 5*k + 3), word(participant_values, 5*k + 4), word(participant_values, 5*k + 5))
-}
-set print $means
-do for [k=0:words(mean_values)/4 - 1] {
-    print sprintf("%s,%s,%s,%s", word(mean_values, 4*k + 1), word(mean_values, 4*k + 2), \
-        word(mean_values, 4*k + 3), word(mean_values, 4*k + 4))
-}
-unset print
 plot $participants using (x_of($1, $2)):3:4:5 with yerrorbars pointtype 7 pointsize 0.6 linewidth 1 linecolor rgb grey title "participants", \
      $means using ($1 + 0.32):2:3:4 with yerrorbars pointtype 5 pointsize 1 linewidth 2.5 linecolor rgb blue title "mean of the group"

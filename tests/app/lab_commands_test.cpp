@@ -3,10 +3,12 @@
 // and accuracy by themselves.
 #include "app/figures/figure.h"
 #include "app/figures/speed_accuracy_marks.h"
+#include "base/text.h"
 #include "engine/lab/charts/charts.h"
 #include "tests/support/csv.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
+#include "tests/support/names.h"
 #include "tests/support/program.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +19,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
+#include <random>
+#include <regex>
 #include <set>
 #include <string>
 #include <utility>
@@ -70,18 +75,97 @@ const std::vector<std::string> kPremium{"--device-file",
 /// The quickest charts.
 constexpr const char *kQuick = "motion_stiffness,servo_rate_direction";
 
+/// Its name would need quoting in a shell, and in gnuplot even more.
+fs::path hard_folder(const std::string &name) {
+    return testing::fresh_folder(name) / "< it's \"my\" $HOME;\n%d" / "| new";
+}
+
+/// The PHANTOM 1.0 in a file in `folder`, under another name.
+fs::path named_device(const fs::path &folder, const std::string &name) {
+    std::string text = testing::contents_of(testing::assets() / "devices/phantom_1_0.toml");
+    const std::string own = "\nname = \"PHANTOM 1.0\"";
+    text.replace(text.find(own), own.size(), "\nname = " + toml_string(name));
+    fs::path file = folder / "named.toml";
+    std::ofstream(file) << text;
+    return file;
+}
+
+TEST(Charts, ShowNamesOfAnyCharactersAndEveryMark) {
+    std::mt19937_64 random(53);
+    const fs::path folder = hard_folder("names");
+    fs::create_directories(folder);
+    for (const int count :
+         {1, 2, 12, 5000}) { // participants of the last: more than an argument holds
+        std::vector<std::string> names;
+        ChartMarks marks;
+        const auto add = [&](const std::string &mark) {
+            marks.add(mark, names.emplace_back(testing::random_name(random)));
+        };
+        for (const char *const mark : {"heading", "note", "level_label", "estimate_label"}) {
+            add(mark);
+        }
+        const int panels = std::min(count, 12);
+        std::vector<std::vector<double>> participants;
+        std::vector<std::vector<double>> means;
+        for (int i = 1; i <= panels; ++i) {
+            add("title_" + std::to_string(i));
+            means.push_back({1.0 * i, 2.0, 1.0, 4.0});
+        }
+        for (int number = 1; number <= count; ++number) {
+            participants.push_back({1.0 + number % panels, 1.0 * number, 3.0, 2.5, 3.5});
+        }
+        marks.add("panels", panels);
+        marks.add("highest_number", count);
+        marks.add("is_logarithmic", 1.0);
+        marks.add("participants", participants);
+        marks.add("means", means);
+        draw(chart_of("study_group", marks, folder, "", "group.svg"), Existing::replace);
+        const std::string svg = testing::contents_of(folder / "group.svg");
+        for (const std::string &name : names) {
+            EXPECT_TRUE(testing::is_in_svg(svg, name)) << name;
+        }
+        const auto drawn = [&svg](const std::string &mark) {
+            const std::regex one("#" + mark + "'[^>]*color='rgb\\(");
+            return std::distance(std::sregex_iterator(svg.begin(), svg.end(), one), {});
+        };
+        EXPECT_EQ(drawn("gpPt6"), count + 1) << "with that of the legend";
+        EXPECT_EQ(drawn("gpPt4"), panels + 1);
+    }
+    EXPECT_EQ(files_in(folder), std::set<std::string>{"group.svg"});
+}
+
+TEST(Charts, NameTheirDevice) {
+    std::mt19937_64 random(54);
+    const fs::path folder = hard_folder("named_device");
+    fs::create_directories(folder);
+    for (int i = 0; i < 4; ++i) {
+        const std::string name = testing::random_name(random);
+        const fs::path svg = folder / ("map" + std::to_string(i) + ".svg");
+        const testing::Ending ending =
+            testing::run_program({"stability", "--map", "kp=1:100,dR", "--steps", "3", "--out", svg,
+                                  "--device-file", named_device(folder, name)});
+        ASSERT_EQ(ending.exit_status, 0) << ending.error;
+        EXPECT_TRUE(testing::is_in_svg(testing::contents_of(svg), name)) << name;
+    }
+}
+
 TEST(Figures, MeasuredStandsBesidePredicted) {
-    // The folder's name would need quoting in a shell.
-    const fs::path folder = testing::fresh_folder("figures") / "it's \"my\" $HOME;" / "new";
-    const testing::Ending ending = run_into("figures", folder, {"--q", "0,20,-15"});
+    const fs::path folder = hard_folder("figures");
+    std::mt19937_64 random(55);
+    const std::string device = testing::random_name(random);
+    const testing::Ending ending =
+        run_into("figures", folder,
+                 {"--q", "0,20,-15", "--device-file",
+                  named_device(testing::fresh_folder("figures_of"), device)});
     ASSERT_EQ(ending.exit_status, 0) << ending.error;
     EXPECT_EQ(ending.out, "");
     for (const FigureMaker &figure : figure_makers()) {
         const std::string name(figure.name);
         const std::string svg = testing::contents_of(folder / (name + ".svg"));
-        for (const char *part : {"<svg", "</svg>", "PHANTOM 1.0"}) {
+        for (const char *part : {"<svg", "</svg>"}) {
             EXPECT_NE(svg.find(part), std::string::npos) << name << ": " << part;
         }
+        EXPECT_TRUE(testing::is_in_svg(svg, device)) << name << " lacks " << device;
         EXPECT_GT(columns_of(folder / (name + ".csv")).size(), 4U) << name;
     }
     auto stiffness = columns_of(folder / "fig2_stiffness.csv");

@@ -10,9 +10,12 @@
 #include "base/timing.h"
 #include "tests/support/csv.h"
 #include "tests/support/files.h"
+#include "tests/support/names.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -162,25 +165,110 @@ TEST(CsvCell, OfANumberReadsBackAsTheSameNumber) {
 TEST(TsvCell, IsOnOneLineAndNeverEmpty) {
     EXPECT_EQ(tsv_cell("a\t\"b\"\nc"), "\"a \"\"b\"\" c\"");
     EXPECT_EQ(tsv_cell("=1"), "'=1");
-    EXPECT_EQ(tsv_cell("a, b"), "a, b");
+    EXPECT_EQ(tsv_cell("a,  b"), "a,  b");
+    EXPECT_EQ(tsv_cell("\t=1 "), "'=1");
+    EXPECT_EQ(tsv_cell(" \n"), "n/a");
     EXPECT_EQ(tsv_cell(""), "n/a");
 }
 
-TEST(GnuplotString, IsReadBackByGnuplot) {
-    const std::string text = "it's \\n {x}_1 %g `ls` $x\n\"q\" µ";
-    EXPECT_EQ(gnuplot_string("it's\n"), "'it''s '");
+/// What gnuplot prints of texts, a line each; nothing where it is not installed.
+std::optional<std::string> printed_by_gnuplot(const std::vector<std::string> &texts) {
     const std::filesystem::path script = testing::fresh_folder("gnuplot_string") / "script";
-    std::ofstream(script) << "set print '-'\nprint " << gnuplot_string(text) << '\n';
+    {
+        std::ofstream file(script);
+        file << "set print '-'\n";
+        for (const std::string &text : texts) {
+            file << "print " << gnuplot_string(text) << '\n';
+        }
+    }
     FILE *const gnuplot = popen(("gnuplot " + script.string() + " 2>&1").c_str(), "r");
-    ASSERT_NE(gnuplot, nullptr);
     std::string printed;
     for (int c = fgetc(gnuplot); c != EOF; c = fgetc(gnuplot)) {
         printed += static_cast<char>(c);
     }
-    if (pclose(gnuplot) != 0) {
-        GTEST_SKIP() << printed; // it is not installed
+    return pclose(gnuplot) == 0 ? std::optional(printed) : std::nullopt;
+}
+
+TEST(GnuplotString, IsReadBackByGnuplot) {
+    EXPECT_EQ(gnuplot_string("it's\n"), "'it''s '");
+    EXPECT_EQ(gnuplot_string("\x1b\r\ufffe\uffff\ufffd\u00bf"), "'  \ufffd\ufffd\ufffd\u00bf'");
+    const auto printed = printed_by_gnuplot({"it's \\n {x}_1 %g `ls` $x\n\"q\" µ"});
+    if (!printed) {
+        GTEST_SKIP() << "gnuplot is not installed";
     }
-    EXPECT_EQ(printed, "it's \\n {x}_1 %g `ls` $x \"q\" µ\n");
+    EXPECT_EQ(*printed, "it's \\n {x}_1 %g `ls` $x \"q\" µ\n");
+}
+
+/// A cell as a reader has it that knows RFC 4180 with this separator.
+std::string read_cell(const std::string &cell, char separator) {
+    const auto lines = testing::parsed_csv("a" + std::string(1, separator) + cell + "\n");
+    EXPECT_EQ(lines.size(), 1U) << cell;
+    if (separator == ',') {
+        EXPECT_EQ(lines[0].size(), 2U) << cell;
+        return lines[0].back();
+    }
+    EXPECT_EQ(cell.find('\t'), std::string::npos);
+    return cell.front() != '"' ? cell : testing::parsed_csv(cell + "\n")[0][0];
+}
+
+TEST(Name, OfAnyCharactersIsReadBackFromEachLanguage) {
+    std::mt19937_64 random(50);
+    std::vector<std::string> names;
+    std::string lines;
+    for (int i = 0; i < 500; ++i) {
+        std::string &name =
+            names.emplace_back(testing::random_name(random).substr(i % 2 == 0 ? 0 : 1));
+        name.erase(0, name.find_first_not_of(' '));
+        lines += name + '\n';
+        EXPECT_EQ(read_cell(csv_cell(name), ','), guard_formula(name));
+        EXPECT_EQ(read_cell(tsv_cell(name), '\t'), guard_formula(name));
+        EXPECT_EQ(nlohmann::json::parse(json_text(nlohmann::json(name))), name);
+        EXPECT_EQ(testing::texts_of_svg("<text>" + xml_text(name) + "</text>"), name);
+        EXPECT_EQ(as_utf8(name), name);
+    }
+    StrictTomlTable table = StrictTomlTable::parse("names = " + toml_list(names), "t.toml");
+    EXPECT_EQ(table.texts("names", names.size()), names);
+    const auto printed = printed_by_gnuplot(names);
+    EXPECT_EQ(printed.value_or(lines), lines);
+}
+
+TEST(Name, IsRefusedWhereNobodySeesWhatItHas) {
+    std::mt19937_64 random(51);
+    for (int i = 0; i < 500; ++i) {
+        const std::string name = testing::random_name(random);
+        EXPECT_EQ(validate_name(name), "") << name;
+        for (const char *const unseen : {" ", "\u00a0", "\u00ad", "\u2003", "\u200b", "\u200e",
+                                         "\u202e", "\u2060", "\u3000", "\ufeff"}) {
+            EXPECT_NE(validate_name(name + unseen).find("ends"), std::string::npos) << name;
+            EXPECT_NE(validate_name(unseen + name).find("begins"), std::string::npos) << name;
+        }
+        for (const char *const control :
+             {"\n", "\t", "\r", "\x7f", "\x1b", "\u0085", "\u2028", "\u2029"}) {
+            EXPECT_NE(validate_name(name + control + name).find("control"), std::string::npos);
+        }
+    }
+    for (const char *const name :
+         {"a", "ä", "\u2010", "\u2030", "\u00a1", "\u00ae", "\U0001F590"}) {
+        EXPECT_EQ(validate_name(name), "") << name;
+    }
+    EXPECT_EQ(in_quotes(" a  b\t"), "' a  b '");
+}
+
+TEST(Utf8, ShowsEachByteThatIsNone) {
+    EXPECT_EQ(as_utf8("a\xff\xc3ä"), "a\\xff\\xc3ä");
+    EXPECT_EQ(as_utf8("\xe2\x80"), "\\xe2\\x80");
+    EXPECT_EQ(as_utf8("a  b\n\x7f"), "a  b\\x0a\\x7f");
+    std::mt19937_64 random(52);
+    for (int i = 0; i < 1000; ++i) {
+        std::string bytes;
+        for (std::size_t left = random() % 12; left > 0; --left) {
+            bytes += static_cast<char>(random());
+        }
+        const bool has_control =
+            std::ranges::any_of(bytes, [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; });
+        EXPECT_TRUE(is_utf8(as_utf8(bytes)));
+        EXPECT_EQ(as_utf8(bytes) == bytes, is_utf8(bytes) && !has_control);
+    }
 }
 
 TEST(TomlText, IsReadBackAsItWas) {
@@ -196,7 +284,7 @@ TEST(TomlText, IsReadBackAsItWas) {
 }
 
 TEST(XmlText, HasNoTagsNorCharactersThatXmlForbids) {
-    EXPECT_EQ(xml_text("a < b & \"c\" > d\x01\tµ"), "a &lt; b &amp; \"c\" &gt; d\tµ");
+    EXPECT_EQ(xml_text("a < b & \"c\" > d\x01\tµ\uffff"), "a &lt; b &amp; \"c\" &gt; d\tµ\ufffd");
 }
 
 constexpr std::array<std::string_view, 3> kColours{"red", "green", "blue"};

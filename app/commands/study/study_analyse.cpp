@@ -159,15 +159,16 @@ Chart group_picture(const study::Protocol &protocol, const study::StudyResults &
                {protocol.title, "bars: 95 % intervals; mean of random effects"});
     marks.add("estimate_label", is_adjustment ? "mean setting: " : "threshold: ");
     int most = 1;
-    std::string participants; // words: panel, number, estimate and its interval
+    std::vector<std::vector<double>> participants; // panel, number, estimate and its interval
     for (const study::SeriesResult &result : results.series) {
         most = std::max(most, result.series.number);
         const auto panel = std::ranges::find(results.conditions, result.series.condition,
                                              &study::ConditionSummary::condition) -
                            results.conditions.begin() + 1;
         const auto append = [&](double estimate, double low, double high) {
-            participants += fmt::format("{} {} {:.17g} {:.17g} {:.17g} ", panel,
-                                        result.series.number, estimate, low, high);
+            participants.push_back({static_cast<double>(panel),
+                                    static_cast<double>(result.series.number), estimate, low,
+                                    high});
         };
         if (result.settings) {
             append(result.settings->mean, result.settings->low, result.settings->high);
@@ -177,22 +178,19 @@ Chart group_picture(const study::Protocol &protocol, const study::StudyResults &
         }
     }
     marks.add("highest_number", most);
-    marks.add("participant_values", participants);
-    std::string means; // words: panel, mean and its interval, if there is one
+    marks.add("participants", participants);
+    std::vector<std::vector<double>> means; // panel, mean and its interval, if there is one
     for (std::size_t i = 0; i < results.conditions.size(); ++i) {
         const study::ConditionSummary &group = results.conditions[i];
         const bool has_interval = group.on_scale.participants > 1;
-        means += fmt::format("{} {:.17g} {:.17g} {:.17g} ", i + 1, group.mean,
-                             has_interval ? group.low : group.mean,
-                             has_interval ? group.high : group.mean);
+        means.push_back({static_cast<double>(i + 1), group.mean,
+                         has_interval ? group.low : group.mean,
+                         has_interval ? group.high : group.mean});
+        marks.add(fmt::format("title_{}", i + 1), protocol.conditions[group.condition].name);
     }
-    marks.add("mean_values", means);
-    for (std::size_t i = 0; i < results.conditions.size(); ++i) {
-        const std::size_t condition = results.conditions[i].condition;
-        marks.add(fmt::format("title_{}", i + 1), protocol.conditions[condition].name);
-    }
+    marks.add("means", means);
     marks.add("panels", static_cast<double>(results.conditions.size()));
-    return chart_of("study_group", marks, folder, "thresholds.csv", "group.svg");
+    return chart_of("study_group", marks, folder, "", "group.svg");
 }
 
 /// Of each participant the fitted functions and the traces of the method, functions_P01.svg and

@@ -2,6 +2,7 @@
 
 #include "base/field.h"
 #include "base/field_toml.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <array>
@@ -235,11 +236,14 @@ void refuse_as(StrictTomlTable &table, const std::string &error) {
     table.refuse(key, error.substr(std::min(end + 1, error.size())));
 }
 
-/// Refuses a row whose name is empty or another's.
+/// Refuses a row whose name is empty or another's, or not told from others by eye.
 template <typename Rows>
 void check_name(const StrictTomlTable &row, const std::string &name, const Rows &others) {
     if (name.empty()) {
         row.refuse("name", "is empty; each must have one");
+    }
+    if (const std::string wrong = validate_name(name); !wrong.empty()) {
+        row.refuse("name", "is \"" + name + "\", which " + wrong);
     }
     if (std::ranges::any_of(others, [&name](const auto &other) { return other.name == name; })) {
         row.refuse("name", "is \"" + name + "\" like that of another; each must have its own");

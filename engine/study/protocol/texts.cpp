@@ -92,6 +92,9 @@ std::string wrong_choices(const QuestionnaireItem &item) {
             return fmt::format("choices has {}; each must be one line that can be read",
                                in_quotes(choice));
         }
+        if (const std::string wrong = validate_name(choice); !wrong.empty()) {
+            return fmt::format("choices has {}, which {}", in_quotes(choice), wrong);
+        }
         if (std::ranges::count(item.choices, choice) > 1) {
             return fmt::format("choices has {} twice; each must be there once", in_quotes(choice));
         }

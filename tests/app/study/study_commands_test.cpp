@@ -1,10 +1,12 @@
 // Covers app/commands/study/study_{new,check,analyse,plan,pictures}.cpp, from outside:
 // docs/study.md's walk with each shipped protocol, shortened; and what the study commands do with
 // studies and protocols from people who mean harm, and who may read what they write.
+#include "base/text.h"
 #include "engine/study/store/study_store.h"
 #include "tests/app/study/study_program.h"
 #include "tests/engine/study/store/forged_study.h"
 #include "tests/support/files.h"
+#include "tests/support/names.h"
 
 #include <gtest/gtest.h>
 
@@ -14,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -129,6 +132,26 @@ std::ptrdiff_t discs(const fs::path &svg, const std::string &colour) {
     return std::distance(std::sregex_iterator(text.begin(), text.end(), disc), {});
 }
 
+/// A protocol of which title and conditions have names of any characters: these, the title first.
+std::vector<std::string> rename(std::string &protocol, unsigned seed) {
+    std::mt19937_64 random(seed);
+    std::vector<std::string> quoted;
+    const std::regex name("(\ntitle|\\[\\[condition\\]\\]\nname) = (\"[^\"]*\")");
+    for (std::sregex_iterator one(protocol.begin(), protocol.end(), name), end; one != end; ++one) {
+        quoted.push_back(one->str(2));
+    }
+    std::vector<std::string> names;
+    for (const std::string &old : quoted) {
+        names.push_back(testing::random_name(random));
+        const std::string typed = toml_string(names.back());
+        for (std::size_t at = 0; (at = protocol.find(old, at)) != std::string::npos;
+             at += typed.size()) {
+            protocol.replace(at, old.size(), typed);
+        }
+    }
+    return names;
+}
+
 class ShippedProtocol : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedProtocol, ComesFromNewToTheFigure) {
@@ -136,9 +159,10 @@ TEST_P(ShippedProtocol, ComesFromNewToTheFigure) {
     const fs::path folder = testing::fresh_folder("study_walk_" + name);
     const fs::path protocol = folder / (name + ".toml");
     ASSERT_EQ(study({"new", name, "--out", protocol}).exit_status, 0);
-    // A name that gnuplot would take for several cells of a table.
-    std::ofstream(protocol) << std::regex_replace(
-        testing::shortened(name), std::regex("\"fast strokes\""), "'#1 \"fast\", hard strokes'");
+    std::string text = testing::shortened(name);
+    const std::vector<std::string> names = rename(text, static_cast<unsigned>(name.size()));
+    ASSERT_GE(names.size(), 3U);
+    std::ofstream(protocol) << text;
     ASSERT_EQ(study({"check", protocol, "--no-simulation"}).exit_status, 0);
     std::vector<std::string> run{"run",       protocol, "--participants", "2",        "--observer",
                                  "simulated", "--felt", "once",           "--spread", "0.1"};
@@ -172,6 +196,17 @@ TEST_P(ShippedProtocol, ComesFromNewToTheFigure) {
               std::ranges::count(levels, "P01") + 1);
     if (name != "hardness") { // constant stimuli have no course
         expect_picture(folder / "results/traces_P02.svg");
+    }
+    for (const auto &drawn : fs::directory_iterator(folder / "results")) {
+        for (const std::string &each : names) {
+            EXPECT_TRUE(drawn.path().extension() != ".svg" ||
+                        testing::is_in_svg(testing::contents_of(drawn), each))
+                << drawn.path().filename() << " lacks " << each;
+        }
+    }
+    const std::vector<std::string> conditions = testing::column_of(thresholds, "condition");
+    for (std::size_t i = 1; i < names.size(); ++i) {
+        EXPECT_EQ(std::ranges::count(conditions, names[i]), 2) << names[i];
     }
     if (name != "stiffness") {
         return;
