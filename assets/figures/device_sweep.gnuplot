@@ -12,6 +12,13 @@ first_motor = int(motors_min)
 last_motor = int(motors_max)
 stats csv using 2 skip 1 nooutput name "freq"
 set xrange [freq_min / 1.15:freq_max * 1.15]
+lowest = 1e99
+highest = 0
+do for [c in "3 6 8"] {
+    stats csv using int(c) skip 1 nooutput name "K"
+    lowest = K_min < lowest ? K_min : lowest
+    highest = K_max > highest ? K_max : highest
+}
 set multiplot
 
 set tmargin at screen 0.92
@@ -20,7 +27,7 @@ set label 1 heading at screen 0.5, 0.978 center noenhanced font ",16"
 set label 2 setting at screen 0.5, 0.948 center noenhanced font ",12" textcolor rgb grey
 set logscale y
 set format x ""
-set ytics (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 2, 3, 5, 7, 10, 20, 50, 100)
+eval log_tics("y", lowest, highest, 14)
 set ylabel "|K_θ|  (N·m/rad)"
 set key top left opaque samplen 3
 plot for [m=first_motor:last_motor] csv using (of_motor(m, $2)):8 skip 1 with lines linewidth 2 linecolor rgb grey title (m == first_motor ? "analytic (12)" : ""), \

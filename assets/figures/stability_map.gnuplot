@@ -34,17 +34,17 @@ unset contour
 
 set xrange [x_first:x_last]
 set yrange [y_first:y_last]
-# A number at each decade; where there are few, at 2 and 5 or at every digit as well.
+# A number at each decade, or where there are many at each second, third, ...; where there are few, at 2 and 5 or at every digit as well.
 power(v) = v < 1e-3 || v > 1e5 ? gprintf("10^{%T}", v) : sprintf("%g", v)
 number(m, d) = m == 1 ? power(10.0**d) : d < -3 ? sprintf("%d·%s", m, power(10.0**d)) : sprintf("%g", m * 10.0**d)
-is_told(m, width) = m == 1 || width < 1.05 || width < 2.5 && (m == 2 || m == 5)
+is_told(m, d, width) = m == 1 ? d % ceil(width/12) == 0 : width < 1.05 || width < 2.5 && (m == 2 || m == 5)
 if (x_by_ratio) {
     set xtics (" " -99) # no default tics
-    set for [d=-12:7] for [m=1:9] xtics add ((is_told(m, x_last - x_first) ? number(m, d) : "") d + log10(m) m > 1)
+    set for [d=-12:7] for [m=1:9] xtics add ((is_told(m, d, x_last - x_first) ? number(m, d) : "") d + log10(m) m > 1)
 }
 if (y_by_ratio) {
     set ytics (" " -99)
-    set for [d=-12:7] for [m=1:9] ytics add ((is_told(m, y_last - y_first) ? number(m, d) : "") d + log10(m) m > 1)
+    set for [d=-12:7] for [m=1:9] ytics add ((is_told(m, d, y_last - y_first) ? number(m, d) : "") d + log10(m) m > 1)
 }
 set xlabel x_label
 set ylabel y_label offset 1,0

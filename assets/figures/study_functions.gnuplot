@@ -3,7 +3,7 @@
 # likelihood's; of levels.csv: participant, condition, level, trials, positive.
 columns = panels > 1 ? 2 : 1
 rows = (int(panels) + columns - 1)/columns
-width = 40.0 + 460*columns
+width = panels > 1 ? 960.0 : 660.0 # of the legend
 height = 130.0 + 355*rows
 set terminal svg size width,height font "DejaVu Sans,13" enhanced background rgb "white"
 set multiplot layout rows,columns margins screen 80/width,(width - 25)/width,95/height,(height - 105)/height spacing screen 95/width,125/height
@@ -17,8 +17,7 @@ set xlabel level_label noenhanced offset 0,0.3
 set ylabel answers_label noenhanced offset 0.5,0
 set key at screen 0.5,25/height center center maxrows 1 samplen 2 width -3 noenhanced
 if (is_logarithmic) {
-    set format x "%g"
-    set for [e=-4:4] for [m in "2 5"] xtics add (gprintf("%g", m*10.0**e) m*10.0**e)
+    eval log_tics("x", lowest, highest, 8)
 }
 size(trials) = 0.35 + 1.5*sqrt(trials/most_trials)
 do for [i=1:panels] {

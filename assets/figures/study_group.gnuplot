@@ -1,13 +1,14 @@
 # Thresholds of all participants and their mean, by condition; see app/commands/study/study_analyse.cpp.
 # $participants: panel, number, estimate and its interval; $means: panel, mean and its interval.
-width = 160.0 + 150*(panels < 3 ? 3 : panels)
+# lowest, highest: of all these.
+width = 180.0 + 150*(panels < 3 ? 3 : panels)
 height = 560.0
 set terminal svg size width,height font "DejaVu Sans,13" enhanced background rgb "white"
 set label 1 heading at screen 0.5,(height - 25)/height center noenhanced font ",16"
 set label 2 note at screen 0.5,(height - 50)/height center noenhanced font ",11" textcolor rgb grey
 set tmargin at screen (height - 75)/height
 set bmargin at screen 100/height
-set lmargin at screen 90/width
+set lmargin at screen 110/width
 set rmargin at screen (width - 25)/width
 set xrange [0.5:panels + 0.5]
 set xtics ("" 1)
@@ -18,15 +19,15 @@ do for [i=1:panels] {
     if (blank > 0) { name = name[1:7 + blank - 1]."\n".name[7 + blank + 1:*] }
     # A label: in the text of a tic, % begins a format.
     set xtics add ("" i)
-    set label 2 + i name at i,graph 0 center offset 0,-1.4 noenhanced
+    set label 3 + i name at i,graph 0 center offset 0,-1.4 noenhanced
 }
-set ylabel estimate_label.level_label noenhanced
+# Where it is however wide the numbers are.
+set label 3 estimate_label.level_label at screen 18/width,(height + 25)/2/height center rotate by 90 noenhanced
 set autoscale yfix
 set offsets 0,0,graph 0.05,graph 0.05
 if (is_logarithmic) {
     set logscale y
-    set format y "%g"
-    set for [e=-4:4] for [m in "2 3 5 7"] ytics add (gprintf("%g", m*10.0**e) m*10.0**e)
+    eval log_tics("y", lowest, highest, 18)
 }
 set key at screen 0.5,25/height center center maxrows 1 samplen 2 width 2 noenhanced
 # Participants side by side, the mean to their right.

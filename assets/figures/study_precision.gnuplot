@@ -12,17 +12,18 @@ set autoscale xfix
 set autoscale yfix
 set offsets graph 0.03,graph 0.03,graph 0.06,graph 0.06
 set xlabel "trials of a participant in a condition" offset 0,0.2
-set ylabel width_label noenhanced
-set xtics ()
-set for [e=0:4] for [m in "1 1.5 2 3 4 6 8"] xtics add (gprintf("%g", m*10.0**e) m*10.0**e)
+# Where it is however wide the numbers are.
+set label 6 width_label at screen 0.02,0.545 center rotate by 90 noenhanced
+stats csv using 1 skip 1 nooutput name "trials"
+eval log_tics("x", trials_min, trials_max, 14)
 set key at screen 0.54,0.055 center center maxrows 1 samplen 2.5 width -6 noenhanced
-if (is_logarithmic) {
-    set logscale y
-    set format y "%g"
-    set ytics ()
-    set for [m in "1.2 1.5 2 3 5 10 20 50 100 200 500 1000"] ytics add (m real(m))
-}
 shown(width) = is_logarithmic ? exp(width) : width
+if (is_logarithmic) {
+    stats csv using (shown($3)) skip 1 nooutput name "median"
+    stats csv using (shown($4)) skip 1 nooutput name "most"
+    set logscale y
+    eval log_tics("y", median_min, most_max, 18)
+}
 if (wanted > 0) {
     set arrow 1 from graph 0,first wanted to graph 1,first wanted nohead dashtype 2 linewidth 1.5 linecolor rgb green
     set label 3 sprintf("wanted: %g", wanted) at graph 0.012,first wanted left offset 0,0.6 textcolor rgb green front

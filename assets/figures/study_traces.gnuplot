@@ -9,13 +9,9 @@ set terminal svg size width,height font "DejaVu Sans,13" enhanced background rgb
 set multiplot layout rows,columns margins screen 80/width,(width - 25)/width,95/height,(height - 95)/height spacing screen 95/width,105/height
 set label 1 heading at screen 0.5,(height - 25)/height center noenhanced font ",16"
 set label 2 note at screen 0.5,(height - 50)/height center noenhanced font ",11" textcolor rgb grey
-if (is_logarithmic) {
-    set logscale y
-    set format y "%g"
-    set for [e=-4:4] for [m in "2 3 5 7"] ytics add (gprintf("%g", m*10.0**e) m*10.0**e)
-}
 set xlabel "trial" offset 0,0.3
-set ylabel level_label noenhanced offset 0.5,0
+# Where it is however wide the numbers are.
+set label 4 level_label at graph 0,0.5 center rotate by 90 offset -7.2,0 noenhanced
 set autoscale xfix
 set autoscale yfix
 set offsets graph 0.02,graph 0.02,graph 0.08,graph 0.08
@@ -28,6 +24,21 @@ do for [i=1:panels] {
     set label 3 value(sprintf("title_%d", i)) at graph 0.5,1.06 center noenhanced font ",14"
     f = value(sprintf("traces_first_%d", i))
     l = value(sprintf("traces_last_%d", i))
+    if (is_logarithmic) {
+        # All that is drawn: levels, and settings or the threshold with its ends.
+        unset logscale y
+        low = 1e99
+        high = 0
+        do for [c in (is_adjustment ? "6 8" : tracks > 0 ? "6" : "6 12 13")] {
+            stats csv using (column(int(c))) skip 1 every ::f::l nooutput name "of"
+            if (of_records > 0) {
+                low = of_min < low ? of_min : low
+                high = of_max > high ? of_max : high
+            }
+        }
+        set logscale y
+        eval log_tics("y", low, high, 11)
+    }
     if (is_adjustment) {
         plot csv using 4:6 skip 1 every ::f::l with points pointtype 6 pointsize 0.6 linecolor rgb grey title "start", \
              csv using 4:8 skip 1 every ::f::l with linespoints pointtype 7 pointsize 0.8 linecolor rgb blue title "setting", \

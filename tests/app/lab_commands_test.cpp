@@ -95,7 +95,7 @@ TEST(Charts, ShowNamesOfAnyCharactersAndEveryMark) {
     const fs::path folder = hard_folder("names");
     fs::create_directories(folder);
     for (const int count :
-         {1, 2, 12, 5000}) { // participants of the last: more than an argument holds
+         {1, 2, 12, 2500}) { // participants of the last: more than an argument holds
         std::vector<std::string> names;
         ChartMarks marks;
         const auto add = [&](const std::string &mark) {
@@ -119,19 +119,68 @@ TEST(Charts, ShowNamesOfAnyCharactersAndEveryMark) {
         marks.add("is_logarithmic", 1.0);
         marks.add("participants", participants);
         marks.add("means", means);
+        marks.add("lowest", 1.0);
+        marks.add("highest", 4.0);
         draw(chart_of("study_group", marks, folder, "", "group.svg"), Existing::replace);
         const std::string svg = testing::contents_of(folder / "group.svg");
         for (const std::string &name : names) {
             EXPECT_TRUE(testing::is_in_svg(svg, name)) << name;
         }
-        const auto drawn = [&svg](const std::string &mark) {
+        const auto discs_of = [&svg](const std::string &mark) {
             const std::regex one("#" + mark + "'[^>]*color='rgb\\(");
             return std::distance(std::sregex_iterator(svg.begin(), svg.end(), one), {});
         };
-        EXPECT_EQ(drawn("gpPt6"), count + 1) << "with that of the legend";
-        EXPECT_EQ(drawn("gpPt4"), panels + 1);
+        EXPECT_EQ(discs_of("gpPt6"), count + 1) << "with that of the legend";
+        EXPECT_EQ(discs_of("gpPt4"), panels + 1);
     }
     EXPECT_EQ(files_in(folder), std::set<std::string>{"group.svg"});
+}
+
+/// Of the numbers beside the vertical axis, which are leftmost: how high each is, from below [px].
+std::vector<double> heights_of_numbers(const std::string &svg) {
+    const std::regex label("translate\\(([^,]*),([^)]*)\\)\"[^>]*text-anchor=\"end\">\\s*<text>"
+                           "(?!</text>)");
+    std::map<double, std::vector<double>> heights;
+    for (std::sregex_iterator one(svg.begin(), svg.end(), label), end; one != end; ++one) {
+        heights[std::stod(one->str(1))].push_back(-std::stod(one->str(2)));
+    }
+    std::vector<double> leftmost =
+        heights.empty() ? std::vector<double>() : heights.begin()->second;
+    std::ranges::sort(leftmost);
+    return leftmost;
+}
+
+/// A group of two: the interval of the mean may cover any number of decades.
+TEST(Charts, HaveLegibleNumbersAtAnySpread) {
+    const fs::path folder = testing::fresh_folder("spread");
+    std::mt19937_64 random(56);
+    std::uniform_real_distribution<double> decades(-4.0, std::log10(190.0));
+    std::uniform_real_distribution<double> lowest(0.0, 1.0);
+    for (int i = 0; i < 25; ++i) {
+        const double spread = i == 0 ? 9.0 : std::pow(10.0, decades(random)); // in decades
+        const double low = std::pow(10.0, lowest(random) - (spread > 2.0 ? 0.5 * spread : 0.0));
+        const double high = low * std::pow(10.0, spread);
+        ChartMarks marks;
+        for (const char *const text : {"heading", "note", "level_label", "title_1"}) {
+            marks.add(text, "text");
+        }
+        marks.add("estimate_label", "");
+        marks.add("panels", 1.0);
+        marks.add("highest_number", 2.0);
+        marks.add("is_logarithmic", 1.0);
+        marks.add("participants", {{1.0, 1.0, low, low, low}, {1.0, 2.0, high, high, high}});
+        marks.add("means", {{1.0, low, low, high}});
+        marks.add("lowest", low);
+        marks.add("highest", high);
+        draw(chart_of("study_group", marks, folder, "", "group.svg"), Existing::replace);
+        const std::vector<double> heights =
+            heights_of_numbers(testing::contents_of(folder / "group.svg"));
+        EXPECT_GE(heights.size(), 2U) << spread << " decades";
+        constexpr double kLetters_px = 13.0;
+        for (std::size_t k = 1; k < heights.size(); ++k) {
+            EXPECT_GT(heights[k] - heights[k - 1], kLetters_px) << spread << " decades";
+        }
+    }
 }
 
 TEST(Charts, NameTheirDevice) {

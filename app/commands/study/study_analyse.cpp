@@ -151,6 +151,9 @@ Chart traces_picture(const study::Protocol &protocol, const study::StudyResults 
     return chart_of("study_traces", marks, folder, "traces.csv", "traces_" + participant + ".svg");
 }
 
+/// The interval of two participants may reach from 0 to infinity: as far as is drawn.
+constexpr double kMaxDrawn = 1e99;
+
 Chart group_picture(const study::Protocol &protocol, const study::StudyResults &results,
                     const std::filesystem::path &folder) {
     const bool is_adjustment = std::holds_alternative<study::Adjustment>(protocol.method);
@@ -159,6 +162,16 @@ Chart group_picture(const study::Protocol &protocol, const study::StudyResults &
                {protocol.title, "bars: 95 % intervals; mean of random effects"});
     marks.add("estimate_label", is_adjustment ? "mean setting: " : "threshold: ");
     int most = 1;
+    double lowest = kMaxDrawn; // on the axis
+    double highest = 0.0;
+    const auto drawn = [&](double level) {
+        if (results.family.scale == study::Scale::logarithmic) {
+            level = std::clamp(level, 1.0 / kMaxDrawn, kMaxDrawn);
+        }
+        lowest = std::min(lowest, level);
+        highest = std::max(highest, level);
+        return level;
+    };
     std::vector<std::vector<double>> participants; // panel, number, estimate and its interval
     for (const study::SeriesResult &result : results.series) {
         most = std::max(most, result.series.number);
@@ -167,8 +180,8 @@ Chart group_picture(const study::Protocol &protocol, const study::StudyResults &
                            results.conditions.begin() + 1;
         const auto append = [&](double estimate, double low, double high) {
             participants.push_back({static_cast<double>(panel),
-                                    static_cast<double>(result.series.number), estimate, low,
-                                    high});
+                                    static_cast<double>(result.series.number), drawn(estimate),
+                                    drawn(low), drawn(high)});
         };
         if (result.settings) {
             append(result.settings->mean, result.settings->low, result.settings->high);
@@ -183,12 +196,14 @@ Chart group_picture(const study::Protocol &protocol, const study::StudyResults &
     for (std::size_t i = 0; i < results.conditions.size(); ++i) {
         const study::ConditionSummary &group = results.conditions[i];
         const bool has_interval = group.on_scale.participants > 1;
-        means.push_back({static_cast<double>(i + 1), group.mean,
-                         has_interval ? group.low : group.mean,
-                         has_interval ? group.high : group.mean});
+        means.push_back({static_cast<double>(i + 1), drawn(group.mean),
+                         drawn(has_interval ? group.low : group.mean),
+                         drawn(has_interval ? group.high : group.mean)});
         marks.add(fmt::format("title_{}", i + 1), protocol.conditions[group.condition].name);
     }
     marks.add("means", means);
+    marks.add("lowest", lowest);
+    marks.add("highest", highest);
     marks.add("panels", static_cast<double>(results.conditions.size()));
     return chart_of("study_group", marks, folder, "", "group.svg");
 }
