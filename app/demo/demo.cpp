@@ -9,48 +9,11 @@
 #include "engine/session/session.h"
 
 #include <cstdlib>
-#include <dlfcn.h>
-#include <functional>
 #include <iostream>
-#include <utility>
 
 namespace springdrive::app {
 
 namespace {
-
-/// What is done when the X server goes away: by default Xlib ends the program at once, while the
-/// servo runs.
-std::function<void()> &wishes() {
-    static std::function<void()> the_last;
-    return the_last;
-}
-
-extern "C" int on_lost_display(void * /*display*/) {
-    if (const std::function<void()> last = std::exchange(wishes(), {})) {
-        last();
-    }
-    std::cerr << "springdrive: the display is lost: its X server has ended; start springdrive "
-                 "again once it is back\n";
-    std::_Exit(kLostDisplay); // what belongs to the display cannot be released any more
-}
-
-/// From now on, `last_wishes` is called when the display is lost; then the program ends with one
-/// line on standard error and kLostDisplay. Does nothing with another windowing system.
-/// @pre a window is open
-void end_well_without_display(std::function<void()> last_wishes) {
-    // GLFW has loaded it, where it draws on X11. Not to be linked: there may be none.
-    void *const xlib = dlopen("libX11.so.6", RTLD_LAZY | RTLD_NOLOAD);
-    if (xlib == nullptr) {
-        return;
-    }
-    using Handler = int (*)(void *);
-    using Setter = Handler (*)(Handler);
-    if (const auto set = reinterpret_cast<Setter>(dlsym(xlib, "XSetIOErrorHandler"))) {
-        wishes() = std::move(last_wishes);
-        set(on_lost_display);
-    }
-    dlclose(xlib);
-}
 
 void print_frames(const servo::DurationHistogram &frames) {
     print(std::cout, "window: {} frames, median {:.1f} ms, 99 % {:.1f} ms, longest {:.1f} ms\n",

@@ -32,9 +32,6 @@ struct DemoOptions {
     [[nodiscard]] bool is_stepped() const { return session.lockstep && reports && !unattended(); }
 };
 
-/// The exit status of a program that lost its display.
-inline constexpr int kLostDisplay = 4;
-
 /// Runs until the window is closed, the given number of frames or seconds is over, or SIGINT or
 /// SIGTERM arrives; a kiosk's window cannot be closed.
 /// @return the exit status: 1 if its record is incomplete, or the safety monitor stopped an

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
+#include <dlfcn.h>
+#include <functional>
 #include <iostream>
 #include <mutex>
 #include <ostream>
@@ -28,6 +31,22 @@ bool has_reached_limit(const FrameOptions &options, int frame, double elapsed_s)
     constexpr double kRoundOff_s = 1e-9; // of a time that is a number of frames
     return (options.frames > 0 && frame >= options.frames) ||
            (options.seconds > 0.0 && elapsed_s >= options.seconds - kRoundOff_s);
+}
+
+/// What is done when the X server goes away: by default Xlib ends the program at once, while the
+/// servo runs.
+std::function<void()> &wishes() {
+    static std::function<void()> the_last;
+    return the_last;
+}
+
+extern "C" int on_lost_display(void * /*display*/) {
+    if (const std::function<void()> last = std::exchange(wishes(), {})) {
+        last();
+    }
+    std::cerr << "springdrive: the display is lost: its X server has ended; start springdrive "
+                 "again once it is back\n";
+    std::_Exit(kLostDisplay); // what belongs to the display cannot be released any more
 }
 
 } // namespace
@@ -90,6 +109,21 @@ servo::DurationHistogram run_frames(Activity &activity, session::Session &sessio
         }
     }
     return requests.durations();
+}
+
+void end_well_without_display(std::function<void()> last_wishes) {
+    // GLFW has loaded it, where it draws on X11. Not to be linked: there may be none.
+    void *const xlib = dlopen("libX11.so.6", RTLD_LAZY | RTLD_NOLOAD);
+    if (xlib == nullptr) {
+        return;
+    }
+    using Handler = int (*)(void *);
+    using Setter = Handler (*)(Handler);
+    if (const auto set = reinterpret_cast<Setter>(dlsym(xlib, "XSetIOErrorHandler"))) {
+        wishes() = std::move(last_wishes);
+        set(on_lost_display);
+    }
+    dlclose(xlib);
 }
 
 } // namespace springdrive::app

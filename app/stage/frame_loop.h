@@ -1,5 +1,5 @@
-// Opens a session, printing the progress of its scene; and runs the frames of an activity in one
-// window, in two, or in none.
+// Opens a session, printing the progress of its scene; runs the frames of an activity in one
+// window, in two, or in none; and ends well if their display is lost.
 //
 //   session.advance ──► Activity::draw ──► report, if one is requested ──► Activity::update
 #pragma once
@@ -9,6 +9,7 @@
 #include "engine/session/session.h"
 
 #include <chrono>
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <thread>
@@ -33,6 +34,14 @@ private:
 
 /// Prints each warning once, to standard error.
 void print_new_warnings(session::Session &session);
+
+/// The exit status of a program that lost its display.
+inline constexpr int kLostDisplay = 4;
+
+/// From now on, `last_wishes` is called when the display is lost; then the program ends with one
+/// line on standard error and kLostDisplay. Does nothing with another windowing system.
+/// @pre a window is open
+void end_well_without_display(std::function<void()> last_wishes);
 
 /// The time by which a frame advances a session.
 inline constexpr double kFrame_s = 1.0 / 60.0;

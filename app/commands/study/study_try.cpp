@@ -69,7 +69,9 @@ void try_typed(const TypedTry &typed) {
                                 window.show_scene(scene, spot);
                             });
     study_screen::StudySessionActivity activity(visits, window);
+    end_well_without_display([&session] { session.stop(); });
     run_frames(activity, session, {.reports = typed.study_session.reports});
+    end_well_without_display({});
     session.stop();
     std::cerr << fmt::format("springdrive: {} visit{} begun; nothing of them was stored\n",
                              visits.begun(), visits.begun() == 1 ? "" : "s");

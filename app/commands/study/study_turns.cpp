@@ -141,7 +141,12 @@ void run_person_session(study::StudyStore &store, const study::Protocol &protoco
             window.show_scene(scene, spot);
         });
     study_screen::StudySessionActivity activity(study_session, window);
+    end_well_without_display([&] {
+        session.stop();
+        study_session.fail();
+    });
     run_frames(activity, session, {.reports = typed.reports});
+    end_well_without_display({});
     session.stop();
 }
 

@@ -41,7 +41,7 @@ StudySession::StudySession(study::StudyStore &store, StudySessionPlan plan,
     require_device_of_before();
 }
 
-StudySession::~StudySession() {
+void StudySession::fail() {
     if (begun_.id != 0 && !stored_ending_) {
         study::end_as_failed(store_, begun_.id);
     }

@@ -90,7 +90,7 @@ public:
     StudySession(study::StudyStore &store, StudySessionPlan plan, session::Session &session,
                  ShowsScene show_scene);
     /// A session that has not come to its end, by an error, is stored as failed.
-    ~StudySession();
+    ~StudySession() { fail(); }
     StudySession(const StudySession &) = delete;
     StudySession &operator=(const StudySession &) = delete;
 
@@ -105,6 +105,9 @@ public:
     /// Goes on after that frame. @throw InputError from the store, for a scene, or for windings
     ///        that cannot be warmed: it can then not go on
     void resume(StudySessionFrame frame);
+
+    /// Stored as failed, if it has begun and not come to its end: nothing comes after it.
+    void fail();
 
     [[nodiscard]] bool is_over() const { return frames_.is_over(); }
     /// As stored. @pre it is over

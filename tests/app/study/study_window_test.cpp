@@ -37,6 +37,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <optional>
 #include <regex>
 #include <set>
@@ -626,6 +627,28 @@ std::vector<Press> press_in(StudyDesk &editor, int presses) {
     }
     ADD_FAILURE() << "stuck: " << editor.look().texts();
     return pressed;
+}
+
+TEST(StudyWindow, ALostDisplayEndsTheSessionAsFailed) {
+    const fs::path folder = testing::fresh_folder("study_display");
+    std::ofstream(folder / "s.toml") << testing::shortened("stiffness");
+    auto display = std::make_unique<testing::VirtualDisplay>(1280, 720);
+    testing::RunningProgram program(*display,
+                                    {"study", "run", "s.toml", "--device", "emulated",
+                                     "--participant-window", "--without-noise", "--report"},
+                                    folder);
+    for (int i = 0; i < 3; ++i) { // frames, of which the first begins the session
+        program.send_line("report");
+        ASSERT_TRUE(program.read_line(std::chrono::seconds(60))) << program.error();
+    }
+    EXPECT_FALSE(study::read_study(folder / "s.study").sessions.at(0).ending);
+    display.reset();
+    const testing::Ending ending = program.end(0);
+    constexpr int kLostDisplay = 4; // as of the demo
+    EXPECT_EQ(ending.exit_status, kLostDisplay);
+    EXPECT_NE(ending.error.find("springdrive: the display is lost"), std::string::npos)
+        << ending.error;
+    EXPECT_EQ(study::read_study(folder / "s.study").sessions.at(0).ending, SessionEnding::failed);
 }
 
 TEST(ResponseTimes, AreThoseOfThePressesToWithinAFrame) {

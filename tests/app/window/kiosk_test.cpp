@@ -5,6 +5,7 @@
 #include "app/demo/demo.h"
 #include "app/exhibit/course.h"
 #include "app/exhibit/trip_recovery.h"
+#include "app/stage/frame_loop.h"
 #include "engine/control/tuning.h"
 #include "engine/servo/safety_status.h"
 #include "tests/support/devices.h"
