@@ -4,6 +4,7 @@
 #include "engine/record/record_format.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -49,6 +50,23 @@ int create(const std::filesystem::path &path, Readers readers) {
     }
     throw InputError(path.string() + ": cannot be written: " + reason(errno) +
                      "; check its folder and permissions");
+}
+
+/// Whether a file that is being written has lost its name, by itself or with its folder: then all
+/// that is written is lost with it.
+bool is_gone(const std::filesystem::path &path, int descriptor) {
+    struct stat named {};
+    struct stat written {};
+    if (::stat(path.c_str(), &named) != 0) {
+        return errno == ENOENT || errno == ENOTDIR;
+    }
+    return ::fstat(descriptor, &written) == 0 && written.st_nlink == 0;
+}
+
+std::string gone_text(const std::filesystem::path &path) {
+    return path.string() +
+           ": the recording ends: the file is not there any more, as it or its folder "
+           "was deleted or moved; record to another folder";
 }
 
 void check_columns(const RecordHeader &header) {
@@ -167,9 +185,13 @@ void RecordWriter::close() {
     if (!is_open()) {
         return;
     }
+    const bool was_gone = is_gone(path_, descriptor_);
     const int result = ::close(descriptor_);
     const int error = errno;
     descriptor_ = -1;
+    if (was_gone) {
+        throw InputError(gone_text(path_));
+    }
     // Some file systems report a full disk only now.
     if (result != 0 && error != EINTR) {
         throw InputError(path_.string() + ": the end of the recording may be missing: " +
@@ -183,6 +205,12 @@ void RecordWriter::append(std::span<const std::byte> bytes) {
         end_at_last_chunk(error);
     }
     bytes_in_file_ += bytes.size();
+    if (is_gone(path_, descriptor_)) {
+        ::close(descriptor_);
+        descriptor_ = -1;
+        rows_waiting_ = 0;
+        throw InputError(gone_text(path_));
+    }
 }
 
 void RecordWriter::end_at_last_chunk(int error) {

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <functional>
 #include <sys/mount.h>
 #include <sys/resource.h>
 
@@ -219,6 +221,37 @@ TEST(FullDisk, LeavesNoFileIfTheHeaderDoesNotFit) {
     EXPECT_EQ(error_text_of([&] { RecordWriter(file, record_header(testing::kServo_hz)); }),
               file.string() + ": cannot be written: File too large; nothing was recorded");
     EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+/// Rows that nobody will find are not counted as kept.
+TEST(RecordWriter, EndsInAnErrorWhenItsFileOrFolderGoesAway) {
+    const RecordHeader header = record_header(testing::kServo_hz);
+    const auto folder = fresh_folder("record_gone") / "inner";
+    const auto file = folder / "a.rec";
+    const std::array<std::function<void()>, 4> ways{
+        [] {},
+        [&] { std::filesystem::remove(file); },
+        [&] { std::filesystem::remove_all(folder); },
+        [&] { std::filesystem::rename(folder, folder.parent_path() / "elsewhere"); },
+    };
+    for (std::size_t way = 0; way < ways.size(); ++way) {
+        std::filesystem::create_directories(folder);
+        RecordWriter writer(file, header, Existing::replace);
+        const auto write = [&] {
+            return error_text_of([&] {
+                for (int i = 0; i < 100; ++i) {
+                    writer.write({});
+                }
+                writer.close();
+            });
+        };
+        ways[way]();
+        const std::string said = way % 2 == 0 ? write() : error_text_of([&] { writer.close(); });
+        EXPECT_EQ(said.empty(), way == 0) << said;
+        EXPECT_EQ(said.find(file.string() + ": the recording ends: "), way == 0 ? said.npos : 0U);
+        EXPECT_FALSE(writer.is_open());
+        EXPECT_EQ(write(), "") << "it is said once";
+    }
 }
 
 TEST(FullDisk, EndsTheRecordingButNotTheDraining) {
