@@ -439,11 +439,11 @@ int run_command_line(int argc, char **argv) {
     } catch (const CLI::RuntimeError &verdict) {
         return verdict.get_exit_code(); // of a command that completed with a negative verdict
     } catch (const CLI::ExtrasError &) {
-        std::cerr << "springdrive: " << unknown_argument_text(app) << '\n';
+        std::cerr << "springdrive: " << as_utf8(unknown_argument_text(app)) << '\n';
         return kUsageMistake;
     } catch (const CLI::ParseError &error) {
         const std::string command = path_of(chosen_command(app));
-        std::cerr << "springdrive: " << error.what() << "; see springdrive "
+        std::cerr << "springdrive: " << as_utf8(error.what()) << "; see springdrive "
                   << (command.empty() ? "" : command + " ") << "--help\n";
         return kUsageMistake;
     }

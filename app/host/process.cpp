@@ -22,7 +22,9 @@ extern "C" void on_signal(int /*signal*/) { asked = 1; }
 void note_ending_signals() {
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
-    std::signal(SIGHUP, on_signal); // the terminal was closed
+    if (std::signal(SIGHUP, on_signal) == SIG_IGN) { // the terminal was closed
+        std::signal(SIGHUP, SIG_IGN);                // which is to be survived: nohup
+    }
 }
 
 bool asked_to_end() { return asked != 0; }

@@ -8,7 +8,7 @@
 
 namespace springdrive::app {
 
-/// Installs the handlers of these signals.
+/// Installs the handlers of these signals, but leaves SIGHUP ignored, as nohup has it.
 void note_ending_signals();
 
 [[nodiscard]] bool asked_to_end();

@@ -3,6 +3,7 @@
 // cannot be used, and options that do not go together; from outside, by one line, before anything
 // is done.
 #include "app/commands/command_line.h"
+#include "base/text.h"
 #include "engine/lab/loops/stability_case.h"
 #include "tests/support/devices.h"
 #include "tests/support/files.h"
@@ -41,6 +42,19 @@ TEST(CommandLine, HelpAndVersionArePlainText) {
         for (const char c : help.out) {
             EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= 0x20) << help.out;
         }
+    }
+}
+
+TEST(CommandLine, ErrorsAreUtf8WhateverIsTyped) {
+    testing::expect_refused(testing::run_program({"inspect", "a\n b.glb"}), "b.glb: ");
+    for (const std::vector<std::string> &words :
+         {std::vector<std::string>{"inspect", "n\xff\xe2\x82.glb"},
+          {"study", "check", "n\xff\xe2\x82.toml"},
+          {"--n\xff\xe2\x82"},
+          {"record", "x.rec", "--seconds", "n\xff\xe2\x82"}}) {
+        const testing::Ending ending = testing::run_program(words);
+        testing::expect_refused(ending, "n\\xff\\xe2\\x82");
+        EXPECT_TRUE(is_utf8(ending.error)) << ending.error;
     }
 }
 

@@ -14,6 +14,7 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <string>
 #include <unistd.h>
 #include <vector>
@@ -203,6 +204,33 @@ TEST_F(EveryCommand, NeverReplacesAnInput) {
         }
     }
     EXPECT_GT(inputs, 12);
+}
+
+/// As ulimit -f makes it: with a signal that by default kills.
+TEST_F(EveryCommand, TakesALimitOfFilesForAFullDisk) {
+    const auto files = [&] {
+        std::set<fs::path> names;
+        for (const auto &file : fs::directory_iterator(folder)) {
+            names.insert(file.path().filename());
+        }
+        return names;
+    };
+    const std::set<fs::path> before = files();
+    for (const WritingCommand &command : writing_commands(folder)) {
+        if (command.words[0] == "demo" || command.words[0] == "baseline" ||
+            command.words[0] == "chart" || command.words[0] == "tune" ||
+            command.words[1] == "--table") {
+            continue; // the drivers of a display need files of their own; the others are slow
+        }
+        testing::Ending ending;
+        {
+            const testing::FullDisk disk(100); // of what they say, too
+            ending = testing::run_program(command.words);
+        }
+        EXPECT_EQ(ending.exit_status, 1) << command.words[0] << ": " << ending.error;
+        EXPECT_EQ(ending.error.rfind("springdrive: ", 0), 0U) << command.words[0] << ending.error;
+        EXPECT_EQ(files(), before) << command.words[0];
+    }
 }
 
 TEST_F(EveryCommand, ReplacesWithForce) {

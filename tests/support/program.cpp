@@ -27,6 +27,7 @@ constexpr std::chrono::minutes kMax{2};
     // Graphics drivers leak memory when they are unloaded; our own leaks show in the tests that run
     // within the test program.
     setenv("ASAN_OPTIONS", "detect_leaks=0", 1); // NOLINT(concurrency-mt-unsafe)
+    std::signal(SIGXFSZ, SIG_DFL); // as a shell starts it, whatever FullDisk needs here
     redirect(STDOUT_FILENO, folder / "out");
     redirect(STDERR_FILENO, folder / "error");
     std::vector<char *> argv;

@@ -195,6 +195,24 @@ TEST_F(StudyRun, ResumedAfterStopAndKillGivesTheUndisturbedTrials) {
     }
 }
 
+TEST_F(StudyRun, GoesOnAfterAHangUpThatNohupIgnores) {
+    std::ofstream(file("stiffness.toml"))
+        << testing::with(testing::contents_of(testing::assets() / "protocols/stiffness.toml"),
+                         {{"_trials = 110", "_trials = 50"}});
+    for (const bool is_ignored : {true, false}) {
+        const fs::path study_file = file(is_ignored ? "nohup.study" : "hung_up.study");
+        const auto before = std::signal(SIGHUP, is_ignored ? SIG_IGN : SIG_DFL);
+        const testing::Ending ending =
+            run({"--participant", "P01", "--study", study_file}, SIGHUP, study_file);
+        std::signal(SIGHUP, before);
+        EXPECT_EQ(ending.exit_status, is_ignored ? 0 : ending.exit_status) << ending.error;
+        const study::StudyContents contents = study::read_study(study_file);
+        const bool is_completed = !contents.sessions.empty() && contents.sessions.front().ending ==
+                                                                    study::SessionEnding::completed;
+        EXPECT_EQ(is_completed, is_ignored);
+    }
+}
+
 TEST_F(StudyRun, RefusesInOneLineAndLosesNothing) {
     const fs::path study_file = file("stiffness.study");
     testing::expect_refused(study({"run", protocol(), "--participants", "3"}),
