@@ -39,7 +39,11 @@ bool parse_row(std::string_view line, std::array<double, 4> &row) {
         if ((comma == std::string_view::npos) != (column + 1 == row.size())) {
             return false;
         }
-        const auto number = number_in<double>(trimmed(line.substr(0, comma)));
+        std::string_view cell = trimmed(line.substr(0, comma));
+        if (cell.starts_with('+') && !cell.starts_with("+-")) {
+            cell.remove_prefix(1);
+        }
+        const auto number = number_in<double>(cell);
         if (!number || !std::isfinite(*number)) {
             return false;
         }

@@ -52,6 +52,17 @@ TEST(HandPath, ReadsCsvWithBlanksAndWindowsLineEnds) {
     EXPECT_EQ(path.points()[1].time_s, 2.5);
 }
 
+TEST(HandPath, ReadsNumbersWithTheirSign) {
+    const HandPath path =
+        HandPath::read_csv(written("hand_path_sign.csv", "t,x,y,z\n+0,+0.05, +.5e-1 ,-0.05\n"));
+    EXPECT_EQ(path.points().at(0).position_m, Vector3(0.05, 0.05, -0.05));
+    for (const char *const wrong : {"+", "++1", "+-1", "-+1", "+ 1", "1+", "+nan"}) {
+        EXPECT_NE(error("t,x,y,z\n0,0,0," + std::string(wrong) + '\n').find(":2:"),
+                  std::string::npos)
+            << wrong;
+    }
+}
+
 TEST(HandPath, ReadsCsvWithoutAHeaderWhereThatIsAllowed) {
     using Header = HandPath::Header;
     for (const char *text : {"0,0.1,0,0\n1,0.2,0,0\n", "t,x,y,z\n0,0.1,0,0\n1,0.2,0,0\n"}) {
