@@ -1,10 +1,14 @@
 #include "app/study/participant/answers.h"
 
+#include "base/text.h"
+
 #include <GLFW/glfw3.h>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
+#include <clocale>
+#include <cwctype>
 #include <functional>
 #include <utility>
 
@@ -94,6 +98,22 @@ void take_off_last_code_point(std::string &text) {
     }
 }
 
+/// Whether some keyboard may have such a character beyond ASCII on a key by itself: a letter as it
+/// is without the shift key, of a script that is typed letter by letter.
+/// @param character  one, in UTF-8
+bool is_typed(std::string_view character) {
+    static const locale_t kUnicode = newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr);
+    unsigned code = static_cast<unsigned char>(character.front()) & (0x7fU >> character.size());
+    for (const char byte : character.substr(1)) {
+        code = code << 6U | (static_cast<unsigned char>(byte) & 0x3fU);
+    }
+    constexpr unsigned kFirstIdeograph = 0x3400; // typed by a choice, as those beyond
+    const bool is_letter =
+        kUnicode == nullptr || (iswalpha_l(code, kUnicode) != 0 && iswupper_l(code, kUnicode) == 0);
+    return (is_letter && code < kFirstIdeograph) || character == "²" || character == "§" ||
+           character == "½";
+}
+
 constexpr std::size_t kMaxKeys = 9; ///< of a question's choices: digits from 1
 
 const std::array<Gesture, 6> kGestures{{
@@ -141,9 +161,11 @@ bool is_key_name(std::string_view name) {
     if (std::ranges::find(kNamedKeys, plain, &NamedKey::name) != kNamedKeys.end()) {
         return true;
     }
-    return !name.empty() && !continues(name.front()) &&
-           std::ranges::count_if(name.substr(1), std::not_fn(continues)) == 0 &&
-           static_cast<unsigned char>(name.front()) > ' ' && name != "\u007F" && name != "\u00A0";
+    if (name.size() == 1) {
+        return name.front() > ' ' && name.front() < '\x7f';
+    }
+    return is_utf8(name) && !name.empty() && !continues(name.front()) &&
+           std::ranges::count_if(name.substr(1), std::not_fn(continues)) == 0 && is_typed(name);
 }
 
 bool is_mouse_button_name(std::string_view name) {
@@ -210,8 +232,9 @@ std::string validate_answers(const study::ResponseWays &ways) {
     };
     const Names names =
         ways.device == study::ResponseDevice::keyboard
-            ? Names{is_key_name, "a key is a letter, a digit or one of left, right, up, down, "
-                                 "enter, f1 and so on"}
+            ? Names{is_key_name, "a key is what it types by itself, without shift or AltGr: a "
+                                 "letter or a digit; or one of left, right, up, down, enter, f1 "
+                                 "and so on"}
         : ways.device == study::ResponseDevice::mouse
             ? Names{is_mouse_button_name, "a mouse button is left, right, middle, back or forward"}
             : Names{is_gesture_name, "a gesture is left, right, up, down, towards or away"};

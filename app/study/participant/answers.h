@@ -43,8 +43,9 @@ inline constexpr std::array<std::string_view, 5> kMouseButtonNames{"left", "righ
                                                                    "back", "forward"};
 
 /// Whether a key can be reported under this name, which is compared without regard to the case of
-/// ASCII letters: that of a key which types nothing ("left", "enter", "f5"), or a single code point
-/// that is no space. Whether a keyboard has that letter is not known before it is pressed.
+/// ASCII letters: that of a key which types nothing ("left", "enter", "f5"), a sign of ASCII, or
+/// another letter that some keyboard types without shift and AltGr: "ä", not "Ä" or "€". Whether a
+/// keyboard has it is not known before it is pressed.
 [[nodiscard]] bool is_key_name(std::string_view name);
 [[nodiscard]] bool is_mouse_button_name(std::string_view name);
 

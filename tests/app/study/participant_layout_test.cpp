@@ -160,10 +160,12 @@ TEST(WrappedText, BreaksAtBlanksAndAWordOnlyWhereItIsLongerThanALine) {
 }
 
 TEST(ParticipantInput, NamesKeysAsProtocolsSpellThem) {
-    for (const char *name : {"1", "n", "Y", "left", "Right", "enter", "f5", "ü", "page_up"}) {
+    for (const char *name : {"1", "n", "Y", "left", "Right", "enter", "f5", "ü", "page_up", "?",
+                             "é", "ß", "ñ", "ж", "λ", "ע", "ض", "ก", "²"}) {
         EXPECT_TRUE(is_key_name(name)) << name;
     }
-    for (const char *name : {"", " ", "space", "f12", "leftish", "ab", "ün", "\u00A0"}) {
+    for (const char *name : {"", " ", "space", "f12", "leftish", "ab", "ün", "\u00A0", "€", "Ä",
+                             "Ж", "手", "한", "±", "＠", "\u0301", "\U0001F590", "\xff", "\xc3"}) {
         EXPECT_FALSE(is_key_name(name)) << name;
     }
     EXPECT_TRUE(is_mouse_button_name("middle"));
