@@ -10,6 +10,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <fcntl.h>
@@ -21,6 +22,8 @@
 namespace springdrive::study {
 
 namespace {
+
+const std::string kRecordsEnding = ".records";
 
 std::string holder_text() {
     std::array<char, 256> host{};
@@ -286,6 +289,22 @@ void check_name_of_new(const std::filesystem::path &file) {
     }
 }
 
+/// The names of what stands beside a study are longer than its own.
+void check_length_of_name(const std::filesystem::path &file) {
+    const std::filesystem::path name = resolved_name(file);
+    const long known = pathconf(name.parent_path().c_str(), _PC_NAME_MAX);
+    const std::size_t max_bytes = known > 0 ? static_cast<std::size_t>(known) : 255;
+    const std::size_t needed =
+        std::max(name.filename().string().size() + std::string_view(kJournalEndings[0]).size(),
+                 file.stem().string().size() + kRecordsEnding.size());
+    if (needed > max_bytes) {
+        throw InputError(
+            fmt::format("{}: its name is {} bytes too long: a journal and a folder of "
+                        "records with longer names stand beside it; give a shorter one",
+                        file.string(), needed - max_bytes));
+    }
+}
+
 } // namespace
 
 void sync(const std::filesystem::path &file_or_folder) {
@@ -417,8 +436,9 @@ void fill_new(const Database &database, const NewStudy &study, UtcTime now,
 }
 
 void create_study(const std::filesystem::path &file, const NewStudy &study, UtcTime now) {
+    check_length_of_name(file);
     check_name_of_new(file);
-    const std::string records_folder = file.stem().string() + ".records";
+    const std::string records_folder = file.stem().string() + kRecordsEnding;
     if (const std::string problem = validate_records_folder(records_folder); !problem.empty()) {
         throw InputError(file.string() + ": cannot be the name of a study: " + problem);
     }

@@ -335,6 +335,27 @@ TEST(StudyFile, OnAFullDiskKeepsWhatItHas) {
     EXPECT_EQ(read_study(file).trials.size(), 4U);
 }
 
+/// Beside a study stand files with longer names.
+TEST(StudyFile, HasANameOfAnyLengthOrIsRefusedAndNotThere) {
+    const auto folder = fresh_folder("file_lengths");
+    constexpr std::size_t kMaxBytes = 255 - 8; // of "-journal"
+    for (std::size_t bytes = 240; bytes <= 255; ++bytes) {
+        const auto file = folder / (std::string(bytes - 6, 'x') + ".study");
+        const std::string said = error_text_of(
+            [&] { create_study(file, testing::sample_new_study(), testing::kStart); });
+        if (bytes <= kMaxBytes) {
+            EXPECT_EQ(said, "") << bytes;
+            static_cast<void>(StudyStore(file).contents());
+            std::filesystem::remove(file);
+        } else {
+            EXPECT_NE(said.find(" " + std::to_string(bytes - kMaxBytes) + " bytes too long"),
+                      std::string::npos)
+                << bytes << said;
+        }
+        EXPECT_TRUE(std::filesystem::is_empty(folder)) << bytes;
+    }
+}
+
 TEST(StudyFile, IsNotCreatedOnAFullDisk) {
     const auto folder = fresh_folder("file_full_new");
     const auto file = folder / "a.study";
