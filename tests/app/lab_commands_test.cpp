@@ -90,7 +90,7 @@ fs::path named_device(const fs::path &folder, const std::string &name) {
     return file;
 }
 
-TEST(Charts, ShowNamesOfAnyCharactersAndEveryMark) {
+TEST(Figures, ShowNamesOfAnyCharactersAndEveryMark) {
     std::mt19937_64 random(53);
     const fs::path folder = hard_folder("names");
     fs::create_directories(folder);
@@ -151,7 +151,7 @@ std::vector<double> heights_of_numbers(const std::string &svg) {
 }
 
 /// A group of two: the interval of the mean may cover any number of decades.
-TEST(Charts, HaveLegibleNumbersAtAnySpread) {
+TEST(Figures, HaveLegibleNumbersAtAnySpread) {
     const fs::path folder = testing::fresh_folder("spread");
     std::mt19937_64 random(56);
     std::uniform_real_distribution<double> decades(-4.0, std::log10(190.0));
@@ -183,7 +183,7 @@ TEST(Charts, HaveLegibleNumbersAtAnySpread) {
     }
 }
 
-TEST(Charts, NameTheirDevice) {
+TEST(Figures, NameTheirDevice) {
     std::mt19937_64 random(54);
     const fs::path folder = hard_folder("named_device");
     fs::create_directories(folder);
@@ -360,7 +360,7 @@ charts::ChartPoint point(const std::string &method, double cost_ns, double error
 std::string value_of(const ChartMarks &marks, const std::string &name) {
     const std::string &all = marks.assignments();
     const std::size_t start = all.find(name + " = ") + name.size() + 3;
-    return all.substr(start, all.find("; ", start) - start);
+    return all.substr(start, all.find('\n', start) - start);
 }
 
 double number_of(const ChartMarks &marks, const std::string &name) {

@@ -380,7 +380,7 @@ TEST(SceneExtras, RefusesWhatCannotBeInAnObjectOfOurs) {
               "tolerance.force is not known; what may stand there is force_N, direction_deg, "
               "bandwidth_hz"},
              {lesson(R"("title": 5)"), "lesson.title is 5; it must be a text of 1 to 40 bytes"},
-             {lesson(R"("title": " ")"), "lesson.title is ''; it must be a text"},
+             {lesson(R"("title": " ")"), "lesson.title is ' '; it must be a text"},
              {lesson(R"("title": ")" + longest + "a\""), "it must be a text of 1 to 40 bytes"},
              {lesson(R"("feel": ")" + std::string(201, 'a') + '"'), "a text of 1 to 200 bytes"},
              {lesson(R"("point": [0, 0], )" + normal),
