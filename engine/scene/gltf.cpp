@@ -30,6 +30,7 @@ using namespace gltf;
 
 /// A primitive as its mesh has it, before a node places it.
 struct PrimitiveData {
+    const tinygltf::Primitive *source = nullptr;
     std::shared_ptr<const PrimitiveGeometry> geometry;
     DrawnMaterial material;
 };
@@ -47,7 +48,8 @@ public:
             entry.emplace();
             for (const tinygltf::Primitive &primitive : model_.meshes[index].primitives) {
                 const DrawnMaterial material = read_material(model_, primitive.material);
-                entry->push_back({std::make_shared<const PrimitiveGeometry>(
+                entry->push_back({&primitive,
+                                  std::make_shared<const PrimitiveGeometry>(
                                       read_primitive(model_, primitive, material)),
                                   material});
             }
@@ -70,11 +72,6 @@ void warn_about(const PlacedMesh &node, const PrimitiveGeometry &geometry, Warni
     if (geometry.leftover_vertices > 0) {
         warnings.add_of(node.label, &node, geometry.leftover_vertices,
                         "vertices are left over and make no triangle");
-    }
-    if (geometry.has_morph_targets) {
-        warnings.add_of(
-            node.label, &node,
-            "its morph targets are left out; it is touched and drawn in its base shape");
     }
 }
 
@@ -149,9 +146,10 @@ private:
     std::size_t vertices_ = 0;
 };
 
-/// Adds what the file declares of a primitive, so that a scene is refused before it is read.
-void add_declared(const tinygltf::Model &model, const tinygltf::Primitive &primitive,
-                  WorkBudget &allowance) {
+/// Adds what the file declares of a primitive, so that a scene is refused before it is read. Each
+/// set of joints and each morph target that changes its vertices counts as so many vertices more.
+void add_declared(const tinygltf::Model &model, const PlacedMesh &node,
+                  const tinygltf::Primitive &primitive, WorkBudget &allowance) {
     const auto position = primitive.attributes.find("POSITION");
     const bool is_drawn_by_line =
         primitive.mode >= TINYGLTF_MODE_POINTS && primitive.mode < TINYGLTF_MODE_TRIANGLES;
@@ -166,6 +164,14 @@ void add_declared(const tinygltf::Model &model, const tinygltf::Primitive &primi
     allowance.add(
         std::min(primitive.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners, kTooMany),
         std::min(vertices, kTooMany));
+    for (const double weight : node.morph_weights) {
+        allowance.add(0, weight == 0.0 ? 1 : std::min(vertices, kTooMany));
+    }
+    for (const auto &attribute : primitive.attributes) {
+        if (!model.skins.empty() && attribute.first.starts_with("JOINTS_")) {
+            allowance.add(0, std::min(vertices, kTooMany));
+        }
+    }
 }
 
 void check_declared(const tinygltf::Model &model, const std::vector<PlacedMesh> &nodes) {
@@ -175,7 +181,7 @@ void check_declared(const tinygltf::Model &model, const std::vector<PlacedMesh> 
     }
     for_each_node(nodes, [&](const PlacedMesh &node) {
         for (const auto &primitive : model.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
-            add_declared(model, primitive, allowance);
+            add_declared(model, node, primitive, allowance);
         }
     });
 }
@@ -193,22 +199,20 @@ std::vector<PlacedPrimitive> gather(const tinygltf::Model &model,
     WorkBudget allowance; // of what was read: compressed data may hold more than declared
     std::size_t done = 0;
     for_each_node(nodes, [&](const PlacedMesh &node) {
-        if (node.has_skin) {
-            warnings.add_of(node.label, &node,
-                            "its skin is left out; it is touched and drawn in the pose that it was "
-                            "modelled in");
-        }
         for (const PrimitiveData &primitive : cache.primitives(node.mesh)) {
             stop_if_given_up();
             const PrimitiveGeometry &geometry = *primitive.geometry;
             warn_about(node, geometry, warnings);
             if (!geometry.triangles.empty()) {
-                allowance.add(geometry.triangles.size(), geometry.position.count());
+                allowance.add(geometry.triangles.size(),
+                              geometry.position.count() * (1 + geometry.joint_sets.size()));
+                const std::shared_ptr<const PrimitiveGeometry> rest =
+                    at_rest(model, *primitive.source, primitive.geometry, node, warnings);
                 gathered.push_back({&node,
-                                    primitive.geometry,
+                                    rest,
                                     primitive.material,
-                                    used_box(geometry),
-                                    world_positions(node, geometry),
+                                    used_box(*rest),
+                                    world_positions(node, *rest),
                                     {}});
             }
         }

@@ -11,9 +11,10 @@ namespace springdrive::scene {
 /// Loads a glTF file and places it in the device's frame.
 ///
 /// Its buffers and images may be in the file itself, or in files in its folder and those below; no
-/// other file is opened. Draco and meshopt compression are decoded; skins, morph targets and
-/// animations are left out. Of materials, the metallic-roughness model with
-/// its textures, emission and the alpha modes are drawn; other models are left out.
+/// other file is opened. Draco and meshopt compression are decoded. Skins and morph targets are at
+/// rest, as nodes and default weights have them; animations are left out. Of materials, the
+/// metallic-roughness model with its textures, emission and the alpha modes are drawn; other models
+/// are left out.
 ///
 /// Fitted uniformly, largest that fits into 60 % of the workspace, centred there, unless the
 /// file's scene or asset says `"extras": {"units": "m"}`: then its coordinates are metres in the

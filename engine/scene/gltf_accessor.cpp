@@ -120,14 +120,16 @@ void check_count(const tinygltf::Accessor &accessor, const std::string &place) {
 }
 
 /// Calls `replace(index, bytes)` for each element that a sparse accessor overrides.
+/// @param elements  how many of the accessor's are read
 template <typename Replace>
 void for_each_sparse(const tinygltf::Model &model, const tinygltf::Accessor &accessor,
-                     std::size_t element_size, const std::string &place, Replace &&replace) {
+                     std::size_t elements, std::size_t element_size, const std::string &place,
+                     Replace &&replace) {
     if (!accessor.sparse.isSparse) {
         return;
     }
     const auto &sparse = accessor.sparse;
-    if (sparse.count < 0 || static_cast<std::size_t>(sparse.count) > accessor.count ||
+    if (sparse.count < 0 || static_cast<std::size_t>(sparse.count) > elements ||
         sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0 ||
         !is_index_type(sparse.indices.componentType)) {
         throw InputError(place + ": its sparse part has an impossible count, offset or type");
@@ -141,12 +143,39 @@ void for_each_sparse(const tinygltf::Model &model, const tinygltf::Accessor &acc
                                           element_size, place);
     for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t index = load_index(indices[i], sparse.indices.componentType);
-        if (index >= accessor.count) {
+        if (index >= elements) {
             throw InputError(place + ": sparse index " + std::to_string(index) + " is beyond its " +
-                             std::to_string(accessor.count) + " elements");
+                             std::to_string(elements) + " elements");
         }
         replace(index, values[i]);
     }
+}
+
+/// The first `count` elements of an accessor, of `width` numbers each.
+std::vector<double> read_numbers(const tinygltf::Model &model, int index, std::size_t width,
+                                 std::size_t count, bool normalised) {
+    const tinygltf::Accessor &accessor = find_accessor(model, index);
+    const std::string place = name_of(index);
+    const int type = accessor.componentType;
+    const std::size_t size = component_size(type, place);
+    const bool has_view = accessor.bufferView >= 0; // without one all but sparse values are zero
+    Elements elements;
+    if (has_view) {
+        elements = find_elements(model, accessor.bufferView, accessor.byteOffset, count,
+                                 width * size, place);
+    }
+    std::vector<double> numbers(count * width);
+    const auto load_element = [&](std::size_t i, const unsigned char *bytes) {
+        for (std::size_t c = 0; c < width; ++c) {
+            numbers[i * width + c] = load_number(bytes + c * size, type, normalised);
+        }
+    };
+    for (std::size_t i = 0; has_view && i < count; ++i) {
+        stop_if_given_up(i);
+        load_element(i, elements[i]);
+    }
+    for_each_sparse(model, accessor, count, width * size, place, load_element);
+    return numbers;
 }
 
 /// The largest integer of a type, by which a normalised value is divided; 1 for floats.
@@ -291,35 +320,51 @@ std::span<const unsigned char> bytes_within(const tinygltf::Model &model, int bu
 
 Attribute read_attribute(const tinygltf::Model &model, int index, Scaling scaling) {
     const tinygltf::Accessor &accessor = find_accessor(model, index);
-    const std::string place = name_of(index);
-    check_count(accessor, place);
-    const int type = accessor.componentType;
+    check_count(accessor, name_of(index));
     if (accessor.type < TINYGLTF_TYPE_VEC2 || accessor.type > TINYGLTF_TYPE_VEC4 ||
-        type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
-        throw InputError(place + ": a vertex attribute is a vector of floats or of 8- or 16-bit "
-                                 "integers");
+        accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
+        throw InputError(name_of(index) + ": a vertex attribute is a vector of floats or of 8- or "
+                                          "16-bit integers");
     }
-    const std::size_t size = component_size(type, place);
-    const bool normalised = accessor.normalized || scaling == Scaling::unit_range;
     const auto width = static_cast<std::size_t>(accessor.type); // TINYGLTF_TYPE_VECn is n
-    const bool has_view = accessor.bufferView >= 0; // without one all but sparse values are zero
-    Elements elements;
-    if (has_view) {
-        elements = find_elements(model, accessor.bufferView, accessor.byteOffset, accessor.count,
-                                 width * size, place);
+    return {accessor.type, read_numbers(model, index, width, accessor.count,
+                                        accessor.normalized || scaling == Scaling::unit_range)};
+}
+
+std::vector<double> read_matrices(const tinygltf::Model &model, int index, std::size_t count) {
+    const tinygltf::Accessor &accessor = find_accessor(model, index);
+    if (accessor.type != TINYGLTF_TYPE_MAT4 ||
+        accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT || accessor.count < count) {
+        throw InputError(name_of(index) + ": it takes " + std::to_string(count) +
+                         " matrices of 4 by 4 floats");
     }
-    Attribute attribute{accessor.type, std::vector<double>(accessor.count * width)};
-    const auto load_element = [&](std::size_t i, const unsigned char *bytes) {
-        for (std::size_t c = 0; c < width; ++c) {
-            attribute.values[i * width + c] = load_number(bytes + c * size, type, normalised);
-        }
-    };
-    for (std::size_t i = 0; has_view && i < accessor.count; ++i) {
-        stop_if_given_up(i);
-        load_element(i, elements[i]);
+    return read_numbers(model, index, 16, count, false);
+}
+
+void check_shape(const Attribute &attribute, const std::string &name, int minimum, int maximum,
+                 std::size_t count) {
+    if (attribute.empty()) {
+        return;
     }
-    for_each_sparse(model, accessor, width * size, place, load_element);
-    return attribute;
+    if (attribute.components < minimum || attribute.components > maximum) {
+        throw InputError(name + " has " + std::to_string(attribute.components) +
+                         " numbers a vertex; it takes " + std::to_string(maximum));
+    }
+    if (attribute.count() != count) {
+        throw InputError(name + " has " + std::to_string(attribute.count()) + " entries for " +
+                         std::to_string(count) + " vertices");
+    }
+}
+
+void check_finite(const Attribute &attribute, const std::string &name) {
+    const auto bad = std::ranges::find_if_not(attribute.values,
+                                              [](double number) { return std::isfinite(number); });
+    if (bad != attribute.values.end()) {
+        const auto index = static_cast<std::size_t>(bad - attribute.values.begin());
+        throw InputError(name + " of vertex " +
+                         std::to_string(index / static_cast<std::size_t>(attribute.components)) +
+                         " is not finite");
+    }
 }
 
 std::vector<std::uint32_t> read_indices(const tinygltf::Model &model, int index) {
@@ -342,9 +387,9 @@ std::vector<std::uint32_t> read_indices(const tinygltf::Model &model, int index)
         stop_if_given_up(i);
         indices[i] = load_index(elements[i], type);
     }
-    for_each_sparse(model, accessor, size, place, [&](std::size_t i, const unsigned char *bytes) {
-        indices[i] = load_index(bytes, type);
-    });
+    for_each_sparse(
+        model, accessor, accessor.count, size, place,
+        [&](std::size_t i, const unsigned char *bytes) { indices[i] = load_index(bytes, type); });
     return indices;
 }
 

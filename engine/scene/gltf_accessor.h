@@ -76,6 +76,20 @@ template <typename Item>
 ///        or reaches outside its buffer view.
 [[nodiscard]] Attribute read_attribute(const tinygltf::Model &model, int accessor, Scaling scaling);
 
+/// The first `count` matrices of an accessor of 4 by 4 floats, column by column.
+/// @throw InputError as above, and for an accessor of fewer.
+[[nodiscard]] std::vector<double> read_matrices(const tinygltf::Model &model, int accessor,
+                                                std::size_t count);
+
+/// @param name  in the message: "NORMAL"
+/// @throw InputError for an attribute, not an empty one, with fewer or more numbers a vertex, or
+///        of another number of vertices than `count`.
+void check_shape(const Attribute &attribute, const std::string &name, int minimum, int maximum,
+                 std::size_t count);
+
+/// @throw InputError with the vertex for a number that is not finite.
+void check_finite(const Attribute &attribute, const std::string &name);
+
 /// Reads 8-, 16- or 32-bit unsigned scalars, sparse ones too; without a buffer view the others are
 /// zero.
 /// @throw InputError as above.

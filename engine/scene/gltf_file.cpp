@@ -151,10 +151,10 @@ json take_array(json &document, const char *name) {
     return array;
 }
 
-/// Takes out what is not needed, so that tinygltf refuses no skin or animation that is valid in a
-/// later extension.
+/// Takes out what is not needed, so that tinygltf refuses no animation that is valid in a later
+/// extension.
 void take_out_unneeded(json &document) {
-    for (const char *name : {"skins", "animations", "cameras", "extensions"}) {
+    for (const char *name : {"animations", "cameras", "extensions"}) {
         document.erase(name);
     }
 }
@@ -259,6 +259,7 @@ tinygltf::Model read_model(const std::filesystem::path &file, WarningList &warni
     warn_about_left_out(document, warnings);
     const json buffers = take_array(document, "buffers"); // may be most of the file
     const json images = take_array(document, "images");
+    const json skins = take_array(document, "skins"); // refused without inverseBindMatrices
     take_out_unneeded(document);
     const std::vector<IndicesWithoutView> taken = take_indices_without_view(document);
     tinygltf::Model model = parse(std::exchange(document, {}).dump());
@@ -266,6 +267,11 @@ tinygltf::Model read_model(const std::filesystem::path &file, WarningList &warni
         model.meshes[indices.mesh].primitives[indices.primitive].indices = indices.accessor;
     }
     model.images = images_of(images);
+    for (const json &skin : skins) {
+        model.skins.emplace_back();
+        model.skins.back().joints = skin["joints"].get<std::vector<int>>();
+        model.skins.back().inverseBindMatrices = skin.value("inverseBindMatrices", -1);
+    }
     std::span<const unsigned char> chunk;
     if (is_binary) {
         chunk = binary_chunk(bytes);

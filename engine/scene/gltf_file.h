@@ -21,8 +21,8 @@ namespace springdrive::scene::gltf {
 using Bytes = std::vector<unsigned char>;
 
 /// Reads a .gltf or .glb, told apart by their first bytes, with the buffers it refers to; images
-/// remain in their files and data URIs. Skins, animations and cameras are left out. References
-/// between the model's arrays are not checked here.
+/// remain in their files and data URIs. Animations and cameras are left out. References between the
+/// model's arrays are not checked here.
 /// @param warnings gains what is left out of the file without harm
 /// @throw InputError, without the file's name, for a file that is missing, empty, truncated, no
 ///        glTF 2.0, or needs an extension that is not supported; for members of a wrong type; and

@@ -145,13 +145,20 @@ constexpr std::array kAccessor{Member{"bufferView", Kind::integer},
                                Member{"count", Kind::whole, kRequired},
                                Member{"type", Kind::text, kRequired},
                                Member{"sparse", Kind::object, kOptional, kSparse}};
+constexpr std::array kTarget{Member{"POSITION", Kind::integer}, Member{"NORMAL", Kind::integer},
+                             Member{"TANGENT", Kind::integer}};
 constexpr std::array kPrimitive{Member{"attributes", Kind::indices_of, kRequired},
                                 Member{"indices", Kind::integer}, Member{"material", Kind::integer},
-                                Member{"mode", Kind::integer}};
-constexpr std::array kMesh{Member{"primitives", Kind::items, kRequired, kPrimitive, "primitive"}};
+                                Member{"mode", Kind::integer},
+                                Member{"targets", Kind::items, kOptional, kTarget, "target"}};
+constexpr std::array kMesh{Member{"primitives", Kind::items, kRequired, kPrimitive, "primitive"},
+                           Member{"weights", Kind::numbers}};
 constexpr std::array kNode{Member{"children", Kind::integers}, Member{"mesh", Kind::integer},
                            Member{"matrix", Kind::numbers},    Member{"translation", Kind::numbers},
-                           Member{"rotation", Kind::numbers},  Member{"scale", Kind::numbers}};
+                           Member{"rotation", Kind::numbers},  Member{"scale", Kind::numbers},
+                           Member{"skin", Kind::integer},      Member{"weights", Kind::numbers}};
+constexpr std::array kSkin{Member{"joints", Kind::integers, kRequired},
+                           Member{"inverseBindMatrices", Kind::integer}};
 constexpr std::array kScene{Member{"nodes", Kind::integers}};
 constexpr std::array kTextureInfo{Member{"index", Kind::integer, kRequired},
                                   Member{"texCoord", Kind::integer}};
@@ -174,6 +181,7 @@ constexpr std::array kDocument{
     Member{"scenes", Kind::items, kOptional, kScene, "scene"},
     Member{"nodes", Kind::items, kOptional, kNode, "node"},
     Member{"meshes", Kind::items, kOptional, kMesh, "mesh"},
+    Member{"skins", Kind::items, kOptional, kSkin, "skin"},
     Member{"materials", Kind::items, kOptional, kMaterial, "material"},
     Member{"textures", Kind::items, kOptional, kTexture, "texture"},
     Member{"images", Kind::items, kOptional, kImage, "image"},

@@ -66,32 +66,6 @@ private:
     std::optional<DracoMesh> draco_;
 };
 
-void check_shape(const Attribute &attribute, const std::string &name, int minimum, int maximum,
-                 std::size_t count) {
-    if (attribute.empty()) {
-        return;
-    }
-    if (attribute.components < minimum || attribute.components > maximum) {
-        throw InputError(name + " has " + std::to_string(attribute.components) +
-                         " numbers a vertex; it takes " + std::to_string(maximum));
-    }
-    if (attribute.count() != count) {
-        throw InputError(name + " has " + std::to_string(attribute.count()) + " entries for " +
-                         std::to_string(count) + " vertices");
-    }
-}
-
-void check_finite(const Attribute &attribute, const std::string &name) {
-    const auto bad = std::ranges::find_if_not(attribute.values,
-                                              [](double number) { return std::isfinite(number); });
-    if (bad != attribute.values.end()) {
-        const auto index = static_cast<std::size_t>(bad - attribute.values.begin());
-        throw InputError(name + " of vertex " +
-                         std::to_string(index / static_cast<std::size_t>(attribute.components)) +
-                         " is not finite");
-    }
-}
-
 void check_in_range(const std::vector<Triangle> &triangles, std::size_t vertex_count) {
     for (const Triangle &triangle : triangles) {
         for (const std::uint32_t index : triangle) {
@@ -175,17 +149,6 @@ std::array<float, 3> unit_or_up(const Vector3 &vector) {
     const double length = vector.stableNorm();
     return length > 0.0 && std::isfinite(length) ? to_floats(vector / length)
                                                  : std::array<float, 3>{0.0F, 1.0F, 0.0F};
-}
-
-/// What takes normals of the mesh to normals of the world, also for a singular transform: the
-/// matrix of cofactors, |M| M⁻ᵀ, with the sign of |M| taken out.
-Matrix3 normal_matrix(const PlacedMesh &node) {
-    const Matrix3 M = node.to_world.linear();
-    Matrix3 cofactors;
-    for (int row = 0; row < 3; ++row) {
-        cofactors.row(row) = M.row((row + 1) % 3).cross(M.row((row + 2) % 3));
-    }
-    return mirrors(node) ? Matrix3(-cofactors) : cofactors;
 }
 
 VisualVertex visual_vertex(const PlacedPrimitive &primitive, std::size_t i) {
@@ -308,6 +271,14 @@ Vector3 centre_of(const VisualMesh &mesh) {
 
 } // namespace
 
+Matrix3 normal_matrix(const Matrix3 &M, bool mirrors) {
+    Matrix3 cofactors;
+    for (int row = 0; row < 3; ++row) {
+        cofactors.row(row) = M.row((row + 1) % 3).cross(M.row((row + 2) % 3));
+    }
+    return mirrors ? Matrix3(-cofactors) : cofactors;
+}
+
 std::vector<Triangle> assemble_triangles(int mode, const std::vector<std::uint32_t> &corners) {
     std::vector<Triangle> triangles;
     if (corners.size() < 3) {
@@ -372,7 +343,21 @@ PrimitiveGeometry read_primitive(const tinygltf::Model &model, const tinygltf::P
     check_finite(geometry.tangent, "TANGENT");
     check_finite(geometry.colour, "COLOR_0");
     check_finite(geometry.texture_coordinate, set);
-    geometry.has_morph_targets = !primitive.targets.empty();
+    while (!model.skins.empty()) {
+        const std::string n = std::to_string(geometry.joint_sets.size());
+        JointSet joints{source.read("JOINTS_" + n, Scaling::as_declared),
+                        source.read("WEIGHTS_" + n, Scaling::unit_range)};
+        if (joints.joints.empty() != joints.weights.empty()) {
+            throw InputError("JOINTS_" + n + " and WEIGHTS_" + n + " need each other");
+        }
+        if (joints.joints.empty()) {
+            break;
+        }
+        check_shape(joints.joints, "JOINTS_" + n, 4, 4, count);
+        check_shape(joints.weights, "WEIGHTS_" + n, 4, 4, count);
+        check_finite(joints.weights, "WEIGHTS_" + n);
+        geometry.joint_sets.push_back(std::move(joints));
+    }
     return geometry;
 }
 
@@ -389,7 +374,8 @@ Vector3 world_normal(const PlacedPrimitive &primitive, std::size_t vertex) {
         return primitive.normals[vertex];
     }
     SPRINGDRIVE_ASSERT(vertex < primitive.geometry->normal.count());
-    return normal_matrix(*primitive.node) * Vector3(primitive.geometry->normal[vertex].data());
+    return normal_matrix(primitive.node->to_world.linear(), mirrors(*primitive.node)) *
+           Vector3(primitive.geometry->normal[vertex].data());
 }
 
 void add_surface(const PlacedPrimitive &primitive, std::uint16_t material,

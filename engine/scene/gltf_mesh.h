@@ -22,6 +22,12 @@ struct Primitive;
 
 namespace springdrive::scene::gltf {
 
+/// Which joints of a skin move each vertex, and how much: JOINTS_n and WEIGHTS_n.
+struct JointSet {
+    Attribute joints;
+    Attribute weights;
+};
+
 /// A primitive as triangles, in the mesh's own coordinates.
 struct PrimitiveGeometry {
     Attribute position;           ///< three numbers a vertex, all finite
@@ -33,7 +39,7 @@ struct PrimitiveGeometry {
     std::string untouchable; ///< "line segments" where it is no triangles, else empty
     std::optional<std::size_t> untouchable_count{}; ///< how many of them
     std::size_t leftover_vertices = 0;              ///< that were too few for another triangle
-    bool has_morph_targets = false;
+    std::vector<JointSet> joint_sets{};             ///< of n from 0; none if the file has no skins
 };
 
 /// @throw InputError naming the accessor or attribute, for what is missing, does not fit together,
@@ -41,6 +47,22 @@ struct PrimitiveGeometry {
 [[nodiscard]] PrimitiveGeometry read_primitive(const tinygltf::Model &model,
                                                const tinygltf::Primitive &primitive,
                                                const DrawnMaterial &material);
+
+/// What takes normals along with what the map `M` does to positions, also if it is singular: the
+/// matrix of cofactors, |M| M⁻ᵀ, with the sign of |M| taken out.
+/// @param mirrors  whether |M| is negative
+[[nodiscard]] Matrix3 normal_matrix(const Matrix3 &M, bool mirrors);
+
+/// `geometry` as `node` places it at rest (glTF 2.0, 3.7.2.2 and 3.7.3.3): with its morph targets
+/// by their default weights, and moved into the world by the node's skin. `geometry` itself if it
+/// has none of both. Weights of joints are divided by their sum. `warnings` gains what the file
+/// leaves open.
+/// @throw InputError naming the attribute, for what does not fit together or is not finite, for a
+///        negative weight, and for a joint that the skin does not have.
+[[nodiscard]] std::shared_ptr<const PrimitiveGeometry>
+at_rest(const tinygltf::Model &model, const tinygltf::Primitive &primitive,
+        const std::shared_ptr<const PrimitiveGeometry> &geometry, const PlacedMesh &node,
+        WarningList &warnings);
 
 /// The triangles of `corners`, read as a list, strip or fan (glTF modes 4, 5 and 6). All keep the
 /// winding of the first.

@@ -361,22 +361,32 @@ std::string name_of(const tinygltf::Model &model, std::size_t index) {
     return mesh_name.empty() ? label_of(model, index) : one_line(mesh_name);
 }
 
+/// In place of a parent.
+constexpr int kNoParent = -1;
+constexpr int kSeveralParents = -2;
+
+std::vector<int> parents_of(const tinygltf::Model &model) {
+    std::vector<int> parents(model.nodes.size(), kNoParent);
+    for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+        for (const int child : model.nodes[i].children) {
+            static_cast<void>(checked(model.nodes, child, "child node"));
+            int &parent = parents[static_cast<std::size_t>(child)];
+            parent = parent == kNoParent ? static_cast<int>(i) : kSeveralParents;
+        }
+    }
+    return parents;
+}
+
 /// The nodes of the scene to load that have no parent.
 std::vector<int> root_nodes(const tinygltf::Model &model) {
     if (model.defaultScene >= 0 || !model.scenes.empty()) {
         const int scene = std::max(model.defaultScene, 0);
         return checked(model.scenes, scene, "scene").nodes;
     }
-    std::vector<bool> has_parent(model.nodes.size(), false);
-    for (const tinygltf::Node &node : model.nodes) {
-        for (const int child : node.children) {
-            static_cast<void>(checked(model.nodes, child, "child node"));
-            has_parent[static_cast<std::size_t>(child)] = true;
-        }
-    }
+    const std::vector<int> parents = parents_of(model);
     std::vector<int> roots;
     for (std::size_t i = 0; i < model.nodes.size(); ++i) {
-        if (!has_parent[i]) {
+        if (parents[i] == kNoParent) {
             roots.push_back(static_cast<int>(i));
         }
     }
@@ -436,6 +446,87 @@ Eigen::Affine3d local_transform(const tinygltf::Node &node, const std::string &l
     return transform;
 }
 
+[[noreturn]] void refuse_graph(const std::string &label) {
+    throw InputError(label + " is reached twice; glTF nodes must form a tree, without cycles or "
+                             "second parents");
+}
+
+/// The skins of a scene at rest, each read once.
+class SkinCache {
+public:
+    /// @param to_world of the nodes of the scene
+    SkinCache(const tinygltf::Model &model, std::vector<std::optional<Eigen::Affine3d>> to_world)
+        : model_(model), to_world_(std::move(to_world)), skins_(model.skins.size()) {}
+
+    /// @throw InputError for a skin that does not exist, joints that are no nodes of a tree, and
+    ///        inverse bind matrices that cannot be read.
+    const std::shared_ptr<const JointTransforms> &find_or_read(int index) {
+        const tinygltf::Skin &skin = checked(model_.skins, index, "skin");
+        std::shared_ptr<const JointTransforms> &entry = skins_[static_cast<std::size_t>(index)];
+        if (!entry) {
+            entry = std::make_shared<const JointTransforms>(read(skin));
+        }
+        return entry;
+    }
+
+private:
+    JointTransforms read(const tinygltf::Skin &skin) {
+        std::vector<double> inverse_bind;
+        if (skin.inverseBindMatrices >= 0) {
+            inverse_bind = read_matrices(model_, skin.inverseBindMatrices, skin.joints.size());
+        }
+        JointTransforms joints;
+        joints.reserve(skin.joints.size());
+        for (const int joint : skin.joints) {
+            Eigen::Affine3d transform = place(joint);
+            if (!inverse_bind.empty()) { // their last row is 0 0 0 1
+                Eigen::Affine3d bind;
+                bind.matrix() =
+                    Eigen::Map<const Eigen::Matrix4d>(&inverse_bind[16 * joints.size()]);
+                bind.makeAffine();
+                transform = transform * bind;
+            }
+            joints.push_back(transform);
+        }
+        return joints;
+    }
+
+    /// Where a joint is, which need not be in the scene, nor its ancestors.
+    const Eigen::Affine3d &place(int joint) {
+        static_cast<void>(checked(model_.nodes, joint, "joint"));
+        std::vector<std::size_t> chain; // of those without a place yet
+        auto node = static_cast<std::size_t>(joint);
+        Eigen::Affine3d above = Eigen::Affine3d::Identity();
+        while (!to_world_[node]) {
+            stop_if_given_up(chain.size());
+            if (parents_.empty()) {
+                parents_ = parents_of(model_);
+            }
+            if (chain.size() == model_.nodes.size() || parents_[node] == kSeveralParents) {
+                refuse_graph(label_of(model_, node));
+            }
+            chain.push_back(node);
+            if (parents_[node] == kNoParent) {
+                break;
+            }
+            node = static_cast<std::size_t>(parents_[node]);
+        }
+        if (to_world_[node]) {
+            above = *to_world_[node];
+        }
+        for (auto below = chain.rbegin(); below != chain.rend(); ++below) {
+            above = above * local_transform(model_.nodes[*below], label_of(model_, *below));
+            to_world_[*below] = above;
+        }
+        return *to_world_[static_cast<std::size_t>(joint)];
+    }
+
+    const tinygltf::Model &model_;
+    std::vector<std::optional<Eigen::Affine3d>> to_world_;
+    std::vector<int> parents_;
+    std::vector<std::shared_ptr<const JointTransforms>> skins_;
+};
+
 struct Visit {
     int node;
     Eigen::Affine3d parent_to_world;
@@ -453,7 +544,7 @@ void push_all(std::vector<Visit> &stack, const std::vector<int> &nodes,
 
 std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model, WarningList &warnings) {
     std::vector<PlacedMesh> placed;
-    std::vector<bool> seen(model.nodes.size(), false);
+    std::vector<std::optional<Eigen::Affine3d>> to_world(model.nodes.size());
     std::vector<Visit> stack; // instead of recursion: a chain of nodes may be any length
     push_all(stack, root_nodes(model), Eigen::Affine3d::Identity(), {});
     while (!stack.empty()) {
@@ -463,28 +554,39 @@ std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model, WarningList &
         const tinygltf::Node &node = checked(model.nodes, visit.node, "node");
         const auto index = static_cast<std::size_t>(visit.node);
         const std::string label = label_of(model, index);
-        if (seen[index]) {
-            throw InputError(label + " is reached twice; glTF nodes must form a tree, without "
-                                     "cycles or second parents");
+        if (to_world[index]) {
+            refuse_graph(label);
         }
-        seen[index] = true;
-        const Eigen::Affine3d to_world = visit.parent_to_world * local_transform(node, label);
-        if (!to_world.matrix().allFinite()) {
+        to_world[index] = visit.parent_to_world * local_transform(node, label);
+        if (!to_world[index]->matrix().allFinite()) {
             throw InputError(label + ": its transform is not finite");
         }
         const TouchExtras touch =
             read_touch(node.extras_json_string, visit.parent_touch, label, warnings);
         if (node.mesh >= 0) {
-            static_cast<void>(checked(model.meshes, node.mesh, label + ": mesh"));
-            placed.push_back(
-                {name_of(model, index), label, node.mesh, to_world, touch, node.skin >= 0});
+            const tinygltf::Mesh &mesh = checked(model.meshes, node.mesh, label + ": mesh");
+            placed.push_back({name_of(model, index), label, node.mesh, *to_world[index], touch,
+                              node.weights.empty() ? mesh.weights : node.weights, node.skin});
             placed.back().touch.material.name = placed.back().name;
         } else if (touch.shape) {
             warnings.add_of(label, nullptr,
                             "extras.shape is left out: it needs a mesh on the same node, to be "
                             "fitted to");
         }
-        push_all(stack, node.children, to_world, touch);
+        push_all(stack, node.children, *to_world[index], touch);
+    }
+    SkinCache skins(model, std::move(to_world)); // with the place of each node that may be a joint
+    for (PlacedMesh &mesh : placed) {
+        if (mesh.skin < 0) {
+            continue;
+        }
+        mesh.without_skin = std::exchange(mesh.to_world, Eigen::Affine3d::Identity());
+        try {
+            mesh.joints = skins.find_or_read(mesh.skin);
+        } catch (const InputError &error) {
+            throw InputError(mesh.label + ": skin " + std::to_string(mesh.skin) + ": " +
+                             error.what());
+        }
     }
     return placed;
 }

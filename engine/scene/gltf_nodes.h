@@ -9,7 +9,9 @@
 
 #include <Eigen/Geometry>
 
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -58,21 +60,31 @@ struct SceneExtras {
 ///        no normal, or the reverse.
 [[nodiscard]] SceneExtras read_scene_extras(const tinygltf::Model &model, WarningList &warnings);
 
+/// Takes a mesh to the world by each joint of a skin at rest: the joint's place in the world after
+/// its inverse bind matrix.
+using JointTransforms = std::vector<Eigen::Affine3d>;
+
 /// A node that holds a mesh.
 struct PlacedMesh {
     std::string name;  ///< the node's, else the mesh's, else "node 3"
     std::string label; ///< for messages: "node 'name'" or "node 3"
     int mesh = -1;     ///< index into the model's meshes
-    Eigen::Affine3d to_world{Eigen::Affine3d::Identity()};
-    TouchExtras touch; ///< its material's name is `name`
-    bool has_skin = false;
+    Eigen::Affine3d to_world{Eigen::Affine3d::Identity()}; ///< of a node with a skin the identity
+    TouchExtras touch;                                     ///< its material's name is `name`
+    std::span<const double> morph_weights; ///< at rest: the node's, else the mesh's; in the model
+    int skin = -1;                         ///< index into the model's skins
+    std::shared_ptr<const JointTransforms> joints{}; ///< of its skin; null: none
+    /// Where a node with a skin stands, for what of its mesh the skin does not move.
+    Eigen::Affine3d without_skin{Eigen::Affine3d::Identity()};
 };
 
 /// The meshes of the default scene, depth first in the file's order. Without a default the first
 /// scene is taken; without any scene, every node that has no parent.
 /// @throw InputError naming the node: for a graph that is no tree, references to what does not
 ///        exist, transforms that are not finite or no affine maps, rotations that are no unit
-///        quaternions, and extras as `read_touch` refuses them.
+///        quaternions, skins whose joints are no nodes with one place in the world, and extras as
+///        `read_touch` refuses them.
+/// @param model must outlive the result
 [[nodiscard]] std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model,
                                                    WarningList &warnings);
 

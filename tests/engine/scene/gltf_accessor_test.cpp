@@ -121,7 +121,7 @@ TEST(GltfAccessor, RefusesTypesThatAttributesCannotHave) {
                                       std::string(type) + "}"),
                        "accessor 0");
     }
-    for (const char *type : {"SCALAR", "MAT2"}) {
+    for (const char *type : {"SCALAR", "MAT2", "MAT4"}) {
         expect_failure(with_positions(R"({"bufferView": 0, "count": 2, "componentType": 5126,
                                           "type": ")" +
                                       std::string(type) + "\"}"),
@@ -396,7 +396,8 @@ void expect_survived(const std::filesystem::path &file) {
     }
 }
 
-/// A file with something of everything: strips, sparse data, colours, nodes, extras, an image.
+/// A file with something of everything: strips, sparse data, colours, nodes, extras, an image, a
+/// skin, morph targets.
 GltfBuilder full_builder() {
     GltfBuilder builder = one_triangle(R"("name": "a", "extras": {"eta": 0.5})");
     builder.add_accessor(std::vector<std::uint16_t>{0, 1, 2, 1}, kUnsignedShort, "SCALAR");
@@ -411,10 +412,19 @@ GltfBuilder full_builder() {
     builder.images = {R"({"mimeType": "image/png", "bufferView": )" + std::to_string(image) + "}"};
     builder.textures = {R"({"source": 0})"};
     builder.materials = {R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}})"};
+    builder.add_accessor(std::vector<std::uint8_t>{0, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0},
+                         kUnsignedByte, "VEC4"); // 6
+    builder.add_accessor(std::vector<float>{1, 0, 0, 0, 1, 0, 0, 0, 0.5, 0.5, 0, 0}, kFloat,
+                         "VEC4");
+    builder.add_accessor(std::vector<float>(32, 0.25F), kFloat, "MAT4");
     builder.meshes.emplace_back(R"({"primitives": [{"mode": 5, "indices": 1, "material": 0,
-        "attributes": {"POSITION": 5, "NORMAL": 2, "TEXCOORD_0": 3, "COLOR_0": 4}}]})");
-    builder.nodes.emplace_back(R"({"children": [2], "rotation": [0, 0, 0.6, 0.8]})");
+        "targets": [{"POSITION": 5, "NORMAL": 2}, {"POSITION": 0}], "attributes": {"POSITION": 5,
+        "NORMAL": 2, "TEXCOORD_0": 3, "COLOR_0": 4, "JOINTS_0": 6, "WEIGHTS_0": 7}}],
+        "weights": [0.5, 0]})");
+    builder.nodes.emplace_back(R"({"children": [2, 3], "rotation": [0, 0, 0.6, 0.8]})");
     builder.nodes.emplace_back(R"({"mesh": 1, "scale": [1, -1, 1]})");
+    builder.nodes.emplace_back(R"({"mesh": 1, "skin": 0, "weights": [1, 1]})");
+    builder.more = R"("skins": [{"joints": [1, 2], "inverseBindMatrices": 8}], )";
     builder.scenes = {R"({"nodes": [0, 1]})"};
     return builder;
 }
@@ -500,7 +510,7 @@ TEST(GltfHostile, DamagedMeshoptData) {
 }
 
 TEST(GltfHostile, TheUndamagedFilesLoad) {
-    EXPECT_EQ(load(full_builder()).surface.triangles.size(), 3U);
+    EXPECT_EQ(load(full_builder()).surface.triangles.size(), 5U);
     EXPECT_EQ(load_bytes(draco_builder().glb()).surface.triangles.size(), 20U);
 }
 

@@ -84,7 +84,9 @@ public:
     template <typename Number>
     int add_accessor(const std::vector<Number> &numbers, int component_type,
                      const std::string &type, const std::string &extra = "") {
-        const std::size_t width = type == "SCALAR" ? 1 : static_cast<std::size_t>(type[3] - '0');
+        const std::size_t width = type == "SCALAR" ? 1
+                                  : type == "MAT4" ? 16
+                                                   : static_cast<std::size_t>(type[3] - '0');
         const std::string_view bytes(reinterpret_cast<const char *>(numbers.data()),
                                      numbers.size() * sizeof(Number));
         const int view = add_view(bytes);

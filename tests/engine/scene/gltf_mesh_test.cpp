@@ -409,8 +409,9 @@ TEST(Gltf, PrimitivesWithoutPositionsAreLeftOut) {
 
 TEST(Gltf, EqualWarningsOnManyNodesAreOneLine) {
     GltfBuilder builder = one_triangle();
-    builder.meshes = {R"({"primitives": [{"attributes": {"POSITION": 0}, "targets": [{}]},
-                          {"attributes": {"POSITION": 0}, "targets": [{}]}]})"};
+    builder.meshes = {R"({"weights": [0], "primitives": [{"attributes": {"POSITION": 0}},
+                          {"attributes": {"POSITION": 0}}]})"};
+    builder.more = R"("skins": [{"joints": [0]}], )";
     builder.nodes.clear();
     constexpr int kNodes = 5000;
     for (int i = 0; i < kNodes; ++i) {
@@ -418,10 +419,10 @@ TEST(Gltf, EqualWarningsOnManyNodesAreOneLine) {
     }
     EXPECT_EQ(load(builder).warnings,
               (std::vector<std::string>{
-                  "nodes 0, 1, 2 and 4997 more: its skin is left out; it is touched and drawn in "
-                  "the pose that it was modelled in",
-                  "nodes 0, 1, 2 and 4997 more: its morph targets are left out; it is touched and "
-                  "drawn in its base shape",
+                  "nodes 0, 1, 2 and 4997 more: has 1 weights for 0 morph targets; those without "
+                  "are left out",
+                  "nodes 0, 1, 2 and 4997 more: a primitive has no JOINTS_0: its skin does not "
+                  "move it",
                   "the scene is in metres and lies partly outside the device's workspace"}));
 }
 
