@@ -280,13 +280,22 @@ void check_range(const std::string &what, double value, double minimum, double m
     }
 }
 
-scene::Scene load_scene_with_progress(const std::string &name, const device::Workspace &workspace) {
+void add_gltf_scene_option(Command &command, std::string &gltf_scene) {
+    command
+        .add_option("--gltf-scene", gltf_scene,
+                    "which of a glTF file's scenes, by its name or number [its default, else the "
+                    "first that has triangles]")
+        .type_name("NAME");
+}
+
+scene::Scene load_scene_with_progress(const std::string &name, const std::string &gltf_scene,
+                                      const device::Workspace &workspace) {
     scene::LoadProgress progress;
     std::optional<LoadProgressPrinter> printer;
     if (isatty(STDERR_FILENO) != 0) {
         printer.emplace(std::filesystem::path(name).filename().string(), progress, std::cerr);
     }
-    return rig::touch_scene(name, workspace, &progress);
+    return rig::touch_scene(name, workspace, &progress, gltf_scene);
 }
 
 void TypedModel::add_to(Command &command) {
@@ -339,6 +348,7 @@ session::ModelOptions TypedModel::options(const TuningOptions &tuning) const {
 void TypedSession::add_to(Command &command) {
     options.scene = asset_folder() / "scenes" / "organic.gltf";
     command.add_option("--scene", options.scene, "a glTF file, .gltf or .glb").type_name("FILE");
+    add_gltf_scene_option(command, options.gltf_scene);
     add_device_option(command, device);
     command.add_flag("--at-zero", options.starts_at_zero,
                      "the device on USB is held in its zero pose at the start, instead of zeroing "

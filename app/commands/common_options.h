@@ -139,8 +139,12 @@ void check_dR(const device::DeviceDescription &device, const control::Tuning &tu
 /// @throw InputError, naming `what`, for a value beyond its range or not a number.
 void check_range(const std::string &what, double value, double minimum, double maximum);
 
+/// `--gltf-scene`.
+void add_gltf_scene_option(Command &command, std::string &gltf_scene);
+
 /// `touch_scene`, with a LoadProgressPrinter on standard error if that is a terminal.
 [[nodiscard]] scene::Scene load_scene_with_progress(const std::string &name,
+                                                    const std::string &gltf_scene,
                                                     const device::Workspace &workspace);
 
 /// `--model`, and the options that override parts of it.

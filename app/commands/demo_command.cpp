@@ -120,7 +120,7 @@ void check_kiosk(const TypedDemo &typed, const Command &demo) {
         }
         return;
     }
-    for (const char *option : {"--scene", "file", "--open"}) {
+    for (const char *option : {"--scene", "--gltf-scene", "file", "--open"}) {
         refuse(option, "which shows its own tour");
     }
     refuse("--at-zero", "which may start while nobody holds the device: zero it by Ctrl+Alt+Z");

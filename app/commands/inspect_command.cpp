@@ -295,6 +295,7 @@ void write_inspect_table(std::ostream &out, const InspectReport &report) {
 
 struct TypedInspect {
     std::string scene;
+    std::string gltf_scene;
     std::filesystem::path device_file;
     std::string json; ///< empty: text for people
     bool no_model = false;
@@ -327,7 +328,8 @@ void run(const TypedInspect &typed) {
     check_outputs({{typed.device_file}, typed.scene, {typed.json}}, typed.existing);
     const device::DeviceDescription device = device::read_device_file(typed.device_file);
     const auto start = std::chrono::steady_clock::now();
-    const scene::Scene scene = load_scene_with_progress(typed.scene, device.workspace);
+    const scene::Scene scene =
+        load_scene_with_progress(typed.scene, typed.gltf_scene, device.workspace);
     InspectReport report;
     report.load_s = seconds_since(start);
     const auto loaded = std::chrono::steady_clock::now();
@@ -361,6 +363,7 @@ void add_inspect_command(Command &app) {
                     "a glTF file, or sphere:N, bumpy:N, organic:N, scan:N or cad:N, of N triangles")
         .type_name("FILE")
         .required();
+    add_gltf_scene_option(inspect, typed->gltf_scene);
     add_device_file_option(inspect, typed->device_file);
     add_output_option(inspect, "--json", typed->json, "JSON");
     add_force_option(inspect, typed->existing);

@@ -296,6 +296,7 @@ constexpr int kRepeats = 3;
 
 struct TypedTouch {
     std::string scene;
+    std::string gltf_scene;
     std::filesystem::path device_file;
     std::string path = "slide";
     rig::TouchPathOptions how;
@@ -376,7 +377,8 @@ TouchReport touch(TypedTouch typed) {
         typed.existing);
     typed.how.period_s = servo::servo_period_s(typed.servo_hz);
     const device::DeviceDescription device = device::read_device_file(typed.device_file);
-    const scene::Scene scene = load_scene_with_progress(typed.scene, device.workspace);
+    const scene::Scene scene =
+        load_scene_with_progress(typed.scene, typed.gltf_scene, device.workspace);
 
     TouchReport report;
     report.surface = typed.scene;
@@ -467,6 +469,7 @@ void add_touch_command(Command &app) {
                     "... 1310720; or scan:N or cad:N, of about N triangles: 1000 to 2000000")
         .type_name("FILE")
         .required();
+    add_gltf_scene_option(touch, typed->gltf_scene);
     add_device_file_option(touch, typed->device_file);
     add_path_options(touch, *typed);
     touch

@@ -372,13 +372,14 @@ void build_meshes(Scene &scene, std::vector<PlacedPrimitive> primitives, const F
 }
 
 Scene load(const std::filesystem::path &file, const device::Workspace &workspace,
-           LoadProgress &progress) {
+           const std::string &gltf_scene, LoadProgress &progress) {
     using Stage = LoadProgress::Stage;
     progress.begin(Stage::reading, false);
     Scene scene;
     scene.file = file;
     WarningList warnings;
-    const tinygltf::Model model = read_model(file, warnings);
+    tinygltf::Model model = read_model(file, warnings);
+    model.defaultScene = choose_scene(model, gltf_scene, warnings);
     const SceneExtras extras = read_scene_extras(model, warnings);
     scene.in_metres = extras.in_metres;
     scene.planar = extras.planar;
@@ -413,13 +414,13 @@ Scene load(const std::filesystem::path &file, const device::Workspace &workspace
 } // namespace
 
 Scene load_gltf(const std::filesystem::path &file, const device::Workspace &workspace,
-                LoadProgress *progress) {
+                LoadProgress *progress, const std::string &gltf_scene) {
     LoadProgress unwatched;
     LoadProgress &watched = progress != nullptr ? *progress : unwatched;
     const StopScope given_up(&watched.is_cancelled());
     const std::string place = one_line(file.string(), 1000) + ": ";
     try {
-        return load(file, workspace, watched);
+        return load(file, workspace, gltf_scene, watched);
     } catch (const Cancelled &) {
         throw; // not an error of the file
     } catch (const InputError &error) {

@@ -46,13 +46,15 @@ namespace springdrive::scene {
 ///
 /// @throw InputError with one line that names the file, what is wrong in it and where: for a file
 ///        that is missing, is no glTF, is truncated, refers outside its buffers or arrays, holds
-///        coordinates that are not finite, needs an extension that is not supported, has no
-///        triangle, or has extras about touch that contradict each other. Values other than the
-///        above are another program's, which may use the same names: left out, with a warning.
-///        Also for a scene that takes more than 8 GiB to load.
+///        coordinates that are not finite, needs an extension that is not supported, has no such
+///        scene or no triangle, or has extras about touch that contradict each other. Values other
+///        than the above are another program's, which may use the same names: left out, with a
+///        warning. Also for a scene that takes more than 8 GiB to load.
 /// @throw Cancelled soon after `progress` was given up
 /// @param progress is updated while loading; may be null
+/// @param gltf_scene  name or number of the file's scene that is loaded. By default its default
+///        scene; without one, the first that has triangles.
 [[nodiscard]] Scene load_gltf(const std::filesystem::path &file, const device::Workspace &workspace,
-                              LoadProgress *progress = nullptr);
+                              LoadProgress *progress = nullptr, const std::string &gltf_scene = {});
 
 } // namespace springdrive::scene

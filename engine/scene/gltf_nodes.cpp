@@ -335,6 +335,95 @@ TouchExtras read_touch(const std::string &text, const TouchExtras &parent, const
     return touch;
 }
 
+namespace {
+
+/// The number of a scene, and its name if it has one.
+std::string name_of_scene(const tinygltf::Model &model, std::size_t scene) {
+    const std::string &name = model.scenes[scene].name;
+    return std::to_string(scene) + (name.empty() ? "" : " " + in_quotes(name));
+}
+
+std::string names_of_scenes(const tinygltf::Model &model) {
+    constexpr std::size_t kMax = 10;
+    std::string names;
+    for (std::size_t i = 0; i < std::min(model.scenes.size(), kMax); ++i) {
+        names += (i == 0 ? "" : ", ") + name_of_scene(model, i);
+    }
+    return names + (model.scenes.size() > kMax
+                        ? " and " + std::to_string(model.scenes.size() - kMax) + " more"
+                        : "");
+}
+
+bool has_triangles(const tinygltf::Model &model, const tinygltf::Mesh &mesh) {
+    return std::ranges::any_of(mesh.primitives, [&](const tinygltf::Primitive &primitive) {
+        const auto position = primitive.attributes.find("POSITION");
+        if (primitive.mode < TINYGLTF_MODE_TRIANGLES || position == primitive.attributes.end()) {
+            return false;
+        }
+        const int corners = primitive.indices >= 0 ? primitive.indices : position->second;
+        return accessor_count(model, corners) >= 3;
+    });
+}
+
+std::size_t first_scene_with_triangles(const tinygltf::Model &model) {
+    std::vector<bool> seen(model.nodes.size(), false); // in this or an earlier scene: without any
+    for (std::size_t i = 0; i < model.scenes.size(); ++i) {
+        std::vector<int> nodes = model.scenes[i].nodes;
+        while (!nodes.empty()) {
+            stop_if_given_up();
+            const tinygltf::Node &node = checked(model.nodes, nodes.back(), "node");
+            const auto index = static_cast<std::size_t>(nodes.back());
+            nodes.pop_back();
+            if (seen[index]) {
+                continue;
+            }
+            seen[index] = true;
+            if (node.mesh >= 0 && has_triangles(model, checked(model.meshes, node.mesh, "mesh"))) {
+                return i;
+            }
+            nodes.insert(nodes.end(), node.children.begin(), node.children.end());
+        }
+    }
+    return 0;
+}
+
+} // namespace
+
+int choose_scene(const tinygltf::Model &model, const std::string &name, WarningList &warnings) {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < model.scenes.size(); ++i) {
+        if (!name.empty() && model.scenes[i].name == name) {
+            found.push_back(i);
+        }
+    }
+    for (std::size_t i = 0; i < model.scenes.size() && found.empty(); ++i) {
+        if (std::to_string(i) == name) {
+            found.push_back(i);
+        }
+    }
+    if (!name.empty() && found.size() != 1) {
+        throw InputError("has " + (found.empty() ? "no" : std::to_string(found.size())) +
+                         " scene " + in_quotes(name) +
+                         (model.scenes.empty()
+                              ? ", and no other: leave --gltf-scene out"
+                              : "; name one of " + names_of_scenes(model) + ", or its number"));
+    }
+    if (model.scenes.empty() && model.defaultScene < 0) {
+        return -1;
+    }
+    const int scene = !name.empty() ? static_cast<int>(found.front())
+                      : model.defaultScene >= 0
+                          ? model.defaultScene
+                          : static_cast<int>(first_scene_with_triangles(model));
+    static_cast<void>(checked(model.scenes, scene, "scene"));
+    if (model.scenes.size() > 1) {
+        warnings.add("scene " + name_of_scene(model, static_cast<std::size_t>(scene)) +
+                     " is loaded, of " + names_of_scenes(model) +
+                     "; --gltf-scene NAME loads another");
+    }
+    return scene;
+}
+
 SceneExtras read_scene_extras(const tinygltf::Model &model, WarningList &warnings) {
     SceneExtras extras;
     read_scene(model.asset.extras_json_string, "asset", extras, warnings);

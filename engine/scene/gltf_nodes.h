@@ -44,7 +44,13 @@ struct TouchExtras {
 [[nodiscard]] TouchExtras read_touch(const std::string &text, const TouchExtras &parent,
                                      const std::string &label, WarningList &warnings);
 
-class Model;
+/// The number of the scene to load; −1 for a file without scenes, of which all nodes are loaded.
+/// @param name  its name or number; empty: the file's default, else the first with triangles
+/// @param warnings  gains the names of all, if there are several
+/// @throw InputError with the names of all for a scene that the file does not have, or a name that
+///        several have.
+[[nodiscard]] int choose_scene(const tinygltf::Model &model, const std::string &name,
+                               WarningList &warnings);
 
 struct SceneExtras {
     bool in_metres = false; ///< coordinates are metres in the device's frame
@@ -53,7 +59,7 @@ struct SceneExtras {
     Lesson lesson; ///< its spot in the file's coordinates
 };
 
-/// Of the asset and of the scene that `place_meshes` takes; the scene's values come first.
+/// Of the asset and of the model's default scene, or its first; the scene's values come first.
 /// @param warnings gains what is left out as another program's, as above
 /// @throw InputError for a value of a wrong type or out of range in a `tolerance` or a `lesson`
 ///        that has any of its keys, for a key there that is none, and for a lesson with a point but
@@ -78,8 +84,8 @@ struct PlacedMesh {
     Eigen::Affine3d without_skin{Eigen::Affine3d::Identity()};
 };
 
-/// The meshes of the default scene, depth first in the file's order. Without a default the first
-/// scene is taken; without any scene, every node that has no parent.
+/// The meshes of the model's default scene, depth first in the file's order. Without a default the
+/// first scene is taken; without any scene, every node that has no parent.
 /// @throw InputError naming the node: for a graph that is no tree, references to what does not
 ///        exist, transforms that are not finite or no affine maps, rotations that are no unit
 ///        quaternions, skins whose joints are no nodes with one place in the world, and extras as

@@ -17,9 +17,10 @@ namespace springdrive::session {
 
 std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
                                         const device::Workspace &workspace,
-                                        scene::LoadProgress &progress) {
+                                        scene::LoadProgress &progress,
+                                        const std::string &gltf_scene) {
     const StopScope given_up(&progress.is_cancelled());
-    scene::Scene scene = scene::load_gltf(file, workspace, &progress);
+    scene::Scene scene = scene::load_gltf(file, workspace, &progress, gltf_scene);
     progress.begin(scene::LoadProgress::Stage::preparing, false);
     contact::HapticSurface surface = scene::haptic_surface_of(scene);
     std::ranges::move(contact::warnings_about(surface.report(), scene.surface.materials),
@@ -28,24 +29,25 @@ std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
         LoadedScene{std::move(scene), std::move(surface), sha256_of_file(file)});
 }
 
-void Scenes::request(const std::filesystem::path &file, const Finish &finish) {
+void Scenes::request(const std::filesystem::path &file, const std::string &gltf_scene,
+                     const Finish &finish) {
     if (is_loading()) {
-        next_ = Request{file, finish};
+        next_ = Request{file, gltf_scene, finish};
         loading_.ask_to_end();
         progress_->give_up();
         return;
     }
     error_.clear();
     progress_ = std::make_shared<scene::LoadProgress>();
-    loading_.start(
-        [file, finish, workspace = workspace_, progress = progress_](BackgroundTalk &talk) {
-            std::unique_ptr<LoadedScene> loaded = load_scene(file, workspace, *progress);
-            if (finish) {
-                const StopScope given_up(&progress->is_cancelled());
-                finish(*loaded, *progress, talk);
-            }
-            return loaded;
-        });
+    loading_.start([file, gltf_scene, finish, workspace = workspace_,
+                    progress = progress_](BackgroundTalk &talk) {
+        std::unique_ptr<LoadedScene> loaded = load_scene(file, workspace, *progress, gltf_scene);
+        if (finish) {
+            const StopScope given_up(&progress->is_cancelled());
+            finish(*loaded, *progress, talk);
+        }
+        return loaded;
+    });
 }
 
 const LoadedScene *Scenes::take_loaded() {
@@ -57,7 +59,7 @@ const LoadedScene *Scenes::take_loaded() {
     }
     if (next_ && !is_loading()) {
         const Request next = *std::exchange(next_, std::nullopt);
-        request(next.file, next.finish);
+        request(next.file, next.gltf_scene, next.finish);
     }
     if (!loaded) {
         return nullptr;

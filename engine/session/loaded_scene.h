@@ -35,11 +35,13 @@ struct LoadedScene {
 };
 
 /// Loads a glTF file and prepares its surface. Any thread.
+/// @param gltf_scene  as of `load_gltf`
 /// @throw InputError as `load_gltf` does.
 /// @throw Cancelled soon after `progress` was cancelled
 [[nodiscard]] std::unique_ptr<LoadedScene> load_scene(const std::filesystem::path &file,
                                                       const device::Workspace &workspace,
-                                                      scene::LoadProgress &progress);
+                                                      scene::LoadProgress &progress,
+                                                      const std::string &gltf_scene = {});
 
 /// For use by one thread. The destructor cancels loading and waits until it has ended, at most a
 /// second.
@@ -58,7 +60,9 @@ public:
 
     /// Loads in the background; on failure the current scene stays and `error` holds the reason. Of
     /// several requests while loading, the last one counts.
-    void request(const std::filesystem::path &file, const Finish &finish = {});
+    /// @param gltf_scene  as of `load_gltf`
+    void request(const std::filesystem::path &file, const std::string &gltf_scene = {},
+                 const Finish &finish = {});
 
     /// Makes a loaded scene the current one, with a new number. Returns the previous scene, which
     /// stays valid until the servo no longer uses it; null if none was loaded.
@@ -84,6 +88,7 @@ public:
 private:
     struct Request {
         std::filesystem::path file;
+        std::string gltf_scene;
         Finish finish;
     };
 

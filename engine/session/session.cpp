@@ -36,7 +36,8 @@ Session::Session(const SessionOptions &options, scene::LoadProgress *progress) :
     scene::LoadProgress unwatched;
     scene::LoadProgress &watched = progress != nullptr ? *progress : unwatched;
     BackgroundTalk without_hand;
-    std::unique_ptr<LoadedScene> scene = load_scene(options.scene, description.workspace, watched);
+    std::unique_ptr<LoadedScene> scene =
+        load_scene(options.scene, description.workspace, watched, options.gltf_scene);
     models_->finish(options.tuning)(*scene, watched, without_hand);
     models_->note_shown(*scene);
     scenes_ = std::make_unique<Scenes>(description.workspace, std::move(scene));
@@ -210,7 +211,8 @@ std::vector<Record> Session::past() const {
 }
 
 void Session::request_scene(const std::filesystem::path &file) {
-    scenes_->request(file, models_->finish(tuning_->now()));
+    scenes_->request(file, file == options_.scene ? options_.gltf_scene : std::string(),
+                     models_->finish(tuning_->now()));
 }
 
 void Session::choose_models() {

@@ -44,6 +44,7 @@ struct DeviceChoice {
 /// Of a session with or without a window.
 struct SessionOptions {
     std::filesystem::path scene;
+    std::string gltf_scene; ///< of that file, as of `load_gltf`
     DeviceChoice device;
     control::Tuning tuning;
     double servo_hz = 1000.0;

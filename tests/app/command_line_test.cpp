@@ -191,6 +191,7 @@ const std::vector<Refusal> kOptionsOfTheDemo{
 /// Of what is not for visitors.
 const std::vector<Refusal> kKiosks{
     {"--scene a.gltf", 1, "--scene: not with --kiosk"},
+    {"--gltf-scene a", 1, "--gltf-scene: not with --kiosk"},
     {"a.gltf", 1, "file: not with --kiosk"},
     {"--open a.rec", 1, "--open: not with --kiosk"},
     {"--at-zero", 1, "--at-zero: not with --kiosk"},
@@ -307,6 +308,10 @@ const std::vector<Refusal> kOthers{
     {"inspect|touch none.glb", 1, "none.glb"},
     {"inspect %/scenes", 1, "/scenes"},
     {"inspect bumpy:7", 1, "1310720"},
+    {"inspect|touch %/scenes/plate.gltf --gltf-scene attic", 1, "plate.gltf: has no scene 'attic'"},
+    {"inspect|touch sphere:1280 --gltf-scene attic", 1, "'attic'"},
+    {"demo --scene %/scenes/plate.gltf --gltf-scene attic", 1, "'attic'"},
+    {"record @/x.rec --scene %/scenes/plate.gltf --gltf-scene attic", 1, "'attic'"},
     {"inspect|touch sphere:1280 --device-file none.toml", 1, "none.toml"},
     // stability
     {"stability --kp -1|nan", 1, "kp"},

@@ -50,11 +50,73 @@ TEST(GltfNodes, OnlyTheDefaultSceneIsTaken) {
     builder.nodes = {R"({"mesh": 0})", R"({"mesh": 0, "translation": [7, 0, 0]})"};
     EXPECT_EQ(load(builder).surface.triangles.size(), 2U); // no scene: all roots
     builder.scenes = {R"({"nodes": [0]})", R"({"nodes": [1]})"};
-    EXPECT_EQ(load(builder).surface.vertices_m[0], Vector3(0, 0, 0)); // the first
+    EXPECT_EQ(load(builder).surface.vertices_m[0], Vector3(0, 0, 0)); // the first with triangles
     builder.more = R"("scene": 1, )";
     EXPECT_EQ(load(builder).surface.vertices_m[0], Vector3(7, 0, 0));
     builder.more = R"("scene": 2, )";
     expect_failure(builder, "scene 2 is not in the file, which has 2");
+}
+
+Scene load_scene_named(const GltfBuilder &builder, const std::string &name) {
+    const TemporaryFolder folder;
+    return load_gltf(folder.write("scene.gltf", builder.gltf()), small_workspace(), nullptr, name);
+}
+
+/// Four scenes: an empty one, one of points, and two of a triangle, at x = 2 and 3.
+GltfBuilder four_scenes() {
+    GltfBuilder builder = one_triangle();
+    builder.add_mesh(R"("attributes": {"POSITION": 0}, "mode": 0)");
+    builder.nodes = {R"({"children": [1]})", R"({"mesh": 1})",
+                     R"({"mesh": 0, "translation": [2, 0, 0]})", R"({"children": [4]})",
+                     R"({"mesh": 0, "translation": [3, 0, 0]})"};
+    builder.scenes = {R"({"name": "nothing"})", R"({"name": "3", "nodes": [0]})",
+                      R"({"nodes": [1, 2]})",
+                      R"({"name": "attic", "nodes": [0, 3], "extras": {"planar": true}})"};
+    return builder;
+}
+
+TEST(GltfNodes, WithoutADefaultTheFirstSceneWithTrianglesIsTaken) {
+    GltfBuilder builder = four_scenes();
+    const Scene scene = load(builder);
+    EXPECT_EQ(scene.surface.vertices_m[0], Vector3(2, 0, 0));
+    EXPECT_FALSE(scene.planar);
+    EXPECT_TRUE(has_warning(scene, "scene 2 is loaded, of 0 'nothing', 1 '3', 2, 3 'attic'"));
+    builder.scenes.erase(builder.scenes.begin() + 2);
+    EXPECT_EQ(load(builder).surface.vertices_m[0], Vector3(3, 0, 0));
+    EXPECT_TRUE(load(builder).planar);
+    builder.more = R"("scene": 0, )"; // what the file says is obeyed
+    expect_failure(builder, "has no triangle to touch");
+    builder.more.clear();
+    builder.scenes.pop_back();
+    expect_failure(builder, "has no triangle to touch");
+    EXPECT_FALSE(has_warning(load(one_triangle()), "--gltf-scene"));
+}
+
+TEST(GltfNodes, ASceneIsNamedByNameOrElseByNumber) {
+    GltfBuilder builder = four_scenes();
+    const auto x_of = [&builder](const std::string &name) {
+        return load_scene_named(builder, name).surface.vertices_m[0].x();
+    };
+    EXPECT_EQ(x_of("attic"), 3.0);
+    EXPECT_EQ(x_of("2"), 2.0);
+    builder.more = R"("scene": 2, )";
+    EXPECT_EQ(x_of("attic"), 3.0);
+    const auto failure = [&builder](const std::string &name) {
+        return error_text_of([&] { (void)load_scene_named(builder, name); });
+    };
+    EXPECT_NE(failure("3").find("has no triangle"), std::string::npos); // a name before a number
+    for (const char *name : {"Attic", "4", "-1", "02", "1e0", " 2"}) {
+        const std::string message = failure(name);
+        EXPECT_NE(message.find("has no scene '"), std::string::npos) << message;
+        EXPECT_NE(message.find("0 'nothing', 1 '3', 2, 3 'attic'"), std::string::npos) << message;
+    }
+    builder.scenes[1] = builder.scenes[3];
+    EXPECT_NE(failure("attic").find("has 2 scene 'attic'"), std::string::npos);
+    builder.scenes.assign(5000, R"({"name": "many\nlines", "nodes": [2]})");
+    EXPECT_NE(failure("attic").find("and 4990 more"), std::string::npos);
+    builder.scenes.clear();
+    builder.more.clear();
+    EXPECT_NE(failure("attic").find("leave --gltf-scene out"), std::string::npos);
 }
 
 TEST(GltfNodes, AllRootsIncludeNoChildren) {

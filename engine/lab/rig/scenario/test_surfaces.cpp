@@ -481,10 +481,13 @@ std::optional<contact::TriangleSoup> test_surface_named(std::string_view name) {
 }
 
 scene::Scene touch_scene(const std::string &name, const device::Workspace &workspace,
-                         scene::LoadProgress *progress) {
+                         scene::LoadProgress *progress, const std::string &gltf_scene) {
     std::optional<contact::TriangleSoup> surface = test_surface_named(name);
     if (!surface) {
-        return scene::load_gltf(name, workspace, progress);
+        return scene::load_gltf(name, workspace, progress, gltf_scene);
+    }
+    if (!gltf_scene.empty()) {
+        throw InputError(name + ": is no glTF file, so it has no scene " + in_quotes(gltf_scene));
     }
     scene::BoundingBox box;
     for (const Vector3 &vertex_m : surface->vertices_m) {

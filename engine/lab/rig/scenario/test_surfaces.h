@@ -64,8 +64,10 @@ inline constexpr std::uint64_t kTestScanSeed = 1;
 /// knows, in metres about the origin and with nothing to draw.
 /// @throw InputError as these do.
 /// @param progress receives the progress, if given
+/// @param gltf_scene  as of `load_gltf`
 [[nodiscard]] scene::Scene touch_scene(const std::string &name, const device::Workspace &workspace,
-                                       scene::LoadProgress *progress = nullptr);
+                                       scene::LoadProgress *progress = nullptr,
+                                       const std::string &gltf_scene = {});
 
 /// Whether it names a sphere without bumps: its true normals are known.
 [[nodiscard]] bool names_test_sphere(std::string_view name);
