@@ -15,8 +15,10 @@
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -167,7 +169,8 @@ Bytes first_bytes(std::span<const unsigned char> bytes, std::size_t max_bytes) {
 /// @param chunk of a .glb, for its first buffer if that has no URI
 /// @param place for messages: "buffer 3"
 Bytes read_buffer(const json &buffer, std::span<const unsigned char> chunk,
-                  const std::filesystem::path &folder, const std::string &place) {
+                  const std::filesystem::path &folder, const std::string &place,
+                  WarningList &warnings) {
     const auto length = buffer["byteLength"].get<std::size_t>();
     const bool has_uri = buffer.contains("uri");
     if ((!has_uri && chunk.empty()) || length == 0) {
@@ -181,7 +184,7 @@ Bytes read_buffer(const json &buffer, std::span<const unsigned char> chunk,
         place + ": " + (has_uri ? name_of_uri(uri) : "the .glb's binary chunk") + " ";
     Bytes bytes;
     try {
-        bytes = has_uri ? read_uri(uri, folder, length) : first_bytes(chunk, length);
+        bytes = has_uri ? read_uri(uri, folder, length, &warnings) : first_bytes(chunk, length);
     } catch (const InputError &error) {
         throw InputError(source + error.what());
     }
@@ -280,7 +283,7 @@ tinygltf::Model read_model(const std::filesystem::path &file, WarningList &warni
         const std::string place = "buffer " + std::to_string(model.buffers.size());
         model.buffers.emplace_back();
         model.buffers.back().data =
-            read_buffer(buffer, std::exchange(chunk, {}), folder_of(file), place);
+            read_buffer(buffer, std::exchange(chunk, {}), folder_of(file), place, warnings);
     }
     decode_meshopt_views(model);
     return model;
@@ -300,6 +303,7 @@ std::vector<std::filesystem::path> files_named_in(const std::filesystem::path &s
                 if (!is_data_uri(uri)) {
                     files.push_back(scene.parent_path() / uri);
                     files.push_back(scene.parent_path() / percent_decoded(uri));
+                    (void)error_text_of([&] { files.push_back(file_of(uri, folder_of(scene))); });
                 }
             }
         }
@@ -418,16 +422,140 @@ Bytes decode_data_uri(std::string_view uri) {
     return {data.begin(), data.end()};
 }
 
+namespace {
+
+using Path = std::filesystem::path;
+
+/// Adds the files that the names from `name` to `end` lead to, beginning at `at` in `folder`, where
+/// each may stand for one that is `alike`. Of what lies outside the folder nothing is listed.
+template <typename Alike>
+void find_alike(const Path &folder, const Path &at, Path::iterator name, Path::iterator end,
+                Alike &&alike, std::set<Path> &found) {
+    if (name == end) {
+        found.insert(at);
+        return;
+    }
+    std::error_code none;
+    for (const auto &entry : std::filesystem::directory_iterator(folder / at, none)) {
+        stop_if_given_up();
+        const Path next = at / entry.path().filename();
+        if (alike(name->native(), next.filename().native()) &&
+            error_text_of([&] { (void)contained_file(next.native(), folder, "scene"); }).empty()) {
+            find_alike(folder, next, std::next(name), end, alike, found);
+        }
+    }
+}
+
+/// What either spelling leads to, where each name may stand for one that is `alike`.
+template <typename Alike>
+std::set<Path> all_alike(const Path &folder, const std::array<Path, 2> &spellings, Alike &&alike) {
+    std::set<Path> found;
+    for (const Path &spelling : spellings) {
+        find_alike(folder, {}, spelling.begin(), spelling.end(), alike, found);
+    }
+    return found;
+}
+
+std::string names_of(const std::set<Path> &files) {
+    std::string names;
+    for (const Path &file : files) {
+        names += (names.empty() ? "" : " and ") + in_quotes(file.native());
+    }
+    return one_line(names, 200);
+}
+
+/// Code points, those of Hangul syllables in parts.
+std::u32string in_parts(std::string_view text) {
+    std::u32string parts;
+    for (const char32_t c : Path(text).u32string()) {
+        constexpr char32_t kFirst = 0xac00;
+        if (c < kFirst || c > 0xd7a3) {
+            parts += c;
+            continue;
+        }
+        const char32_t syllable = c - kFirst; // of 19 · 21 · 28
+        parts += {0x1100 + syllable / 588, 0x1161 + syllable % 588 / 28};
+        if (syllable % 28 != 0) {
+            parts += 0x11a7 + syllable % 28;
+        }
+    }
+    return parts;
+}
+
+/// An accent, or a voicing mark of kana.
+bool is_mark(char32_t c) { return (c >= 0x300 && c <= 0x36f) || c == 0x3099 || c == 0x309a; }
+
+/// Takes a composed letter off `one`, and a letter with its marks off `other`.
+bool take_composed(std::u32string_view &one, std::u32string_view &other) {
+    if (one[0] < 0x80 || is_mark(one[0]) || other.size() < 2 || !is_mark(other[1])) {
+        return false;
+    }
+    one.remove_prefix(1);
+    const auto end = std::find_if_not(other.begin() + 1, other.end(), is_mark);
+    other.remove_prefix(static_cast<std::size_t>(end - other.begin()));
+    return true;
+}
+
+} // namespace
+
+bool may_be_composed_otherwise(std::string_view a, std::string_view b) {
+    if (!is_utf8(a) || !is_utf8(b)) {
+        return false;
+    }
+    const std::u32string parts_a = in_parts(a);
+    const std::u32string parts_b = in_parts(b);
+    std::u32string_view left = parts_a;
+    std::u32string_view right = parts_b;
+    while (!left.empty() && !right.empty()) {
+        if (left[0] == right[0]) {
+            left.remove_prefix(1);
+            right.remove_prefix(1);
+        } else if (!take_composed(left, right) && !take_composed(right, left)) {
+            return false;
+        }
+    }
+    return left.empty() && right.empty();
+}
+
 std::filesystem::path file_of(std::string_view uri, const std::filesystem::path &folder) {
-    const std::string path = percent_decoded(uri);
     if (!scheme_of(uri).empty()) {
         throw InputError("is not relative to the scene's file and is not read; put the file into "
                          "the scene's folder");
     }
-    return contained_file(path, folder, "scene");
+    const std::string path = percent_decoded(uri);
+    const Path file = contained_file(path, folder, "scene");
+    if (std::error_code ignored; std::filesystem::exists(file, ignored)) {
+        return file;
+    }
+    std::array<Path, 2> spellings{path, uri};
+    for (Path &spelling : spellings) {
+        std::string text = spelling.native();
+        std::ranges::replace(text, '\\', '/');
+        static_cast<void>(contained_file(text, folder, "scene"));
+        spelling = Path(text).lexically_normal();
+    }
+    const std::set<Path> found =
+        all_alike(folder, spellings, [](std::string_view a, std::string_view b) {
+            return std::ranges::equal(a, b, {}, lowered, lowered);
+        });
+    if (found.size() == 1) {
+        return contained_file(found.begin()->native(), folder, "scene");
+    }
+    if (!found.empty()) {
+        throw InputError("cannot be read: there is no such file, and it may mean " +
+                         names_of(found) + "; rename the right one");
+    }
+    if (const std::set<Path> composed = all_alike(folder, spellings, may_be_composed_otherwise);
+        !composed.empty()) {
+        throw InputError(
+            "cannot be read: there is no such file, but " + names_of(composed) +
+            ", whose letters and accents are encoded otherwise (NFC or NFD); rename it");
+    }
+    return file;
 }
 
-Bytes read_uri(std::string_view uri, const std::filesystem::path &folder, std::size_t max_bytes) {
+Bytes read_uri(std::string_view uri, const std::filesystem::path &folder, std::size_t max_bytes,
+               WarningList *warnings) {
     if (is_data_uri(uri)) {
         Bytes bytes = decode_data_uri(uri);
         bytes.resize(std::min(bytes.size(), max_bytes));
@@ -435,6 +563,10 @@ Bytes read_uri(std::string_view uri, const std::filesystem::path &folder, std::s
     }
     const std::filesystem::path file = file_of(uri, folder);
     std::error_code error;
+    if (warnings != nullptr && file != contained_file(percent_decoded(uri), folder, "scene")) {
+        warnings->add(name_of_uri(uri) + " is read from " +
+                      in_quotes(std::filesystem::relative(file, folder, error).native()));
+    }
     const std::filesystem::file_status status = std::filesystem::status(file, error);
     if (!std::filesystem::exists(status)) {
         throw InputError("cannot be read: there is no such file");

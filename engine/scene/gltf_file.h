@@ -60,17 +60,24 @@ files_named_in(const std::filesystem::path &scene) noexcept;
 /// Each "%20" as the byte that it stands for; a '%' that no two hexadecimal digits follow remains.
 [[nodiscard]] std::string percent_decoded(std::string_view text);
 
-/// The file that a relative URI names. Nothing is opened; only symbolic links are resolved.
+/// The file that a relative URI names; if there is none, the only one that it can mean: with '\\'
+/// for '/', with ASCII letters of the other case, or really called "a%20b". No file is opened.
 /// @param folder of the scene's file
 /// @throw InputError for a URI that is not relative, and for a file that does not lie in `folder`
-///        or a folder within it, also by way of symbolic links.
+///        or a folder within it, also by way of symbolic links. Where there is no file, with the
+///        names of several that it can mean, or of one whose letters are composed otherwise.
 [[nodiscard]] std::filesystem::path file_of(std::string_view uri,
                                             const std::filesystem::path &folder);
 
 /// @param max_bytes of a file with more, the first so many are read
+/// @param warnings gains the file's name if the URI spells it otherwise; may be null
 /// @throw InputError for what cannot be read.
 [[nodiscard]] Bytes read_uri(std::string_view uri, const std::filesystem::path &folder,
-                             std::size_t max_bytes);
+                             std::size_t max_bytes, WarningList *warnings = nullptr);
+
+/// Whether two UTF-8 texts may differ only in that one has 'é' as one code point and the other as
+/// two, a letter and its accent (Unicode's NFC and NFD).
+[[nodiscard]] bool may_be_composed_otherwise(std::string_view a, std::string_view b);
 
 /// Whether the bytes are in the URI itself.
 [[nodiscard]] bool is_data_uri(std::string_view uri);

@@ -175,13 +175,15 @@ std::string name_of(const tinygltf::Image &image, int index) {
 
 /// The encoded image, or nothing with the reason in `problem`.
 EncodedImage read_image(const tinygltf::Model &model, const tinygltf::Image &image,
-                        const std::filesystem::path &folder, std::string &problem) {
+                        const std::filesystem::path &folder, WarningList &warnings,
+                        std::string &problem) {
     EncodedImage encoded;
     if (image.bufferView >= 0) {
         encoded.bytes = view_bytes(model, image.bufferView);
     } else if (!image.uri.empty()) {
         try {
-            encoded.read = read_uri(image.uri, folder, std::numeric_limits<std::size_t>::max());
+            encoded.read =
+                read_uri(image.uri, folder, std::numeric_limits<std::size_t>::max(), &warnings);
         } catch (const InputError &error) {
             problem = error.what();
             return encoded;
@@ -335,7 +337,7 @@ int TextureLibrary::find_or_load(int texture_index, TextureUse use, WarningList 
     const tinygltf::Image &image = checked(model_.images, source.source, "image");
     std::string problem;
     Texture texture;
-    const EncodedImage encoded = read_image(model_, image, folder_, problem);
+    const EncodedImage encoded = read_image(model_, image, folder_, warnings, problem);
     if (problem.empty()) {
         texture = decode(encoded.bytes, kMaxPixels - pixels_, problem);
     }

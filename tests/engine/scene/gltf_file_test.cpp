@@ -378,6 +378,76 @@ TEST(GltfUri, FilesWithinTheScenesFolderAreRead) {
     EXPECT_EQ(text_of(gltf::read_uri("data.bin", folders.scene(), 3)), "dat");
 }
 
+TEST(GltfUri, TheOnlyFileThatAUriCanMeanIsRead) {
+    const Folders folders;
+    folders.write("scene/part%20one.bin", "percent");
+    folders.write("scene/textures/back\\slash.bin", "backslash");
+    struct Case {
+        std::string uri;
+        std::string bytes;
+        std::string file; ///< that a warning names; empty: no warning
+    };
+    for (const Case &one :
+         std::vector<Case>{{"textures\\wood.png", "wood", "textures/wood.png"},
+                           {".\\textures\\..\\data.bin", "data", "data.bin"},
+                           {"Textures/WOOD.PNG", "wood", "textures/wood.png"},
+                           {"TEXTURES\\%77OOD.png", "wood", "textures/wood.png"},
+                           {"part%20one.bin", "percent", "part%20one.bin"},
+                           {"PART%20one.bin", "percent", "part%20one.bin"},
+                           {"part%2520one.bin", "percent", ""}, // as RFC 3986 has it
+                           {"textures/back\\slash.bin", "backslash", ""},
+                           {"textures/wood.png", "wood", ""}}) {
+        WarningList warnings;
+        EXPECT_EQ(text_of(gltf::read_uri(one.uri, folders.scene(), 100, &warnings)), one.bytes)
+            << one.uri;
+        ASSERT_EQ(warnings.lines().size(), one.file.empty() ? 0U : 1U) << one.uri;
+        if (!one.file.empty()) {
+            expect_message(warnings.lines().front(), " is read from '" + one.file + "'");
+        }
+    }
+    // A file of just that name comes before all others.
+    folders.write("scene/part one.bin", "blank");
+    EXPECT_EQ(text_of(gltf::read_uri("part%20one.bin", folders.scene(), 100)), "blank");
+    folders.write("scene/DATA.bin", "capitals");
+    EXPECT_EQ(text_of(gltf::read_uri("data.bin", folders.scene(), 100)), "data");
+    const std::string several =
+        error_text_of([&] { (void)gltf::read_uri("Data.bin", folders.scene(), 100); });
+    expect_message(several, "'DATA.bin' and 'data.bin'");
+    expect_message(several, "there is no such file");
+}
+
+TEST(GltfUri, LettersThatAreComposedOtherwiseAreNamed) {
+    const Folders folders;
+    struct Names {
+        std::string composed;
+        std::string decomposed;
+    };
+    for (const auto &[composed, decomposed] :
+         std::vector<Names>{{"Gr\u00f6\u00dfe.bin", "Gro\u0308\u00dfe.bin"},
+                            {"\u01d8\u00e9", "u\u0308\u0301e\u0301"},
+                            {"\u0439.bin", "\u0438\u0306.bin"},                          // Cyrillic
+                            {"\u304c", "\u304b\u3099"},                                  // kana
+                            {"\ud55c\uae00", "\u1112\u1161\u11ab\u1100\u1173\u11af"}}) { // Hangul
+        EXPECT_TRUE(gltf::may_be_composed_otherwise(composed, decomposed)) << composed;
+        EXPECT_TRUE(gltf::may_be_composed_otherwise(decomposed, composed)) << composed;
+        EXPECT_FALSE(gltf::may_be_composed_otherwise(composed, decomposed + "x"));
+        EXPECT_FALSE(gltf::may_be_composed_otherwise("x" + composed, decomposed));
+        for (const auto &[there, named] :
+             {std::pair(composed, decomposed), {decomposed, composed}}) {
+            const std::filesystem::path file = folders.write("scene/" + there, "there");
+            const std::string message = error_text_of([&, uri = percent_encoded(named)] {
+                (void)gltf::read_uri(uri, folders.scene(), 100);
+            });
+            expect_message(message, "'" + there + "'");
+            expect_message(message, "NFD");
+            std::filesystem::remove(file);
+        }
+    }
+    EXPECT_FALSE(gltf::may_be_composed_otherwise("o\u0308", "o"));
+    EXPECT_FALSE(gltf::may_be_composed_otherwise("\xff\u00f6", "\xffo\u0308")); // no UTF-8
+    EXPECT_FALSE(gltf::may_be_composed_otherwise("", "\u0308"));
+}
+
 TEST(GltfUri, LinksMayLeadToFilesWithinTheScenesFolder) {
     const Folders folders;
     std::filesystem::create_symlink("textures/wood.png", folders.scene() / "link.png");
@@ -398,6 +468,7 @@ TEST(GltfUri, FilesOutsideAreRefusedAlikeWhetherTheyExistOrNot) {
     const std::string by_link =
         "lies outside the scene's folder, by way of a link, and is not read; "
         "put the file there";
+    const std::string no_file = "cannot be read: there is no such file";
     const std::string absolute = (folders.path() / "secret.bin").string();
     struct Case {
         std::string uri;
@@ -414,10 +485,17 @@ TEST(GltfUri, FilesOutsideAreRefusedAlikeWhetherTheyExistOrNot) {
                                              {"file:///etc/passwd", not_relative},
                                              {"http://example.org/a.bin", not_relative},
                                              {"C:\\data.bin", not_relative},
+                                             {"\\\\host\\data.bin", not_relative},
+                                             {"..\\secret.bin", outside},
+                                             {"..\\none.bin", outside},
+                                             {"%2e%2e%5csecret.bin", outside},
+                                             {"textures\\..\\..\\secret.bin", outside},
                                              {"link.bin", by_link},
                                              {"dead.bin", by_link},
                                              {"up/secret.bin", by_link},
-                                             {"up/none.bin", by_link}}) {
+                                             {"up/none.bin", by_link},
+                                             {"UP/secret.bin", no_file},
+                                             {"UP\\none.bin", no_file}}) {
         EXPECT_EQ(error_text_of([&] { (void)gltf::read_uri(one.uri, folders.scene(), 100); }),
                   one.why)
             << one.uri;
