@@ -238,6 +238,14 @@ bool is_possible(const CompressedView &view) {
             (view.filter == "QUATERNION" && stride == 8));
 }
 
+/// Whether it needs a later version of the library.
+bool is_of_later_version(const CompressedView &view) {
+    constexpr unsigned char kFirstAttributes = 0xa0; // the version is in the lower four bits
+    return view.filter == "COLOR" ||
+           (view.mode == "ATTRIBUTES" && !view.bytes.empty() &&
+            (view.bytes[0] & 0xf0U) == kFirstAttributes && view.bytes[0] != kFirstAttributes);
+}
+
 CompressedView read_view(const tinygltf::Model &model, const tinygltf::Value &extension,
                          const std::string &place) {
     CompressedView view;
@@ -245,7 +253,7 @@ CompressedView read_view(const tinygltf::Model &model, const tinygltf::Value &ex
     view.stride_bytes = read_whole(extension, "byteStride", place, true);
     view.mode = read_text(extension, "mode", "");
     view.filter = read_text(extension, "filter", "NONE");
-    if (!is_possible(view)) {
+    if (!is_possible(view) && !(view.filter == "COLOR" && view.mode == "ATTRIBUTES")) {
         throw InputError(place + ": mode " + in_quotes(view.mode) + " with filter " +
                          in_quotes(view.filter) + " does not exist for " +
                          std::to_string(view.count) + " elements of " +
@@ -458,13 +466,26 @@ void decode_meshopt_views(tinygltf::Model &model) {
     std::size_t total_bytes = 0;
     for (std::size_t i = 0; i < model.bufferViews.size(); ++i) {
         tinygltf::BufferView &target = model.bufferViews[i];
-        const auto extension = target.extensions.find(kMeshoptExtension);
-        if (extension == target.extensions.end()) {
+        const auto name = std::ranges::find_if(kMeshoptExtensions, [&](const char *extension) {
+            return target.extensions.contains(extension);
+        });
+        if (name == kMeshoptExtensions.end()) {
             continue;
         }
         stop_if_given_up();
-        const std::string place = "buffer view " + std::to_string(i) + ": " + kMeshoptExtension;
-        const CompressedView view = read_view(model, extension->second, place);
+        const std::string place = "buffer view " + std::to_string(i) + ": " + *name;
+        const CompressedView view = read_view(model, target.extensions.at(*name), place);
+        if (is_of_later_version(view)) {
+            if (target.buffer >= 0 &&
+                static_cast<std::size_t>(target.buffer) < model.buffers.size() &&
+                !model.buffers[static_cast<std::size_t>(target.buffer)].data.empty()) {
+                continue; // the same, uncompressed
+            }
+            throw InputError(place +
+                             ": is compressed in a way that is not supported; export it "
+                             "with " +
+                             kMeshoptExtensions[0]);
+        }
         total_bytes += view.decoded_bytes();
         if (total_bytes > kMaxDecoded_bytes) {
             throw InputError(place +

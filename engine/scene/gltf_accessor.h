@@ -124,13 +124,15 @@ private:
     std::unique_ptr<draco::Mesh> mesh_;
 };
 
-inline constexpr const char *kMeshoptExtension = "EXT_meshopt_compression";
+/// The second may also hold what Debian's meshoptimizer cannot decode: attributes in version 1 of
+/// their code, and the filter COLOR.
+inline constexpr std::array<const char *, 2> kMeshoptExtensions = {"EXT_meshopt_compression",
+                                                                   "KHR_meshopt_compression"};
 
-/// Decodes every buffer view compressed in that way into a buffer of its own, to which the view
-/// then refers.
-/// @throw InputError naming the buffer view, for what is damaged, does not lie within its buffer,
-/// or
-///        is too large.
+/// Decodes every buffer view compressed in one of those ways into a buffer of its own, to which the
+/// view then refers. One that cannot be decoded stays if its own buffer has the same, uncompressed.
+/// @throw InputError naming the buffer view, for what is damaged, cannot be decoded, does not lie
+///        within its buffer, or is too large.
 void decode_meshopt_views(tinygltf::Model &model);
 
 } // namespace springdrive::scene::gltf

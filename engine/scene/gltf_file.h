@@ -104,12 +104,13 @@ files_named_in(const std::filesystem::path &scene) noexcept;
 void check_members(nlohmann::json &document);
 
 /// @param document whose members have been checked
-/// @throw InputError for another version than 2.x or a minimum version above 2.0, for a required
-///        extension that is not supported, and for a material that has nothing but one.
+/// @throw InputError for another version than 2.x or a minimum version above 2.0, and for a
+/// required
+///        extension that is not supported, unless it concerns only looks.
 void check_versions_and_extensions(const nlohmann::json &document);
 
-/// On what is left out of the file without harm: extensions that it uses but does not require, and
-/// animations.
+/// On what is left out of the file without harm: extensions that it uses but does not require, or
+/// that concern only looks, and animations.
 void warn_about_left_out(const nlohmann::json &document, WarningList &warnings);
 
 } // namespace springdrive::scene::gltf

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -324,14 +325,14 @@ void check_object(json &object, std::span<const Member> members, const std::stri
     }
 }
 
-constexpr std::string_view kSpecularGlossiness = "KHR_materials_pbrSpecularGlossiness";
-
 /// Extensions that are read, and those without which a scene has the same shape and base colours.
 /// The materials are those in the registry of ratified extensions,
 /// https://github.com/KhronosGroup/glTF/blob/main/extensions/README.md: what another one changes is
 /// not known.
-constexpr std::array<std::string_view, 20> kSupported = {kDracoExtension,
-                                                         kMeshoptExtension,
+constexpr std::array<std::string_view, 22> kSupported = {kDracoExtension,
+                                                         "EXT_mesh_gpu_instancing",
+                                                         kMeshoptExtensions[0],
+                                                         kMeshoptExtensions[1],
                                                          "KHR_animation_pointer",
                                                          "KHR_lights_punctual",
                                                          "KHR_materials_anisotropy",
@@ -351,26 +352,29 @@ constexpr std::array<std::string_view, 20> kSupported = {kDracoExtension,
                                                          "KHR_xmp",
                                                          "KHR_xmp_json_ld"};
 
+/// Those without which a scene looks otherwise but has the same shape: left out, with a warning.
+constexpr std::array<std::string_view, 15> kLooksOnly = {"ADOBE_materials_thin_transparency",
+                                                         "CESIUM_primitive_outline",
+                                                         "EXT_lights_ies",
+                                                         "EXT_lights_image_based",
+                                                         "EXT_texture_avif",
+                                                         "EXT_texture_webp",
+                                                         "KHR_materials_diffuse_transmission",
+                                                         "KHR_materials_pbrSpecularGlossiness",
+                                                         "KHR_materials_volume_scatter",
+                                                         "KHR_techniques_webgl",
+                                                         "KHR_texture_basisu",
+                                                         "MSFT_packing_normalRoughnessMetallic",
+                                                         "MSFT_packing_occlusionRoughnessMetallic",
+                                                         "MSFT_texture_dds",
+                                                         "VRMC_materials_mtoon"};
+
 bool is_supported(std::string_view extension) {
     return std::ranges::find(kSupported, extension) != kSupported.end();
 }
 
 json member_or(const json &object, const char *name, json otherwise) {
     return object.is_object() ? object.value(name, std::move(otherwise)) : otherwise;
-}
-
-/// Each material needs a colour that can be drawn.
-void check_fallback(const json &document, std::string_view extension) {
-    std::size_t index = 0;
-    for (const json &material : member_or(document, "materials", json::array())) {
-        if (member_or(material, "extensions", json::object()).contains(extension) &&
-            !material.contains("pbrMetallicRoughness")) {
-            throw InputError("material " + std::to_string(index) + " needs the extension " +
-                             in_quotes(extension) +
-                             ", which is not supported; export it with metallic-roughness");
-        }
-        ++index;
-    }
 }
 
 /// "2.1" as 2 and 1; nothing for what is no version.
@@ -443,9 +447,8 @@ void check_versions_and_extensions(const json &document) {
     }
     for (const json &required : member_or(document, "extensionsRequired", json::array())) {
         const auto extension = required.get<std::string>();
-        if (extension == kSpecularGlossiness) {
-            check_fallback(document, extension);
-        } else if (!is_supported(extension)) {
+        if (!is_supported(extension) &&
+            std::ranges::find(kLooksOnly, extension) == kLooksOnly.end()) {
             throw InputError("needs the extension " + in_quotes(extension) +
                              ", which is not supported; export it without");
         }
@@ -453,10 +456,13 @@ void check_versions_and_extensions(const json &document) {
 }
 
 void warn_about_left_out(const json &document, WarningList &warnings) {
-    for (const json &used : member_or(document, "extensionsUsed", json::array())) {
-        const auto extension = used.get<std::string>();
-        if (!is_supported(extension)) {
-            warnings.add("extension " + in_quotes(extension) + " is left out");
+    std::set<std::string> left_out;
+    for (const char *list : {"extensionsUsed", "extensionsRequired"}) {
+        for (const json &item : member_or(document, list, json::array())) {
+            const auto extension = item.get<std::string>();
+            if (!is_supported(extension) && left_out.insert(extension).second) {
+                warnings.add("extension " + in_quotes(extension) + " is left out");
+            }
         }
     }
     if (const std::size_t count = member_or(document, "animations", json::array()).size();

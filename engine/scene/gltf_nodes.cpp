@@ -504,10 +504,10 @@ Eigen::Affine3d from_matrix(const std::vector<double> &numbers, const std::strin
 
 /// A quaternion that is off unit length by rounding is a rotation, written in few digits. One that
 /// is further off is ambiguous, since some programs would also scale with it, and is refused.
-Eigen::Quaterniond unit_quaternion(const std::vector<double> &numbers, const std::string &label) {
-    constexpr double kRounding = 1e-3; // three digits, or normalised 16-bit integers
-    const Eigen::Quaterniond rotation(numbers.data()); // x y z w, as glTF has it
-    if (!(std::abs(rotation.norm() - 1.0) <= kRounding)) {
+Eigen::Quaterniond unit_quaternion(std::span<const double, 4> numbers, const std::string &label,
+                                   double rounding = 1e-3) { // of three digits, or 16-bit integers
+    const Eigen::Quaterniond rotation(numbers.data());       // x y z w, as glTF has it
+    if (!(std::abs(rotation.norm() - 1.0) <= rounding)) {
         throw InputError(label + ": its rotation is a quaternion of length " +
                          shortest_text(rotation.norm()) + "; it must have length 1");
     }
@@ -527,13 +527,87 @@ Eigen::Affine3d local_transform(const tinygltf::Node &node, const std::string &l
         transform.translate(Eigen::Vector3d(node.translation.data()));
     }
     if (!node.rotation.empty()) {
-        transform.rotate(unit_quaternion(node.rotation, label));
+        transform.rotate(unit_quaternion(std::span(node.rotation).first<4>(), label));
     }
     if (!node.scale.empty()) {
         transform.scale(Eigen::Vector3d(node.scale.data()));
     }
     return transform;
 }
+
+constexpr const char *kInstancingExtension = "EXT_mesh_gpu_instancing";
+
+/// Where the instances of a node's mesh stand beside the node; itself, if it has none.
+class Instances {
+public:
+    Instances(const tinygltf::Model &model, const tinygltf::Node &node, std::string label)
+        : label_(std::move(label)) {
+        const auto extension = node.extensions.find(kInstancingExtension);
+        if (extension == node.extensions.end()) {
+            return;
+        }
+        if (!extension->second.IsObject() || !extension->second.Get("attributes").IsObject()) {
+            throw InputError(label_ + ": " + kInstancingExtension + " needs attributes");
+        }
+        const tinygltf::Value &attributes = extension->second.Get("attributes");
+        const std::array<const char *, 3> names{"TRANSLATION", "ROTATION", "SCALE"};
+        std::optional<std::size_t> count;
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            if (attributes.Has(names[i])) {
+                read(model, attributes.Get(names[i]), names[i], i == 1, count, values_[i]);
+            }
+        }
+        count_ = count.value_or(1);
+    }
+
+    [[nodiscard]] std::size_t count() const { return count_; }
+
+    [[nodiscard]] Eigen::Affine3d operator[](std::size_t i) const {
+        constexpr double kRounding = 1e-2; // of normalised 8-bit integers
+        const auto &[translation, rotation, scale] = values_;
+        Eigen::Affine3d transform = Eigen::Affine3d::Identity();
+        if (!translation.empty()) {
+            transform.translate(Vector3(translation[i].data()));
+        }
+        if (!rotation.empty()) {
+            transform.rotate(unit_quaternion(
+                rotation[i].first<4>(), label_ + ": instance " + std::to_string(i), kRounding));
+        }
+        if (!scale.empty()) {
+            transform.scale(Vector3(scale[i].data()));
+        }
+        return transform;
+    }
+
+private:
+    void read(const tinygltf::Model &model, const tinygltf::Value &accessor, const char *name,
+              bool is_rotation, std::optional<std::size_t> &count, Attribute &values) {
+        const std::string what = std::string(kInstancingExtension) + ": its " + name;
+        try {
+            if (!accessor.IsInt()) {
+                throw InputError("it must be the number of an accessor");
+            }
+            const int index = accessor.GetNumberAsInt();
+            const std::size_t instances = accessor_count(model, index);
+            if (instances > kMaxInstances || instances != count.value_or(instances)) {
+                throw InputError("it has " + std::to_string(instances) + " instances; at most " +
+                                 std::to_string(kMaxInstances) +
+                                 " are allowed, in each attribute as many");
+            }
+            count = instances;
+            values = read_attribute(model, index,
+                                    is_rotation ? Scaling::unit_range : Scaling::as_declared);
+            const int width = is_rotation ? 4 : 3;
+            check_shape(values, name, width, width, instances);
+        } catch (const InputError &error) {
+            throw InputError(label_ + ": " + what + ": " + error.what());
+        }
+    }
+
+    std::string label_;
+    std::array<Attribute, 3> values_; ///< translation, rotation, scale
+    std::size_t count_ = 1;
+};
 
 [[noreturn]] void refuse_graph(const std::string &label) {
     throw InputError(label + " is reached twice; glTF nodes must form a tree, without cycles or "
@@ -654,9 +728,30 @@ std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model, WarningList &
             read_touch(node.extras_json_string, visit.parent_touch, label, warnings);
         if (node.mesh >= 0) {
             const tinygltf::Mesh &mesh = checked(model.meshes, node.mesh, label + ": mesh");
-            placed.push_back({name_of(model, index), label, node.mesh, *to_world[index], touch,
-                              node.weights.empty() ? mesh.weights : node.weights, node.skin});
-            placed.back().touch.material.name = placed.back().name;
+            const Instances instances(model, node, label);
+            if (instances.count() > 1 && placed.size() + instances.count() > kMaxInstances) {
+                throw InputError(label + ": with its " + std::to_string(instances.count()) +
+                                 " instances the scene has more than " +
+                                 std::to_string(kMaxInstances) + " meshes; export fewer");
+            }
+            if (node.skin >= 0 && instances.count() > 1) {
+                warnings.add_of(label, nullptr, "its instances are left out: it has a skin");
+            }
+            const std::size_t count =
+                node.skin >= 0 ? std::min<std::size_t>(instances.count(), 1) : instances.count();
+            for (std::size_t i = 0; i < count; ++i) {
+                placed.push_back({name_of(model, index), label, node.mesh,
+                                  *to_world[index] * instances[i], touch,
+                                  node.weights.empty() ? mesh.weights : node.weights, node.skin});
+                placed.back().touch.material.name = placed.back().name;
+                if (i > 0) {
+                    placed.back().touch.caption.clear(); // it is on the first
+                }
+                if (!placed.back().to_world.matrix().allFinite()) {
+                    throw InputError(label + ": the transform of instance " + std::to_string(i) +
+                                     " is not finite");
+                }
+            }
         } else if (touch.shape) {
             warnings.add_of(label, nullptr,
                             "extras.shape is left out: it needs a mesh on the same node, to be "

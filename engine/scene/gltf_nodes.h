@@ -84,12 +84,16 @@ struct PlacedMesh {
     Eigen::Affine3d without_skin{Eigen::Affine3d::Identity()};
 };
 
+/// How many meshes a scene may have that has instances of one.
+inline constexpr std::size_t kMaxInstances = 65'536;
+
 /// The meshes of the model's default scene, depth first in the file's order. Without a default the
-/// first scene is taken; without any scene, every node that has no parent.
+/// first scene is taken; without any scene, every node that has no parent. Each instance of a mesh
+/// (EXT_mesh_gpu_instancing) is a mesh of its own.
 /// @throw InputError naming the node: for a graph that is no tree, references to what does not
 ///        exist, transforms that are not finite or no affine maps, rotations that are no unit
-///        quaternions, skins whose joints are no nodes with one place in the world, and extras as
-///        `read_touch` refuses them.
+///        quaternions, skins whose joints are no nodes with one place in the world, instances that
+///        cannot be read or are too many, and extras as `read_touch` refuses them.
 /// @param model must outlive the result
 [[nodiscard]] std::vector<PlacedMesh> place_meshes(const tinygltf::Model &model,
                                                    WarningList &warnings);

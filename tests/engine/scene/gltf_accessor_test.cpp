@@ -374,6 +374,27 @@ TEST(GltfMeshopt, WhatCannotBeIsRefusedByName) {
     }
 }
 
+TEST(GltfMeshopt, TheKhronosNameIsReadAlikeAndWhatIsNewInItHasAFallback) {
+    const auto as_khronos = [](std::string text) {
+        for (std::size_t at = 0; (at = text.find("EXT_mesho", at)) != std::string::npos; ++at) {
+            text.replace(at, 3, "KHR");
+        }
+        return text;
+    };
+    GltfBuilder builder = square(encoded_triangles(), "TRIANGLES");
+    EXPECT_EQ(load_bytes(as_khronos(with_fallback_buffer(builder))).surface.triangles.size(), 2U);
+    builder.buffer[0] = '\xa1'; // version 1 of the code of attributes
+    const std::string refused = failure_of(as_khronos(with_fallback_buffer(builder)));
+    EXPECT_NE(refused.find("buffer view 0: KHR_meshopt_compression: is compressed in a way"),
+              std::string::npos)
+        << refused;
+    std::string text = builder.gltf(); // its second buffer has the square uncompressed
+    const std::string_view plain(reinterpret_cast<const char *>(kSquare.data()), 48);
+    text.insert(text.find("}]", text.find("\"buffers\"")) + 1,
+                R"(, {"byteLength": 48, "uri": "data:;base64,)" + to_base64(plain) + "\"}");
+    EXPECT_EQ(load_bytes(as_khronos(text)).surface.vertices_m[3], Vector3(0.5, 0.25, 0));
+}
+
 /// Ends in a scene whose indices are sound, or in an InputError of one line.
 void expect_survived(const std::filesystem::path &file) {
     try {
@@ -397,7 +418,7 @@ void expect_survived(const std::filesystem::path &file) {
 }
 
 /// A file with something of everything: strips, sparse data, colours, nodes, extras, an image, a
-/// skin, morph targets.
+/// skin, morph targets, instances.
 GltfBuilder full_builder() {
     GltfBuilder builder = one_triangle(R"("name": "a", "extras": {"eta": 0.5})");
     builder.add_accessor(std::vector<std::uint16_t>{0, 1, 2, 1}, kUnsignedShort, "SCALAR");
@@ -423,7 +444,9 @@ GltfBuilder full_builder() {
         "weights": [0.5, 0]})");
     builder.nodes.emplace_back(R"({"children": [2, 3], "rotation": [0, 0, 0.6, 0.8]})");
     builder.nodes.emplace_back(R"({"mesh": 1, "scale": [1, -1, 1]})");
-    builder.nodes.emplace_back(R"({"mesh": 1, "skin": 0, "weights": [1, 1]})");
+    builder.nodes.emplace_back(R"({"mesh": 1, "skin": 0, "weights": [1, 1], "children": [4]})");
+    builder.nodes.emplace_back(R"({"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing":
+        {"attributes": {"TRANSLATION": 0, "SCALE": 2}}}})");
     builder.more = R"("skins": [{"joints": [1, 2], "inverseBindMatrices": 8}], )";
     builder.scenes = {R"({"nodes": [0, 1]})"};
     return builder;
@@ -510,7 +533,7 @@ TEST(GltfHostile, DamagedMeshoptData) {
 }
 
 TEST(GltfHostile, TheUndamagedFilesLoad) {
-    EXPECT_EQ(load(full_builder()).surface.triangles.size(), 5U);
+    EXPECT_EQ(load(full_builder()).surface.triangles.size(), 8U);
     EXPECT_EQ(load_bytes(draco_builder().glb()).surface.triangles.size(), 20U);
 }
 

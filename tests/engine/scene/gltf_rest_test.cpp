@@ -1,5 +1,5 @@
-// Covers engine/scene/gltf_rest.cpp, and the skins of gltf_nodes.cpp, against a reader that follows
-// the glTF 2.0 specification one vertex at a time and shares no code with the product.
+// Covers engine/scene/gltf_rest.cpp, and skins and instances of gltf_nodes.cpp, against a reader
+// that follows the glTF 2.0 specification one vertex at a time and shares no code with the product.
 #include "base/input_error.h"
 #include "tests/engine/contact/mesh/soups.h"
 #include "tests/engine/scene/gltf_builder.h"
@@ -88,14 +88,15 @@ private:
         const char *const bytes = &buffers_[view["buffer"].get<std::size_t>()][at];
         std::vector<double> numbers;
         for (std::size_t c = 0; c < width; ++c) {
-            std::int64_t integer = 0;
+            std::uint16_t integer = 0;
             float real = 0.0F;
-            std::memcpy(&integer, bytes + c * size, size); // of little-endian, unsigned integers
+            std::memcpy(&integer, bytes + c * size, std::min<std::size_t>(size, sizeof integer));
             std::memcpy(&real, bytes + c * size, std::min<std::size_t>(size, sizeof real));
-            double number =
-                component == kFloat ? static_cast<double>(real) : static_cast<double>(integer);
+            double number = component == kFloat   ? static_cast<double>(real)
+                            : component == kShort ? static_cast<std::int16_t>(integer)
+                                                  : integer;
             if (source.value("normalized", false)) {
-                number /= component == kUnsignedByte ? 255.0 : 65535.0;
+                number /= component == kShort ? 32767.0 : 65535.0;
             }
             numbers.push_back(number);
         }
@@ -159,7 +160,7 @@ private:
         const json &owner = document_["nodes"][node];
         const json &attributes = primitive["attributes"];
         if (!owner.contains("skin") || !attributes.contains("JOINTS_0")) {
-            return (world(node) * p).head<3>();
+            return (world(node) * (instance_ * p)).head<3>();
         }
         const json &skin = document_["skins"][owner["skin"].get<std::size_t>()];
         const auto by_joint = [&](double joint) -> Vector3 {
@@ -207,9 +208,32 @@ private:
         return M.inverse().transpose() * morphed(primitive, weights, "NORMAL", vertex);
     }
 
+    /// How many of the node's mesh there are, and where the given one is beside the node.
+    [[nodiscard]] std::size_t instances(const json &node) const {
+        if (!node.contains("extensions")) {
+            return 1;
+        }
+        const json &attributes = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+        return document_["accessors"][attributes.begin()->get<std::size_t>()]["count"];
+    }
+    [[nodiscard]] Eigen::Matrix4d instance(const json &node, std::size_t index) const {
+        json local_node = json::object();
+        if (node.contains("extensions")) {
+            for (const auto &[name, accessor] :
+                 node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"].items()) {
+                const char *const member = name == "TRANSLATION" ? "translation"
+                                           : name == "SCALE"     ? "scale"
+                                                                 : "rotation";
+                local_node[member] = element(accessor, index);
+            }
+        }
+        return local(local_node);
+    }
+
     void add(std::size_t index) {
         const json &node = document_["nodes"][index];
-        if (node.contains("mesh")) {
+        for (std::size_t i = 0; node.contains("mesh") && i < instances(node); ++i) {
+            instance_ = instance(node, i);
             const json &mesh = document_["meshes"][node["mesh"].get<std::size_t>()];
             const json weights = node.value("weights", mesh.value("weights", json::array()));
             for (const json &primitive : mesh["primitives"]) {
@@ -238,6 +262,7 @@ private:
 
     json document_;
     std::vector<std::string> buffers_;
+    Eigen::Matrix4d instance_ = Eigen::Matrix4d::Identity(); ///< that is added
 };
 
 /// The reference's triangles are what is touched, up to their winding; what is touched is what is
@@ -403,6 +428,29 @@ private:
                std::to_string(builder_.add_accessor(matrices, kFloat, "MAT4")) + "}";
     }
 
+    std::string instances() {
+        const auto count = static_cast<std::size_t>(whole(1, 4));
+        std::string attributes =
+            R"("TRANSLATION": )" + std::to_string(builder_.add_positions(reals(3 * count, 2.0)));
+        if (chance(0.5)) {
+            std::vector<std::int16_t> quaternions;
+            for (std::size_t i = 0; i < count; ++i) {
+                const Eigen::Vector4d q = Eigen::Vector4d(real(-1, 1), real(-1, 1), real(-1, 1), 1);
+                for (const double part : q.normalized()) {
+                    quaternions.push_back(static_cast<std::int16_t>(std::lround(32767.0 * part)));
+                }
+            }
+            attributes += R"(, "ROTATION": )" +
+                          std::to_string(builder_.add_accessor(quaternions, kShort, "VEC4",
+                                                               R"(, "normalized": true)"));
+        }
+        attributes +=
+            chance(0.5)
+                ? R"(, "SCALE": )" + std::to_string(builder_.add_positions(reals(3 * count, 1.5)))
+                : "";
+        return R"({"EXT_mesh_gpu_instancing": {"attributes": {)" + attributes + "}}}";
+    }
+
     void add_nodes(int nodes, int skins, const std::array<std::size_t, 2> &targets) {
         std::vector<std::string> children(static_cast<std::size_t>(nodes));
         std::vector<std::string> roots;
@@ -431,7 +479,9 @@ private:
             if (i == 0 || chance(0.6)) {
                 const int mesh = whole(0, 1);
                 members += R"(, "mesh": )" + std::to_string(mesh);
-                members += chance(0.6) ? R"(, "skin": )" + std::to_string(whole(0, skins - 1)) : "";
+                members += chance(0.6)   ? R"(, "skin": )" + std::to_string(whole(0, skins - 1))
+                           : chance(0.5) ? R"(, "extensions": )" + instances()
+                                         : "";
                 const std::size_t count = targets[static_cast<std::size_t>(mesh)];
                 members +=
                     count > 0 && chance(0.5) ? R"(, "weights": )" + text_of(reals(count, 1.0)) : "";
@@ -452,7 +502,7 @@ private:
     GltfBuilder builder_;
 };
 
-TEST(GltfRest, SkinsAndMorphTargetsAreWhereTheSpecificationPutsThem) {
+TEST(GltfRest, SkinsMorphTargetsAndInstancesAreWhereTheSpecificationsPutThem) {
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         const std::string file = RandomFile(seed).builder().gltf();
@@ -471,7 +521,8 @@ std::string read_case(const std::string &name) {
 
 TEST(GltfRest, FilesOfOtherProgramsAreAsTheReferenceHasThem) {
     for (const std::string name :
-         {"../cases/gltf/skinned_armature_scale_0.01.gltf", "Box.glb", "ShapeCollection.glb"}) {
+         {"../cases/gltf/skinned_armature_scale_0.01.gltf", "../cases/gltf/instancing_5_cubes.gltf",
+          "Box.glb", "ShapeCollection.glb"}) {
         SCOPED_TRACE(name);
         const std::string file = read_case(name);
         if (file.empty()) {
@@ -636,6 +687,63 @@ TEST(GltfRest, RefusesTargetsThatCannotBe) {
     GltfBuilder builder = with_targets(R"(, "weights": [1])", "");
     builder.accessors[1].replace(builder.accessors[1].find("\"count\": 3"), 10, "\"count\": 2");
     expect_failure(builder, "a morph target's POSITION has 2 entries for 3 vertices");
+}
+
+/// Three instances of a triangle.
+GltfBuilder with_instances(const std::string &attributes, const std::string &members = "") {
+    GltfBuilder builder = one_triangle(R"("name": "grass", "extensions": {"EXT_mesh_gpu_instancing":
+        {"attributes": {)" + attributes +
+                                       "}}}" + members);
+    builder.add_positions({0, 0, 0, 2, 0, 0, 4, 0, NAN});
+    builder.add_accessor(std::vector<float>{0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0}, kFloat, "VEC4");
+    builder.add_positions({1, 1, 1, -1, 1, 1, 1, 1, 1});
+    builder.add_positions({0, 0, 0, 2, 0, 0});
+    builder.accessors.emplace_back(R"({"componentType": 5126, "count": 65536, "type": "VEC3"})");
+    builder.accessors.emplace_back(R"({"componentType": 5126, "count": 65537, "type": "VEC3"})");
+    return builder;
+}
+
+TEST(GltfInstances, EachIsTouchedWoundOutwardsAndNamedAsItsNode) {
+    const Scene scene = load(with_instances(R"("SCALE": 3, "_ID": 9)",
+                                            R"(, "extras": {"caption": "grass", "eta": 0.5})"));
+    ASSERT_EQ(scene.surface.triangles.size(), 3U);
+    for (const auto &[a, b, c] : corners_of(scene.surface)) {
+        EXPECT_GT((b - a).cross(c - a).z(), 0.0); // also of the mirrored one
+    }
+    ASSERT_EQ(scene.surface.materials.size(), 3U);
+    EXPECT_EQ(scene.surface.materials[2].name, "grass");
+    EXPECT_EQ(scene.surface.materials[2].eta, 0.5);
+    EXPECT_EQ(scene.captions.size(), 1U);
+    EXPECT_EQ(load(with_instances(R"("_ID": 9)")).surface.triangles.size(), 1U);
+}
+
+TEST(GltfInstances, ASkinPlacesItsMeshOnce) {
+    GltfBuilder builder = with_instances(R"("SCALE": 3)", R"(, "skin": 0)");
+    builder.more = R"("skins": [{"joints": [0]}], )";
+    const Scene scene = load(builder);
+    EXPECT_EQ(scene.surface.triangles.size(), 1U);
+    EXPECT_TRUE(has_warning(scene, "node 'grass': its instances are left out"));
+}
+
+TEST(GltfInstances, RefusesThoseThatCannotBe) {
+    for (const auto &[attributes, part] : std::vector<std::pair<std::string, std::string>>{
+             {R"("TRANSLATION": 1)", "the transform of instance 2 is not finite"},
+             {R"("ROTATION": 2)", "instance 2: its rotation is a quaternion of length 0"},
+             {R"("ROTATION": 3)", "ROTATION: ROTATION has 3 numbers"},
+             {R"("SCALE": 3, "TRANSLATION": 4)", "its SCALE: it has 3 instances"},
+             {R"("SCALE": 77)", "its SCALE: accessor 77 is not in the file"},
+             {R"("SCALE": "3")", "its SCALE: it must be the number of an accessor"},
+             {R"("TRANSLATION": 6)", "its TRANSLATION: it has 65537 instances; at most 65536"}}) {
+        expect_failure(with_instances(attributes), "node 'grass': ");
+        expect_failure(with_instances(attributes), part);
+    }
+    EXPECT_EQ(load(with_instances(R"("TRANSLATION": 5)")).surface.triangles.size(), 65'536U);
+    GltfBuilder builder = with_instances(R"("TRANSLATION": 5)");
+    builder.nodes.insert(builder.nodes.begin(), R"({"mesh": 0})");
+    expect_failure(builder, "node 'grass': with its 65536 instances");
+    builder.nodes = {
+        R"({"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": 1}}})"};
+    expect_failure(builder, "node 0: EXT_mesh_gpu_instancing needs attributes");
 }
 
 /// What nodes share may not make a small file much work: weights, sets of joints, targets.
