@@ -378,7 +378,10 @@ std::size_t first_scene_with_triangles(const tinygltf::Model &model) {
                 continue;
             }
             seen[index] = true;
-            if (node.mesh >= 0 && has_triangles(model, checked(model.meshes, node.mesh, "mesh"))) {
+            const auto mesh = static_cast<std::size_t>(node.mesh);
+            // A mesh that is not there is named with its node, as the scene is read.
+            if (node.mesh >= 0 &&
+                (mesh >= model.meshes.size() || has_triangles(model, model.meshes[mesh]))) {
                 return i;
             }
             nodes.insert(nodes.end(), node.children.begin(), node.children.end());
