@@ -253,6 +253,11 @@ struct StabilityReport {
 
 using Json = nlohmann::ordered_json;
 
+/// Whether trials have none of the structures asked for.
+bool tries_rigid_links(const loops::StabilityCase &which) {
+    return !which.is_rigid() && limits::as_tried(which).is_rigid();
+}
+
 std::string who(const loops::StabilityCase &which, const loops::LoopMember &member) {
     if (which.rotor) {
         return "the motor given, " + loops::hand_text(member.hand.name);
@@ -311,7 +316,7 @@ void write_verdict(std::ostream &out, const StabilityReport &report) {
           who(report.which, report.worst.member));
     print(out, "simulated  {:<8}  released 1 mm aside, with encoder counts and supply limits{}\n",
           report.stable_simulated ? "stable" : "UNSTABLE",
-          report.which.is_rigid() ? "" : ", rigid links");
+          tries_rigid_links(report.which) ? ", rigid links" : "");
     if (report.passive) {
         print(out, "coupling   {}\n", loops::port_text(*report.passive, report.linear_hands));
     }
@@ -359,8 +364,9 @@ void write_limits(std::ostream &out, const StabilityReport &report) {
         table.rows.push_back(std::move(row));
     }
     write_text(out, table);
-    if (!report.which.is_rigid()) {
-        out << "\nSimulations have rigid links: limits with structure are predicted only.\n";
+    if (tries_rigid_links(report.which)) {
+        out << "\nSimulations of one motor have rigid links: limits with structure are predicted "
+               "only.\n";
         return;
     }
     out << "\nEach simulated limit is followed by its ratio to the prediction. Counts can sustain\n"
@@ -574,7 +580,9 @@ std::string loop_text(const loops::StabilityCase &which, bool alpha_varies, bool
     text += which.freedom == loops::Freedom::one_motor ? ", each motor by itself"
                                                        : ", all motors together";
     return text + ", " + hands_text(which, is_one_hand) +
-           (which.is_rigid() ? "" : ", compliant structure (trials: rigid links)");
+           (which.is_rigid()           ? ""
+            : tries_rigid_links(which) ? ", compliant structure (trials: rigid links)"
+                                       : ", compliant structure");
 }
 
 /// The settings of a map, for the lines below its title.

@@ -255,7 +255,7 @@ std::vector<StabilityLimit> stability_limits(const loops::StabilityCase &which,
                                              const loops::StabilityParameter &parameter,
                                              const ParameterRange &range) {
     std::vector<StabilityLimit> limits = predicted_limits(which, parameter, range);
-    if (!which.is_rigid()) {
+    if (!which.is_rigid() && as_tried(which).is_rigid()) {
         return limits;
     }
     const auto search = [&](const StabilityLimit &limit, const TrialOptions &options) {
@@ -290,8 +290,10 @@ double lever_m(const loops::StabilityCase &which, const loops::LoopMember &membe
 }
 
 void fill(MapCell &cell, const loops::StabilityCase &there) {
-    const std::vector<loops::WorstMember> ranked = loops::ranked_members(on_rigid_links(there));
-    cell.eigenvalue = (there.is_rigid() ? ranked.front() : loops::worst_member(there)).eigenvalue;
+    const loops::StabilityCase as_simulated = as_tried(there);
+    const std::vector<loops::WorstMember> ranked = loops::ranked_members(as_simulated);
+    const bool is_other = !there.is_rigid() && as_simulated.is_rigid();
+    cell.eigenvalue = (is_other ? loops::worst_member(there) : ranked.front()).eigenvalue;
     TrialOptions options = TrialOptions::with(SimulationEffects::electronics());
     options.longest_s = 1.0;
     options.extension_s = 0.0;

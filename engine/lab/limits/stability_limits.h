@@ -49,8 +49,8 @@ predicted_limits(const loops::StabilityCase &which, const loops::StabilityParame
                                                     const StabilityLimit &predicted,
                                                     const TrialOptions &options);
 
-/// Predictions and trials, one thread for each kind of trial. Trials have rigid links: with other
-/// structures there are predictions only.
+/// Predictions and trials, one thread for each kind of trial. Trials of one motor have rigid links:
+/// with other structures there are predictions only.
 [[nodiscard]] std::vector<StabilityLimit>
 stability_limits(const loops::StabilityCase &which, const loops::StabilityParameter &parameter,
                  const ParameterRange &range);
@@ -84,10 +84,9 @@ struct MapCell {
 
 /// Row by row, x running fastest, on all processors.
 ///
-/// A trial releases the tip a millimetre from rest, on rigid links, and records its motion for a
-/// second. The members
-/// are tried in the order in which they are predicted to fail, until one does; with the whole
-/// linkage, whose trials take long, only the two worst.
+/// A trial releases the tip a millimetre from rest, one motor alone on rigid links, and records its
+/// motion for a second. The members are tried in the order in which they are predicted to fail,
+/// until one does; with the whole linkage, whose trials take long, only the two worst.
 /// @param progress  receives a share from 0 to 1, from one thread at a time
 [[nodiscard]] std::vector<MapCell> stability_map(const loops::StabilityCase &which,
                                                  const MapAxis &x, const MapAxis &y,

@@ -140,11 +140,21 @@ Trial three_motor_trial(const loops::StabilityCase &which, const loops::LoopMemb
     tied.coulomb_friction = options.effects.friction;
     tied.amplifier_limits = options.effects.saturation;
     tied.drive = which.drive;
-    const rig::Scenario scenario = rig::tied_scenario(setting_of(which), tied);
+    rig::Scenario scenario = rig::tied_scenario(setting_of(which), tied);
+    simulated::PlantEffects &effects = scenario.simulation.effects;
+    const double tip_kg = member.hand.mass_kg + which.device.inertia.tip_load_kg;
+    effects.cable_compliance = member.structure.in_cable() > 0.0;
+    effects.structural_compliance = member.structure.at_tip() > 0.0 && tip_kg > 0.0;
+    scenario.device.structure.cable_share = member.structure.in_cable();
+    if (effects.cable_compliance && !effects.structural_compliance) {
+        // Of the plant's effects, one alone has all of the compliance.
+        scenario.device.structure.stiffness_N_per_m /= member.structure.in_cable();
+    }
     simulated::SimulatedPhantom phantom(scenario.device, scenario.simulation, scenario.start_m);
-    rig::PhantomPlant plant(phantom);
+    rig::PhantomPlant plant(phantom, options.effects.quantisation);
     rig::LawRig loop(plant, law_of(which), scenario.constraint, rig::FirstCommand::answers);
-    const double per_count = phantom.description().rad_per_count();
+    const double per_count =
+        options.effects.quantisation ? phantom.description().rad_per_count() : 0.0;
     const double start_rad = options.start_m / device::motor_jacobian(geometry, which.q_rad).norm();
     const Watch watch = how_to_watch(which, member, options, start_rad);
     return watched(watch, per_count, which.period_s, [&] {
@@ -179,19 +189,21 @@ device::HandParameters simulated_hand(const loops::Hand &hand, double max_force_
 
 Trial simulated(const loops::StabilityCase &which, const loops::LoopMember &member,
                 const TrialOptions &options) {
-    const loops::LoopMember rigid{member.motor, member.hand};
-    return which.freedom == loops::Freedom::one_motor ? one_motor_trial(which, rigid, options)
-                                                      : three_motor_trial(which, rigid, options);
+    return which.freedom == loops::Freedom::one_motor
+               ? one_motor_trial(which, {member.motor, member.hand}, options)
+               : three_motor_trial(which, member, options);
 }
 
-loops::StabilityCase on_rigid_links(const loops::StabilityCase &which) {
-    loops::StabilityCase rigid = which;
-    rigid.structures = {loops::Structure{}};
-    return rigid;
+loops::StabilityCase as_tried(const loops::StabilityCase &which) {
+    loops::StabilityCase tried = which;
+    if (which.freedom == loops::Freedom::one_motor) {
+        tried.structures = {loops::Structure{}};
+    }
+    return tried;
 }
 
 bool is_stable_simulated(const loops::StabilityCase &which, const TrialOptions &options) {
-    const std::vector<loops::LoopMember> all = loops::members(on_rigid_links(which));
+    const std::vector<loops::LoopMember> all = loops::members(as_tried(which));
     return std::all_of(all.begin(), all.end(), [&](const loops::LoopMember &member) {
         return simulated(which, member, options).stable;
     });

@@ -60,8 +60,9 @@ struct Trial {
     double last_rate_rad_per_s = 0.0; ///< the maximum of the last tenth of a second
 };
 
-/// One member's loop. With one motor that is `RotorSimulation`; with three the simulated PHANTOM
-/// under the whole law, its tip tied to a point. Links are rigid, whatever the member's structure.
+/// One member's loop. With one motor that is `RotorSimulation`, on rigid links whatever the
+/// member's structure; with three the simulated PHANTOM under the whole law, its tip tied to a
+/// point, with that structure.
 ///
 /// Stable means that it comes to rest, or stays within two encoder counts for 0.4 s, or for a
 /// period where oscillations are slow: chatter between adjacent counts is not an instability of the
@@ -69,10 +70,10 @@ struct Trial {
 [[nodiscard]] Trial simulated(const loops::StabilityCase &which, const loops::LoopMember &member,
                               const TrialOptions &options);
 
-/// The case with rigid links only: that which is simulated.
-[[nodiscard]] loops::StabilityCase on_rigid_links(const loops::StabilityCase &which);
+/// The case that trials have: one motor alone is on rigid links.
+[[nodiscard]] loops::StabilityCase as_tried(const loops::StabilityCase &which);
 
-/// Whether the motion of every member with rigid links decays; stops at the first that does not.
+/// Whether the motion of every member of that decays; stops at the first that does not.
 [[nodiscard]] bool is_stable_simulated(const loops::StabilityCase &which,
                                        const TrialOptions &options);
 

@@ -7,12 +7,14 @@
 
 namespace springdrive::rig {
 
-PhantomPlant::PhantomPlant(simulated::SimulatedPhantom &phantom)
-    : phantom_(phantom), theta_rad_(phantom.truth().theta_rad) {}
+PhantomPlant::PhantomPlant(simulated::SimulatedPhantom &phantom, bool has_counts)
+    : phantom_(phantom), has_counts_(has_counts), theta_rad_(phantom.truth().theta_rad) {}
 
 void PhantomPlant::advance(const simulated::PlantCommand &command) {
     const std::array<std::int32_t, 3> counts = phantom_.advance(command).counts;
-    theta_rad_ = phantom_.description().rad_per_count() * Vector3(counts[0], counts[1], counts[2]);
+    theta_rad_ = has_counts_ ? Vector3(phantom_.description().rad_per_count() *
+                                       Vector3(counts[0], counts[1], counts[2]))
+                             : phantom_.truth().theta_rad;
 }
 
 LawRig::LawRig(Plant &plant, const LawOptions &options, Constraint constraint, FirstCommand first)

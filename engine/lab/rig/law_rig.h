@@ -34,13 +34,17 @@ public:
 /// A simulated device: exact angles at the start, its encoders' counts from then on.
 class PhantomPlant final : public Plant {
 public:
-    explicit PhantomPlant(simulated::SimulatedPhantom &phantom);
+    /// @param has_counts  false: exact angles always. Even fine counts sustain a motion of about
+    /// one
+    ///                    of them where a gain is within a quarter of its limit.
+    explicit PhantomPlant(simulated::SimulatedPhantom &phantom, bool has_counts = true);
 
     void advance(const simulated::PlantCommand &command) override;
     [[nodiscard]] Vector3 theta_rad() const override { return theta_rad_; }
 
 private:
     simulated::SimulatedPhantom &phantom_;
+    bool has_counts_;
     Vector3 theta_rad_;
 };
 
