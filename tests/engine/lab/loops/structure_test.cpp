@@ -238,36 +238,75 @@ TEST(StructuredLoop, OfAFastServoHasTheRootsOfTheContinuousSystem) {
     }
 }
 
-/// One motor with a cable, its linkage and a hand on a compliant tip, integrated by Runge-Kutta
-/// steps between samples: all of it written from the equations, by forces on each body.
-class StructuredMotorInTime {
+/// Motors with cables, their linkage and a hand on a compliant tip, integrated by Runge-Kutta steps
+/// between samples: all of it written from the equations, by forces on each body.
+/// @tparam n  1: a motor by itself, the tip along its motion; 3: all of the linkage
+template <int n> class StructuredMotorsInTime {
+    using Vector = Eigen::Matrix<double, n, 1>;
+    using Matrix = Eigen::Matrix<double, n, n>;
+
 public:
-    explicit StructuredMotorInTime(const StabilityCase &which, int index)
-        : which_(which), motor_(which.device.motor[static_cast<std::size_t>(index)]),
-          hand_(which.hands.front()), share_(*which.structures.front().cable_share) {
+    /// @param index  of the motor, if it is one
+    explicit StructuredMotorsInTime(const StabilityCase &which, int index = 0)
+        : which_(which), hand_(which.hands.front()), share_(*which.structures.front().cable_share) {
         const device::DeviceDescription &device = which.device;
-        const double N = device.geometry.transmission_ratio[index];
+        const device::StructuralCompliance &structure = device.structure;
         const device::LinkageMoments moments =
             device::linkage_moments(device.geometry, device.inertia, 0.0);
-        links_kg_m2_ = device::mass_matrix(moments, which.q_rad)(index, index) / (N * N);
-        friction_ = device.friction.viscous_Nms_per_rad / (N * N);
-        lever_m_ = tip_per_motor(device, which.q_rad).col(index).norm();
-        cable_lever_m_ = tip_per_motor(device, device::default_pose_rad()).col(index).norm();
+        const Matrix3 mass = device::mass_matrix(moments, which.q_rad);
+        const Matrix3 default_J = tip_per_motor(device, device::default_pose_rad());
+        const Matrix3 J = tip_per_motor(device, which.q_rad);
+        const auto motor_of = [&](Eigen::Index i) { return n == 1 ? index : static_cast<int>(i); };
+        double fastest = bandwidth_per_s_;
+        for (Eigen::Index i = 0; i < n; ++i) {
+            const int j = motor_of(i);
+            const device::MotorParameters &motor = device.motor[static_cast<std::size_t>(j)];
+            const double N = device.geometry.transmission_ratio[j];
+            rotor_kg_m2_[i] = motor.rotor_inertia_kg_m2;
+            k_T_[i] = motor.torque_constant_Nm_per_A;
+            inductance_H_[i] = motor.inductance_H;
+            dR_Ohm_[i] = which.dR_Ohm(motor);
+            friction_[i] = device.friction.viscous_Nms_per_rad / (N * N);
+            kappa_[i] = structure.stiffness_N_per_m * default_J.col(j).squaredNorm() / share_;
+            c_[i] = cable_damping(device, static_cast<std::size_t>(j), kappa_[i]);
+            for (Eigen::Index k = 0; k < n; ++k) {
+                const int other = motor_of(k);
+                links_kg_m2_(i, k) =
+                    mass(j, other) / (N * device.geometry.transmission_ratio[other]);
+            }
+            fastest += std::abs(dR_Ohm_[i]) / inductance_H_[i] +
+                       k_T_[i] / std::sqrt(inductance_H_[i] * rotor_kg_m2_[i]);
+        }
+        if constexpr (n == 1) {
+            levers_m_(0, 0) = J.col(index).norm();
+        } else {
+            levers_m_ = J;
+        }
         tip_kg_ = hand_.mass_kg + device.inertia.tip_load_kg;
-        // The fastest rate, from above: each spring and damper on the lighter of its two bodies.
-        const double lightest_kg =
-            std::min({motor_.rotor_inertia_kg_m2, links_kg_m2_}) / std::pow(lever_m_, 2.0);
-        const double parts =
-            share_ > 0.0 && share_ < 1.0 ? 1.0 / std::min(share_, 1.0 - share_) : 1.0;
-        const double larger = std::pow(std::max(1.0, cable_lever_m_ / lever_m_), 2.0);
-        const double k =
-            2.0 * parts * larger * (device.structure.stiffness_N_per_m + hand_.stiffness_N_per_m);
-        const double c =
-            2.0 * parts * larger * (device.structure.damping_Ns_per_m + hand_.damping_Ns_per_m);
-        fastest_per_s_ = bandwidth_per_s_ + std::abs(which.dR_Ohm(motor_)) / motor_.inductance_H +
-                         motor_.torque_constant_Nm_per_A /
-                             std::sqrt(motor_.inductance_H * motor_.rotor_inertia_kg_m2) +
-                         std::sqrt(k / lightest_kg) + c / lightest_kg;
+        Matrix moved = links_kg_m2_; // with all that is tied to the linkage rigidly
+        if (!has_tip()) {
+            moved += tip_kg_ * levers_m_.transpose() * levers_m_;
+        }
+        if (!has_linkage()) {
+            moved.diagonal() += rotor_kg_m2_;
+        }
+        per_inertia_ = moved.inverse();
+        // The fastest rate, from above: each spring and damper on each of its two bodies.
+        const auto on_bodies = [&](bool cable, bool tie, const Vector &in_cable, double at_tip,
+                                   double of_hand) {
+            const Vector cables = cable ? in_cable : Vector::Zero();
+            const double tied = tie ? at_tip / (1.0 - share_) : 0.0;
+            Matrix on_linkage = (tied + of_hand) * levers_m_.transpose() * levers_m_;
+            on_linkage.diagonal() += cables;
+            return cables.cwiseQuotient(rotor_kg_m2_).sum() + (per_inertia_ * on_linkage).trace() +
+                   (tie ? n * (tied + of_hand) / tip_kg_ : 0.0);
+        };
+        fastest_per_s_ =
+            fastest +
+            std::sqrt(on_bodies(has_linkage(), has_tip(), kappa_, structure.stiffness_N_per_m,
+                                hand_.stiffness_N_per_m)) +
+            on_bodies(has_linkage(), has_tip(), c_, structure.damping_Ns_per_m,
+                      hand_.damping_Ns_per_m);
     }
 
     [[nodiscard]] bool has_linkage() const { return share_ > 0.0; }
@@ -275,7 +314,7 @@ public:
     /// Rotor, linkage, tip, each with its speed, where they move by themselves; current, last angle
     /// and filtered rate, and commands on their way.
     [[nodiscard]] Eigen::Index states() const {
-        return 2 * (1 + (has_linkage() ? 1 : 0) + (has_tip() ? 1 : 0)) + 3 + held();
+        return n * (2 * (1 + (has_linkage() ? 1 : 0) + (has_tip() ? 1 : 0)) + 3 + held());
     }
 
     /// The map over a period, column by column.
@@ -289,9 +328,9 @@ public:
 
 private:
     struct Motion {
-        double rotor = 0.0, links = 0.0, tip = 0.0;
-        double rotor_rate = 0.0, links_rate = 0.0, tip_rate = 0.0;
-        double current = 0.0;
+        Vector rotor{Vector::Zero()}, links{Vector::Zero()}, tip{Vector::Zero()};
+        Vector rotor_rate{Vector::Zero()}, links_rate{Vector::Zero()}, tip_rate{Vector::Zero()};
+        Vector current{Vector::Zero()};
     };
 
     [[nodiscard]] Eigen::Index held() const {
@@ -305,52 +344,48 @@ private:
             m.links_rate = m.rotor_rate;
         }
         if (!has_tip()) {
-            m.tip = lever_m_ * m.links;
-            m.tip_rate = lever_m_ * m.links_rate;
+            m.tip = levers_m_ * m.links;
+            m.tip_rate = levers_m_ * m.links_rate;
         }
     }
 
-    [[nodiscard]] Motion rates(const Motion &m, double u) const {
+    [[nodiscard]] Motion rates(const Motion &m, const Vector &u) const {
         const device::StructuralCompliance &of = which_.device.structure;
-        const double hand_N =
+        const Vector hand_N =
             -hand_.stiffness_N_per_m * m.tip - hand_.damping_Ns_per_m * m.tip_rate;
-        double on_links_Nm = -friction_ * m.links_rate;
-        double links_kg_m2 = links_kg_m2_;
-        double tip_N = hand_N;
+        Vector on_links_Nm = -friction_.cwiseProduct(m.links_rate);
+        Vector tip_N = hand_N;
         if (has_tip()) {
-            const double tie_N = (of.stiffness_N_per_m * (lever_m_ * m.links - m.tip) +
-                                  of.damping_Ns_per_m * (lever_m_ * m.links_rate - m.tip_rate)) /
+            const Vector tie_N = (of.stiffness_N_per_m * (levers_m_ * m.links - m.tip) +
+                                  of.damping_Ns_per_m * (levers_m_ * m.links_rate - m.tip_rate)) /
                                  (1.0 - share_);
             tip_N += tie_N;
-            on_links_Nm -= lever_m_ * tie_N;
+            on_links_Nm -= levers_m_.transpose() * tie_N;
         } else {
-            on_links_Nm += lever_m_ * hand_N;
-            links_kg_m2 += tip_kg_ * lever_m_ * lever_m_;
+            on_links_Nm += levers_m_.transpose() * hand_N;
         }
-        double on_rotor_Nm = motor_.torque_constant_Nm_per_A * m.current;
-        double rotor_kg_m2 = motor_.rotor_inertia_kg_m2;
+        Vector on_rotor_Nm = k_T_.cwiseProduct(m.current);
         if (has_linkage()) {
-            const double kappa = of.stiffness_N_per_m * cable_lever_m_ * cable_lever_m_ / share_;
-            const double c =
-                2.0 * of.cable_damping_ratio * std::sqrt(kappa * motor_.rotor_inertia_kg_m2);
-            const double tie_Nm = kappa * (m.rotor - m.links) + c * (m.rotor_rate - m.links_rate);
+            const Vector tie_Nm = kappa_.cwiseProduct(m.rotor - m.links) +
+                                  c_.cwiseProduct(m.rotor_rate - m.links_rate);
             on_rotor_Nm -= tie_Nm;
             on_links_Nm += tie_Nm;
         } else {
-            on_rotor_Nm += on_links_Nm;
-            rotor_kg_m2 += links_kg_m2;
+            on_links_Nm += on_rotor_Nm;
         }
-        const double k_T = motor_.torque_constant_Nm_per_A;
         Motion dm;
         dm.rotor = m.rotor_rate;
         dm.links = m.links_rate;
         dm.tip = m.tip_rate;
-        dm.rotor_rate = on_rotor_Nm / rotor_kg_m2;
-        dm.links_rate = has_linkage() ? on_links_Nm / links_kg_m2 : dm.rotor_rate;
-        dm.tip_rate = has_tip() ? tip_N / tip_kg_ : lever_m_ * dm.links_rate;
-        dm.current = is_spring_ ? (u - which_.dR_Ohm(motor_) * m.current - k_T * m.rotor_rate) /
-                                      motor_.inductance_H
-                                : bandwidth_per_s_ * (u - m.current);
+        dm.links_rate = per_inertia_ * on_links_Nm;
+        dm.rotor_rate =
+            has_linkage() ? Vector(on_rotor_Nm.cwiseQuotient(rotor_kg_m2_)) : dm.links_rate;
+        dm.tip_rate = has_tip() ? Vector(tip_N / tip_kg_) : Vector(levers_m_ * dm.links_rate);
+        dm.current =
+            is_spring_
+                ? Vector((u - dR_Ohm_.cwiseProduct(m.current) - k_T_.cwiseProduct(m.rotor_rate))
+                             .cwiseQuotient(inductance_H_))
+                : Vector(bandwidth_per_s_ * (u - m.current));
         return dm;
     }
 
@@ -364,7 +399,7 @@ private:
                 m.current + h * dm.current};
     }
 
-    void advance(Motion &m, double u, double time_s) const {
+    void advance(Motion &m, const Vector &u, double time_s) const {
         constexpr double kStepsPerTime = 25.0;
         const int steps = static_cast<int>(std::ceil(kStepsPerTime * fastest_per_s_ * time_s));
         for (int i = 0; i < steps; ++i) {
@@ -377,38 +412,61 @@ private:
         }
     }
 
+    /// The share of a motion that the law treats as an error: (18), or (23) with the largest α.
+    [[nodiscard]] Vector error(const Vector &moved) const {
+        Vector all = moved;
+        if (which_.tuning.map == control::MotionMap::transpose) {
+            const Matrix softness = (k_T_ / k_T_.mean()).cwiseInverse().asDiagonal() *
+                                    (levers_m_.transpose() * levers_m_);
+            all = softness * moved;
+            all /= softness.eigenvalues().real().maxCoeff();
+        }
+        return (1.0 - which_.tuning.eta) * all;
+    }
+
+    [[nodiscard]] Vector command(const Vector &angle, const Vector &rate) const {
+        const control::Tuning &tuning = which_.tuning;
+        if (is_spring_) {
+            return k_T_.cwiseProduct(rate - error(rate)) -
+                   error(tuning.K_D_Vs_per_rad * rate + tuning.K_P_V_per_rad * angle);
+        }
+        const Vector force_N =
+            -(1.0 - tuning.eta) * levers_m_ *
+            (which_.wall.stiffness_N_per_m * angle + which_.wall.damping_Ns_per_m * rate);
+        return Vector(levers_m_.transpose() * force_N).cwiseQuotient(k_T_);
+    }
+
     [[nodiscard]] Eigen::VectorXd after_period(const Eigen::VectorXd &state) const {
         Motion m;
         Eigen::Index next = 0;
-        const auto read = [&](bool is_there, double &place, double &rate) {
+        const auto read_one = [&](Vector &into) {
+            into = state.segment<n>(next);
+            next += n;
+        };
+        const auto read = [&](bool is_there, Vector &place, Vector &rate) {
             if (is_there) {
-                place = state[next++];
-                rate = state[next++];
+                read_one(place);
+                read_one(rate);
             }
         };
         read(true, m.rotor, m.rotor_rate);
         read(has_linkage(), m.links, m.links_rate);
         read(has_tip(), m.tip, m.tip_rate);
         follow(m);
-        m.current = state[next++];
-        const double last_rad = state[next++];
-        const double last_rate = state[next++];
-        std::deque<double> commands; // the oldest first
-        for (Eigen::Index i = 0; i < held(); ++i) {
-            commands.push_back(state[next++]);
+        Vector last_rad;
+        Vector last_rate;
+        for (Vector *each : {&m.current, &last_rad, &last_rate}) {
+            read_one(*each);
         }
-        const control::Tuning &tuning = which_.tuning;
-        const double a = std::exp(-tuning.lambda_rad_per_s * which_.period_s);
-        const double rate = a * last_rate + (1.0 - a) * (m.rotor - last_rad) / which_.period_s;
-        const double now_rad = m.rotor;
-        const double k_T = motor_.torque_constant_Nm_per_A;
-        const double held = 1.0 - tuning.eta;
-        commands.push_back(is_spring_
-                               ? tuning.eta * k_T * rate - held * (tuning.K_D_Vs_per_rad * rate +
-                                                                   tuning.K_P_V_per_rad * now_rad)
-                               : -held * lever_m_ * lever_m_ / k_T *
-                                     (which_.wall.stiffness_N_per_m * now_rad +
-                                      which_.wall.damping_Ns_per_m * rate));
+        std::deque<Vector> commands; // the oldest first
+        for (Eigen::Index i = 0; i < held(); ++i) {
+            commands.emplace_back();
+            read_one(commands.back());
+        }
+        const double a = std::exp(-which_.tuning.lambda_rad_per_s * which_.period_s);
+        const Vector rate = a * last_rate + (1.0 - a) * (m.rotor - last_rad) / which_.period_s;
+        const Vector now_rad = m.rotor;
+        commands.push_back(command(now_rad, rate));
         const double until = which_.delay_periods - std::floor(which_.delay_periods);
         if (until > 0.0) {
             advance(m, commands[0], until * which_.period_s);
@@ -419,34 +477,37 @@ private:
         commands.pop_front();
         Eigen::VectorXd after(states());
         next = 0;
-        const auto write = [&](bool is_there, double place, double speed) {
+        const auto write_one = [&](const Vector &value) {
+            after.segment<n>(next) = value;
+            next += n;
+        };
+        const auto write = [&](bool is_there, const Vector &place, const Vector &speed) {
             if (is_there) {
-                after[next++] = place;
-                after[next++] = speed;
+                write_one(place);
+                write_one(speed);
             }
         };
         write(true, m.rotor, m.rotor_rate);
         write(has_linkage(), m.links, m.links_rate);
         write(has_tip(), m.tip, m.tip_rate);
-        after[next++] = m.current;
-        after[next++] = now_rad;
-        after[next++] = rate;
-        for (const double command : commands) {
-            after[next++] = command;
+        for (const Vector &each : {m.current, now_rad, rate}) {
+            write_one(each);
+        }
+        for (const Vector &each : commands) {
+            write_one(each);
         }
         return after;
     }
 
     StabilityCase which_;
-    device::MotorParameters motor_;
     Hand hand_;
     bool is_spring_ = which_.drive == device::AmplifierKind::spring_drive;
     double bandwidth_per_s_ = 2.0 * std::numbers::pi * which_.device.amplifier.current_bandwidth_hz;
     double share_;
-    double links_kg_m2_ = 0.0;
-    double friction_ = 0.0;
-    double lever_m_ = 0.0;
-    double cable_lever_m_ = 0.0;
+    Vector rotor_kg_m2_, k_T_, inductance_H_, dR_Ohm_;
+    Vector friction_; ///< of the linkage's joints, at the motors as all of it
+    Vector kappa_, c_;
+    Matrix links_kg_m2_, per_inertia_, levers_m_;
     double tip_kg_ = 0.0;
     double fastest_per_s_ = 0.0;
 };
@@ -470,7 +531,7 @@ TEST(StructuredLoop, GrowsOrDecaysAsIntegratedInTime) {
                           testing::Draw(random).by_ratio(0.3, 20.0)};
         }
         const int j = i % 3;
-        const StructuredMotorInTime in_time(which, j);
+        const StructuredMotorsInTime<1> in_time(which, j);
         const LoopMember member{j, which.hands.front(), which.structures.front()};
         const double found = largest_eigenvalue(which, member);
         const Eigen::MatrixXd map = in_time.map();
@@ -506,6 +567,31 @@ TEST(StructuredLoop, GrowsOrDecaysAsIntegratedInTime) {
     EXPECT_LT(unstable, 170);
     EXPECT_GT(with_tip, 50);
     EXPECT_GT(with_cable, 100);
+}
+
+/// All motors, coupled by the linkage's masses, by their maps and by the hand.
+TEST(StructuredLoop, OfTheWholeLinkageIsAsIntegratedInTime) {
+    std::mt19937_64 random(58);
+    int unstable = 0;
+    constexpr int kCases = 40;
+    for (int i = 0; i < kCases; ++i) {
+        StabilityCase which = random_structured_case(random);
+        which.freedom = Freedom::three_motors;
+        if (i % 4 == 3) {
+            which.drive = device::AmplifierKind::current_drive;
+            which.wall = {testing::Draw(random).by_ratio(100.0, 1e4),
+                          testing::Draw(random).by_ratio(0.3, 20.0)};
+        }
+        const StructuredMotorsInTime<3> in_time(which);
+        const LoopMember member = members(which).front();
+        const double truth = in_time.map().eigenvalues().cwiseAbs().maxCoeff();
+        // As above, with levers by differences that are off by 1e-10.
+        EXPECT_NEAR(largest_eigenvalue(which, member), truth, 1e-7 * truth)
+            << structure_text(member.structure) << ", " << member.hand.name;
+        unstable += truth > 1.0 ? 1 : 0;
+    }
+    EXPECT_GT(unstable, kCases / 6);
+    EXPECT_LT(unstable, kCases * 5 / 6);
 }
 
 /// Where the links are perpendicular, and their axes are those of the default pose's levers, three
