@@ -95,18 +95,52 @@ private:
     double of_p_;    ///< Σ 1/(Ω_n² + p²)
 };
 
-SpringDrive drive_of(const StabilityCase &which) {
-    SpringDrive drive{which.device.motor[0], which.tuning, which.period_s, which.delay_periods};
+SpringDrive drive_of(const StabilityCase &which, std::size_t motor) {
+    SpringDrive drive{which.device.motor[motor], which.tuning, which.period_s, which.delay_periods};
     // As it is, not as far as a drive can be set: with nothing left, nothing is passive.
-    const double dR_Ohm = std::max(0.0, which.dR_Ohm(which.device.motor[0]));
+    const double dR_Ohm = std::max(0.0, which.dR_Ohm(which.device.motor[motor]));
     drive.motor.resistance_Ohm = drive.tuning.dR_Ohm = dR_Ohm;
     return drive;
 }
 
+/// The least b of all motors and structures.
 double port_damping_Nms_per_rad(const StabilityCase &which) {
-    return which.rotor ? which.rotor->damping_Nms_per_rad
-                       : which.device.friction.viscous_Nms_per_rad /
-                             which.device.geometry.transmission_ratio.cwiseAbs2().maxCoeff();
+    if (which.rotor) {
+        return which.rotor->damping_Nms_per_rad;
+    }
+    const Vector3 joint = which.device.friction.viscous_Nms_per_rad *
+                          which.device.geometry.transmission_ratio.cwiseAbs2().cwiseInverse();
+    double least = joint.minCoeff();
+    for (const Structure &structure : which.structures) {
+        const auto cables = device::cable_compliance(which.device, structure.in_cable());
+        for (std::size_t j = 0; structure.in_cable() > 0.0 && j < cables.size(); ++j) {
+            const double c = cables[j].damping_Nms_per_rad;
+            const double b = joint[static_cast<Eigen::Index>(j)];
+            least = std::min(least, c > 0.0 ? b / (1.0 + b / c) : 0.0);
+        }
+    }
+    return least;
+}
+
+using OfDrive = LeastAtPort(const SpringDrive &, double);
+
+/// The least of the motors', each of those that differ by itself.
+LeastAtPort least_of_motors(const StabilityCase &which, OfDrive *of_drive) {
+    const double b = port_damping_Nms_per_rad(which);
+    const std::size_t first = which.rotor ? 1 : 0; // the one that members have
+    const SpringDrive drive = drive_of(which, first);
+    LeastAtPort least = of_drive(drive, b);
+    for (std::size_t j = 1; !which.rotor && j < which.device.motor.size(); ++j) {
+        const SpringDrive other = drive_of(which, j);
+        if (other.dR_Ohm() == drive.dR_Ohm() &&
+            other.motor.inductance_H == drive.motor.inductance_H &&
+            other.motor.torque_constant_Nm_per_A == drive.motor.torque_constant_Nm_per_A) {
+            continue;
+        }
+        const LeastAtPort found = of_drive(other, b);
+        least = found.value < least.value ? found : least;
+    }
+    return least;
 }
 
 bool has_losses(const SpringDrive &drive, const Port &port) {
@@ -174,12 +208,10 @@ LeastAtPort stability_with_linear_hands(const SpringDrive &drive, double damping
                  std::array{1.0, 0.9, 0.75, 0.5, 0.25, 0.1, 0.03, 0.0}, 100);
 }
 
-LeastAtPort passivity(const StabilityCase &which) {
-    return passivity(drive_of(which), port_damping_Nms_per_rad(which));
-}
+LeastAtPort passivity(const StabilityCase &which) { return least_of_motors(which, passivity); }
 
 LeastAtPort stability_with_linear_hands(const StabilityCase &which) {
-    return stability_with_linear_hands(drive_of(which), port_damping_Nms_per_rad(which));
+    return least_of_motors(which, stability_with_linear_hands);
 }
 
 std::string port_text(const LeastAtPort &passive, const LeastAtPort &linear_hands) {

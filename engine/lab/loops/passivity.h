@@ -69,8 +69,11 @@ struct LeastAtPort {
                                                       double damping_Nms_per_rad);
 
 // Of a device, whose motors render modes of the transpose map with α up to (29), or the inverse
-// map: with the least b of all at each motor, it is passive where such a motor is. All motors are
-// taken for the first one. η and hands of the case do not enter.
+// map: with the least b of all at each motor, it is passive where such a motor is. Where motors
+// differ, each is taken by itself, and the worst counts. Friction is in the joint: behind a cable
+// with the damper c, a rotor that turns at v still meets b v_l² + c (v − v_l)² ≥ bc/(b + c) v², so
+// that is b with such a structure, and what remains is passive. η and hands of the case do not
+// enter.
 
 [[nodiscard]] LeastAtPort passivity(const StabilityCase &which);
 [[nodiscard]] LeastAtPort stability_with_linear_hands(const StabilityCase &which);

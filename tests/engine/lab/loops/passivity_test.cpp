@@ -2,11 +2,15 @@
 // winding in time, against linear hands by eigenvalues, and (12) where the period is short.
 #include "engine/control/velocity_filter.h"
 #include "engine/lab/loops/passivity.h"
+#include "tests/support/cases.h"
+#include "tests/support/configurations.h"
 #include "tests/support/devices.h"
+#include "tests/support/stability_cases.h"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <deque>
@@ -360,6 +364,134 @@ TEST_F(PassivityTest, WithoutLossesNothingIsPassive) {
     const LeastAtPort active = passivity(drive, kPortDamping);
     EXPECT_FALSE(active.holds());
     EXPECT_EQ(active.held, 0.0);
+}
+
+/// A drive, pose and structure of any kind, gains as large as are passive. Without hands.
+StabilityCase random_passive_case(std::mt19937_64 &random, bool motors_differ) {
+    testing::Draw draw(random);
+    while (true) {
+        StabilityCase which;
+        which.device =
+            draw.whole(0, 1) == 0 ? testing::phantom_1_0() : testing::phantom_premium_1_5();
+        for (device::MotorParameters &motor : which.device.motor) {
+            motor.torque_constant_Nm_per_A *= motors_differ ? draw.even(0.8, 1.25) : 1.0;
+            motor.inductance_H *= motors_differ ? draw.even(0.8, 1.25) : 1.0;
+        }
+        which.device.structure = {draw.by_ratio(500.0, 3e4),
+                                  draw.whole(0, 1) == 0 ? 0.0 : draw.by_ratio(0.1, 5.0),
+                                  {},
+                                  draw.by_ratio(0.001, 0.1)};
+        const int kind = draw.whole(0, 3);
+        which.structures = {kind == 0 ? Structure{}
+                                      : Structure{kind == 1   ? 0.0
+                                                  : kind == 2 ? 1.0
+                                                              : draw.even(0.05, 0.95)}};
+        which.freedom = Freedom::three_motors;
+        which.q_rad = testing::random_workspace_angles(which.device, random);
+        which.period_s = draw.by_ratio(1e-4, 2e-3);
+        which.delay_periods = draw.whole(0, 1) == 0 ? 0.0 : draw.even(0.0, 2.0);
+        which.tuning.map =
+            draw.whole(0, 1) == 0 ? control::MotionMap::inverse : control::MotionMap::transpose;
+        which.tuning.dR_Ohm = draw.by_ratio(0.1, 1.0);
+        which.tuning.lambda_rad_per_s = draw.by_ratio(50.0, 2000.0);
+        const double damped_s = draw.by_ratio(1e-5, 3e-3);
+        const auto with_gain = [&](double K_P_V_per_rad) {
+            which.tuning.K_P_V_per_rad = K_P_V_per_rad;
+            which.tuning.K_D_Vs_per_rad = damped_s * K_P_V_per_rad;
+            return which;
+        };
+        double low = 1e-3;
+        double high = 500.0;
+        if (!passivity(with_gain(low)).holds()) {
+            continue; // free space alone is active
+        }
+        for (int i = 0; i < 12; ++i) {
+            const double middle = std::sqrt(low * high);
+            (passivity(with_gain(middle)).holds() ? low : high) = middle;
+        }
+        return with_gain(low);
+    }
+}
+
+/// Anything that a hand may be, mostly without losses.
+Hand random_passive_hand(std::mt19937_64 &random) {
+    testing::Draw draw(random);
+    return {"random", draw.by_ratio(1e-3, 10.0),
+            draw.whole(0, 2) == 0 ? draw.by_ratio(1e-3, 100.0) : 0.0, draw.by_ratio(0.1, 1e5)};
+}
+
+TEST(PassiveTunings, AreUnstableInNoHandStructureOrPose) {
+    std::mt19937_64 random(61);
+    const int tunings = testing::cases(60, 1000);
+    constexpr int kHands = 10;
+    int beyond = 0;
+    for (int i = 0; i < tunings; ++i) {
+        StabilityCase which = random_passive_case(random, i % 3 == 0);
+        testing::Draw draw(random);
+        for (int k = 0; k < kHands; ++k) {
+            which.hands = {random_passive_hand(random)};
+            which.q_rad = testing::random_workspace_angles(which.device, random);
+            which.tuning.eta = k == 0 ? 1.0 : k < 7 ? 0.0 : draw.even(0.0, 1.0);
+            const LoopMember member = members(which).front();
+            // A lossless hand has modes with |z| just below 1, pairs of them by round-off's root.
+            EXPECT_LE(largest_eigenvalue(which, member), 1.0 + 1e-8)
+                << structure_text(member.structure) << ", m " << member.hand.mass_kg << ", k "
+                << member.hand.stiffness_N_per_m << ", η " << which.tuning.eta << ", T "
+                << which.period_s << ", d " << which.delay_periods << ", tuning " << i;
+            StabilityCase larger = which;
+            larger.tuning.K_P_V_per_rad *= 4.0;
+            beyond += largest_eigenvalue(larger, member) > 1.0 + 1e-6 ? 1 : 0;
+        }
+    }
+    EXPECT_GT(beyond, tunings); // a tenth of the loops
+}
+
+/// The worst motor decides, wherever it is; a motor given by itself is the case's second one.
+TEST(PassiveTunings, AreThoseOfTheWorstMotor) {
+    StabilityCase which = testing::firm();
+    which.tuning.lambda_rad_per_s = 500.0;
+    which.tuning.dR_Ohm = 0.2;
+    which.tuning.K_D_Vs_per_rad = 0.001;
+    which.tuning.K_P_V_per_rad = 7.0;
+    ASSERT_TRUE(passivity(which).holds());
+    ASSERT_TRUE(stability_with_linear_hands(which).holds());
+    for (std::size_t j = 0; j < 3; ++j) {
+        StabilityCase other = which;
+        other.device.motor[j].inductance_H *= 4.0; // K_P ≤ k_T dR/L
+        EXPECT_FALSE(passivity(other).holds()) << j;
+        EXPECT_FALSE(stability_with_linear_hands(other).holds()) << j;
+        const double b = which.device.friction.viscous_Nms_per_rad /
+                         which.device.geometry.transmission_ratio.cwiseAbs2().maxCoeff();
+        other.rotor = device::RotorLoad{1e-5, b, 0.0};
+        EXPECT_EQ(passivity(other).holds(), j != 1) << j;
+    }
+}
+
+/// Between joint and rotor, friction is in series with the cable's damper.
+TEST(PassiveTunings, HaveTheJointsFrictionBehindACable) {
+    StabilityCase which = testing::firm();
+    which.tuning.lambda_rad_per_s = 500.0;
+    which.tuning.dR_Ohm = 0.2;
+    which.tuning.K_D_Vs_per_rad = 0.001;
+    which.tuning.K_P_V_per_rad = 5.0;
+    which.device.structure.cable_damping_ratio = 0.003;
+    const double N_square = which.device.geometry.transmission_ratio.cwiseAbs2().maxCoeff();
+    const double b = which.device.friction.viscous_Nms_per_rad / N_square;
+    const double rigid = passivity(which).value;
+    which.structures = all_structures();
+    double least = HUGE_VAL;
+    for (const device::CableCompliance &cable : device::cable_compliance(which.device, 1.0)) {
+        const double c = cable.damping_Nms_per_rad;
+        ASSERT_LT(c, 10.0 * b);
+        least = std::min(least, b * c / (b + c));
+    }
+    const SpringDrive drive{which.device.motor[0], which.tuning, which.period_s, 0.0};
+    EXPECT_LT(passivity(which).value, rigid);
+    EXPECT_NEAR(passivity(which).value, passivity(drive, least).value, 1e-9);
+    which.device.structure.cable_damping_ratio = 0.0;
+    EXPECT_FALSE(passivity(which).holds());
+    which.structures = {{0.0}};
+    EXPECT_NEAR(passivity(which).value, rigid, 1e-12);
 }
 
 } // namespace
