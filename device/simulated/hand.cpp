@@ -4,6 +4,8 @@
 #include "base/input_file.h"
 #include "base/text.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,6 +24,15 @@ constexpr std::uintmax_t kMaxBytes = 2'000'000'000;
 
 /// No hand is farther away: a larger value is in the wrong unit.
 constexpr double kFarthest_m = 5.0;
+
+/// No hand waits so long before it begins to move: a later first time is of another clock, such as
+/// seconds since 1970.
+constexpr double kLatestBegin_s = 3600.0;
+
+/// No hand that moves is slower than this for so long: the times are milliseconds, or less. Slow
+/// presses and long rests are no such paths, for the hand came there faster.
+constexpr double kSlowest_m_per_s = 0.002;
+constexpr double kSlowFor_s = 600.0;
 
 std::string_view trimmed(std::string_view text) {
     const std::string_view blanks = " \t\r";
@@ -51,6 +62,29 @@ bool parse_row(std::string_view line, std::array<double, 4> &row) {
         line.remove_prefix(comma == std::string_view::npos ? line.size() : comma + 1);
     }
     return true;
+}
+
+/// Refuses a path in times of another unit or clock, which the hand would follow without being seen
+/// to move.
+void check_times(const std::vector<HandPath::Point> &points, const std::string &file) {
+    const double first_s = points.front().time_s;
+    if (std::abs(first_s) > kLatestBegin_s) {
+        throw InputError(fmt::format("{}: its first time is {:g} s; times are seconds, from about "
+                                     "0: subtract the first from all",
+                                     file, first_s));
+    }
+    double fastest_m_per_s = 0.0;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+        fastest_m_per_s =
+            std::max(fastest_m_per_s, (points[i].position_m - points[i - 1].position_m).norm() /
+                                          (points[i].time_s - points[i - 1].time_s));
+    }
+    const double takes_s = points.back().time_s - first_s;
+    if (fastest_m_per_s > 0.0 && fastest_m_per_s < kSlowest_m_per_s && takes_s > kSlowFor_s) {
+        throw InputError(fmt::format("{}: takes {:g} s, at no more than {:.2g} mm/s; times are "
+                                     "seconds: divide milliseconds by 1000",
+                                     file, takes_s, 1e3 * fastest_m_per_s));
+    }
 }
 
 constexpr double kStepRise_s = 0.005;
@@ -152,6 +186,7 @@ HandPath HandPath::read_csv(const std::filesystem::path &file, Header header) {
     if (points.empty()) {
         throw InputError(file.string() + ": contains no points; add lines of t,x,y,z");
     }
+    check_times(points, file.string());
     return HandPath(std::move(points));
 }
 

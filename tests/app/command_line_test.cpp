@@ -422,7 +422,7 @@ protected:
                               "\n[calibration]\nserial = 7\n");
         write("hand.csv", "0,0,0.06,0\n0.1,0,0.048,0\n");
         write("bad.csv", "t,x,y,z\n0,0,0.06,0\n1,0,oops,0\n");
-        write("long.csv", "t,x,y,z\n0,0,0.06,0\n5000,0,0,0\n");
+        write("long.csv", "t,x,y,z\n0,0,0.06,0\n1,0,0,0\n5000,0,0,0\n");
     }
 
     void write(const char *name, const std::string &text) const {

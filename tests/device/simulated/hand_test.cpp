@@ -11,9 +11,12 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <numbers>
 #include <random>
+#include <sstream>
 #include <string>
+#include <vector>
 
 namespace springdrive::simulated {
 namespace {
@@ -88,6 +91,67 @@ TEST(HandPath, SaysWhichLineIsWrong) {
     EXPECT_NE(error("t,x,y,z\n").find("no point"), std::string::npos);
     EXPECT_NE(error("").find("no point"), std::string::npos);
     EXPECT_THROW(static_cast<void>(HandPath::read_csv("no such file.csv")), InputError);
+}
+
+/// A recorded hand: to and fro as fast as hands are, at a rate of trackers and servos.
+std::vector<HandPath::Point> recorded_hand(std::mt19937_64 &random) {
+    std::uniform_real_distribution<> any(0.0, 1.0);
+    const double rate_hz = 30.0 * std::pow(100.0, any(random));
+    const double swing_m = 0.01 + 0.05 * any(random);
+    const double turn_hz = 0.2 + 1.5 * any(random); // at most π 0.12 m 1.7 Hz, 0.6 m/s
+    const double rests_s = 10.0 * any(random);
+    std::vector<HandPath::Point> points{{rests_s, Vector3(swing_m, 0.0, 0.0)}};
+    for (int i = 1; i < 3.0 * rate_hz; ++i) {
+        const double t = i / rate_hz;
+        points.push_back(
+            {rests_s + t, Vector3(swing_m * std::cos(2.0 * std::numbers::pi * turn_hz * t), 0.0,
+                                  0.001 * any(random) / rate_hz)});
+    }
+    return points;
+}
+
+std::string csv_of(const std::vector<HandPath::Point> &points, double per_s, double begin) {
+    std::ostringstream text;
+    text << "t,x,y,z\n" << std::setprecision(17);
+    for (const HandPath::Point &point : points) {
+        text << begin + per_s * point.time_s << ',' << point.position_m.x() << ','
+             << point.position_m.y() << ',' << point.position_m.z() << '\n';
+    }
+    return text.str();
+}
+
+TEST(HandPath, HasNoTimesOfAnotherUnitOrClock) {
+    std::mt19937_64 random(50);
+    for (int i = 0; i < 20; ++i) {
+        const std::vector<HandPath::Point> hand = recorded_hand(random);
+        EXPECT_EQ(error(csv_of(hand, 1.0, 0.0)), "") << i;
+        for (const double per_s : {1e3, 1e6, 1e9}) {
+            EXPECT_NE(error(csv_of(hand, per_s, -per_s * hand[0].time_s)).find("1000"),
+                      std::string::npos)
+                << i << ", " << per_s << " a second";
+        }
+        for (const double per_s : {1.0, 1e3, 1e6}) { // since 1970, and since a computer's start
+            for (const double at_s : {1.7e9, 4e5}) {
+                EXPECT_NE(error(csv_of(hand, per_s, per_s * at_s)).find("first time"),
+                          std::string::npos)
+                    << i << ", " << per_s << " a second";
+            }
+        }
+    }
+    // Of few points, too; waits, long holds and slow presses are meant.
+    EXPECT_NE(error("t,x,y,z\n0,0,0.05,0\n1500,0,0.02,0\n3000,0,0.02,0\n").find("1000"),
+              std::string::npos);
+    for (const char *meant :
+         {"3600,0,0.05,0\n3601,0,0,0\n", "0,0,0.05,0\n3000,0,0.05,0\n",
+          "0,0,0.05,0\n1,0,0,0\n600,0,0,0\n", "0,0,0.05,0\n1,0,0,0\n900,0,-0.001,0\n",
+          "0,0,0.001,0\n600,0,0,0\n", "0,0,0.05,0\n", "-5,0,0.05,0\n1,0,0,0\n"}) {
+        EXPECT_EQ(error(std::string("t,x,y,z\n") + meant), "") << meant;
+    }
+    EXPECT_NE(error("t,x,y,z\n3601,0,0.05,0\n3602,0,0,0\n"), "");
+    EXPECT_NE(error("t,x,y,z\n-3601,0,0.05,0\n1,0,0,0\n"), "");
+    EXPECT_NE(error("t,x,y,z\n0,0,0.001,0\n601,0,0,0\n"), "");
+    EXPECT_NE(error("t,x,y,z\n0,0,0,0\n1000,0,1.99,0\n"), "");
+    EXPECT_EQ(error("t,x,y,z\n0,0,0,0\n1000,0,2.01,0\n"), "");
 }
 
 HandStimulus random_stimulus(std::mt19937_64 &random, StimulusKind kind) {
