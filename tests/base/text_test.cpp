@@ -3,6 +3,7 @@
 // the nearest name. Formats that must not compile are tested by tests/forbidden_formats.
 #include "base/text.h"
 
+#include "base/for_persons.h"
 #include "base/input_error.h"
 #include "base/print.h"
 #include "base/strict_toml.h"
@@ -109,6 +110,68 @@ TEST(MachineName, MayBeUnknown) {
 TEST(MachineName, EndsWithTheCores) {
     EXPECT_NE(machine_name().find(" core"), std::string::npos);
     EXPECT_EQ(machine_name().back(), ')');
+}
+
+/// A letter in the forms that Unicode takes for one: whole, and in parts; and in the other case.
+struct Forms {
+    std::string whole;
+    std::string in_parts;
+    std::string other_case;
+};
+
+const std::vector<Forms> kLetters{{"a", "a", "A"},
+                                  {"0", "0", "0"},
+                                  {"-", "-", "-"},
+                                  {"\u00e9", "e\u0301", "\u00c9"},
+                                  {"\u00e5", "a\u030a", "A\u030a"},
+                                  {"\u1ec7", "e\u0323\u0302", "\u1ec6"}, // its third form is below
+                                  {"\u03bb", "\u03bb", "\u039b"},
+                                  {"\u03ac", "\u03b1\u0301", "\u0386"},
+                                  {"\u0439", "\u0438\u0306", "\u0419"},
+                                  {"\u0434", "\u0434", "\u0414"},
+                                  {"\u304c", "\u304b\u3099", "\u304c"},
+                                  {"\uac00", "\u1100\u1161", "\uac00"},
+                                  {"\u5b57", "\u5b57", "\u5b57"},
+                                  {"\U0001f600", "\U0001f600", "\U0001f600"}};
+
+TEST(LookAlike, AreNamesThatPersonsTakeForOne) {
+    const std::vector<std::string> unseen{" ",      "\t",     "\u00a0", "\u2009", "\u200b",
+                                          "\u00ad", "\ufeff", "\u3000", "\u202f"};
+    std::mt19937_64 random(50);
+    const auto below = [&random](std::size_t limit) { return random() % limit; };
+    for (int i = 0; i < 2000; ++i) {
+        std::vector<std::size_t> letters(1 + below(12));
+        std::ranges::generate(letters, [&] { return below(kLetters.size()); });
+        const auto written = [&](const std::vector<std::size_t> &of) {
+            std::string name;
+            for (const std::size_t letter : of) {
+                name += below(5) == 0 ? unseen[below(unseen.size())] : "";
+                const Forms &forms = kLetters[letter];
+                name += std::array{forms.whole, forms.in_parts, forms.other_case}[below(3)];
+            }
+            return name;
+        };
+        const std::string name = written(letters);
+        EXPECT_TRUE(look_alike(name, written(letters))) << name;
+        // Another letter, one fewer, or one more. Letters that are whole and not ASCII are like any
+        // in parts, so that only the plain ones tell.
+        std::vector<std::size_t> other = letters;
+        const std::size_t at = below(other.size());
+        std::string cut = name + "b";
+        EXPECT_FALSE(look_alike(name, cut)) << name << " | " << cut;
+        other.insert(other.begin() + static_cast<std::ptrdiff_t>(at), below(2));
+        EXPECT_FALSE(look_alike(name, written(other))) << name;
+        if (letters[at] < 2) {
+            letters[at] = 1 - letters[at];
+            EXPECT_FALSE(look_alike(name, written(letters))) << name;
+        }
+    }
+    EXPECT_TRUE(look_alike("\u00ea\u0323", "e\u0323\u0302"));
+    EXPECT_FALSE(look_alike("e\u0301", "e"));
+    EXPECT_FALSE(look_alike("\u00e9", "\u00e8"));
+    EXPECT_FALSE(look_alike("0.5", "0.05"));
+    EXPECT_TRUE(look_alike("", " \u200b"));
+    EXPECT_TRUE(look_alike("\xff", "\xff")) << "no UTF-8, but no harm";
 }
 
 TEST(FormulaGuard, LetsNoTextBeginLikeAFormula) {
@@ -386,6 +449,16 @@ TEST(Table, IsReadBackFromCsvByAnotherReader) {
         table.rows.push_back({texts[i][0], texts[i][1]});
     }
     EXPECT_EQ(testing::parsed_csv(text_of(write_csv, table)), texts);
+}
+
+TEST(Table, HasAByteOrderMarkForPersonsIfItNeedsOne) {
+    Table table = Table::with_columns("name,n");
+    table.rows = {{"plain", 1}};
+    EXPECT_EQ(text_of(write_csv_for_persons, table), text_of(write_csv, table));
+    table.rows.push_back({"Größe", 2});
+    EXPECT_EQ(text_of(write_csv_for_persons, table), "\xEF\xBB\xBF" + text_of(write_csv, table));
+    EXPECT_TRUE(text_of(write_csv, table).starts_with("name,n\n")) << "for programs, none";
+    EXPECT_TRUE(text_of(write_tsv, table).starts_with("name\tn\n")) << "BIDS has none";
 }
 
 TEST(Table, GuardsTextsInCsvButNoNumbers) {

@@ -111,6 +111,16 @@ void warn_of_study(const study::StudyContents &contents, const std::filesystem::
             std::cerr << "springdrive: " << warning << '\n';
         }
     }
+    const std::vector<study::Participant> &all = contents.participants;
+    for (auto one = all.begin(); one != all.end(); ++one) {
+        for (auto other = all.begin(); other != one; ++other) {
+            if (study::is_mistaken_for(one->code, other->code)) {
+                std::cerr << fmt::format("springdrive: {}: {} and {} are two participants, with "
+                                         "results apart; if they are one person, they stay so\n",
+                                         file.string(), other->code, one->code);
+            }
+        }
+    }
 }
 
 OpenedStudy read_opened_study(const std::filesystem::path &file) {
@@ -118,6 +128,10 @@ OpenedStudy read_opened_study(const std::filesystem::path &file) {
     opened.contents = study::read_study(file);
     opened.protocol = protocol_in(opened.contents, file);
     warn_of_study(opened.contents, file);
+    for (const study::ProtocolFinding &finding : study::check_names(opened.protocol)) {
+        std::cerr << fmt::format("springdrive: {}: {} {}; their results are apart\n", file.string(),
+                                 finding.where, finding.what);
+    }
     return opened;
 }
 

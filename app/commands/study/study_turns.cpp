@@ -198,7 +198,11 @@ std::string StudyTurns::next_code() const {
     const int ever =
         static_cast<int>(contents.participants.size()) + contents.facts.removed_participants;
     int number = std::max(study::next_participant_number(contents), ever + 1);
-    while (progress_named(all, code_of(number)) != nullptr) {
+    const auto is_taken = [](const std::string &code, const study::Progress &one) {
+        return one.participant == code || study::is_mistaken_for(code, one.participant);
+    };
+    while (std::ranges::any_of(
+        all, [&](const study::Progress &one) { return is_taken(code_of(number), one); })) {
         ++number;
     }
     return code_of(number);

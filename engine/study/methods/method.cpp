@@ -234,10 +234,13 @@ FunctionPriors priors_of(const QuestPlus &method) {
             method.lapse.prior};
 }
 
+double table_cells(const QuestPlus &method) {
+    return static_cast<double>(method.levels.size()) * method.threshold.points *
+           method.slope.points * method.guess.points * method.lapse.points;
+}
+
 std::string validate(const QuestPlus &method) {
     constexpr double kMaxPoints = kPriorAxisFields.front().range.maximum;
-    const double cells = static_cast<double>(method.levels.size()) * method.threshold.points *
-                         method.slope.points * method.guess.points * method.lapse.points;
     return first_of(
         {unless_rising("levels", method.levels, 2),
          method.levels.empty()
@@ -250,7 +253,7 @@ std::string validate(const QuestPlus &method) {
          unless_from_to("slope.points", method.slope.points, 1, kMaxPoints),
          unless_from_to("guess.points", method.guess.points, 1, kMaxPoints),
          unless_from_to("lapse.points", method.lapse.points, 1, kMaxPoints),
-         unless_from_to("levels times all points", cells, 1.0, kMaxQuestTable),
+         unless_from_to("levels times all points", table_cells(method), 1.0, kMaxQuestTable),
          out_of_range(kQuestPlusFields, method),
          unless_from_to("fewest_trials", method.min_trials, 1, method.max_trials)});
 }

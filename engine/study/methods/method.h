@@ -255,7 +255,10 @@ inline constexpr auto kQuestPlusFields = std::to_array<Field<QuestPlus>>({
 
 [[nodiscard]] FunctionPriors priors_of(const QuestPlus &method);
 
-/// Levels times nodes of all four grids: above it, the next level would take too long.
+/// Levels times nodes of all four grids.
+[[nodiscard]] double table_cells(const QuestPlus &method);
+
+/// Above it, not even a study that is there can be read. `check_choices` refuses new ones earlier.
 inline constexpr double kMaxQuestTable = 5e6;
 
 /// Empty if the method can be used; else the first bad key, with value and range.

@@ -68,6 +68,15 @@ inline constexpr double kGainMargin = 1.1;
                                                const StudySetting &setting,
                                                const std::vector<Presented> &presented);
 
+/// Names of conditions, blocks and questions that persons take for one, see `look_alike`.
+[[nodiscard]] ProtocolFindings check_names(const Protocol &protocol);
+
+/// QUEST+ whose grid keeps the experimenter's window waiting for longer than `kMaxChoice_s` at the
+/// first trial of a block, which makes the table of each of its conditions. Of the table's size,
+/// not measured, so that a protocol that is well on one machine is on all.
+inline constexpr double kMaxChoice_s = 0.05;
+[[nodiscard]] ProtocolFindings check_choices(const Protocol &protocol);
+
 /// Spots on their surface, within reach, free to approach and clear of the workspace's soft edge.
 [[nodiscard]] ProtocolFindings check_spots(const Protocol &protocol, const StudySetting &setting);
 

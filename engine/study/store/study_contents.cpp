@@ -181,6 +181,15 @@ std::string validate_code(std::string_view code) {
                                    "one to four digits, as P01; names are not stored";
 }
 
+bool is_mistaken_for(std::string_view code, std::string_view other) {
+    const auto without_zeros = [](std::string_view of) {
+        std::string text(of);
+        const std::size_t digits = std::min(text.find_first_of("0123456789"), text.size());
+        return text.erase(digits, text.find_first_not_of('0', digits) - digits);
+    };
+    return code != other && without_zeros(code) == without_zeros(other);
+}
+
 bool has_code(std::string_view text, std::string_view code) {
     return find_code(text, code, 0) != std::string_view::npos;
 }

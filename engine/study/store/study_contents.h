@@ -35,6 +35,9 @@ using UtcTime = std::chrono::sys_time<std::chrono::milliseconds>;
 /// letters, one to four digits and nothing else, such as P01: a name cannot be typed by mistake.
 [[nodiscard]] std::string validate_code(std::string_view code);
 
+/// Whether two codes that are not the same differ by zeros alone, as P1 and P01 do.
+[[nodiscard]] bool is_mistaken_for(std::string_view code, std::string_view other);
+
 /// Whether a text has the code, in letters of either case and not as a part of another code:
 /// "p01, left-handed" has P01; "P012" and "XP01" have not.
 [[nodiscard]] bool has_code(std::string_view text, std::string_view code);

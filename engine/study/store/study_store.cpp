@@ -196,6 +196,11 @@ void StudyStore::add(const Participant &participant) {
         if (row.participant.code == participant.code) {
             database.refuse("has a participant " + participant.code + " already");
         }
+        if (is_mistaken_for(participant.code, row.participant.code)) {
+            database.refuse(fmt::format("has a participant {1}, for whom {0} would be taken; name "
+                                        "{1}, or give a new one another number",
+                                        participant.code, row.participant.code));
+        }
         if (row.participant.number == participant.number) {
             database.refuse(fmt::format("has a participant of number {} already: {}",
                                         participant.number, row.participant.code));

@@ -72,7 +72,9 @@ public:
     /// All that is stored; to resume, among others.
     [[nodiscard]] StudyContents contents() const;
 
-    /// @throw InputError for what is no code, and for a code or number that is taken.
+    /// @throw InputError for what is no code, and for a code or number that is taken, or a code
+    /// that
+    ///        is another's but for zeros.
     void add(const Participant &participant);
 
     /// Begins a session; its `id`, `ended` and `ending` are ignored.

@@ -452,6 +452,55 @@ TEST(ProtocolCheck, FindsPausesTooShortForAnotherServoRate) {
     EXPECT_EQ(errors(), 0);
 }
 
+TEST(ProtocolCheck, FindsNamesThatPersonsTakeForOne) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    EXPECT_TRUE(check_names(protocol).empty());
+    for (const char *const like_a : {"A", "a ", " a", "a\u00a0", "a\u200b"}) {
+        protocol.conditions[1].name = like_a;
+        expect_errors(check_names(protocol), "has a name like \"a\"", 1);
+        expect_errors(check_protocol(protocol, testing::folders(), {.simulates = false}).findings,
+                      "condition \"" + std::string(like_a) + "\"", 1);
+    }
+    protocol.conditions[0].name = "gr\u00f6\u00dfer";
+    protocol.conditions[1].name = "Gro\u0308\u00dfer";
+    expect_errors(check_names(protocol), "has a name like", 1);
+    protocol.conditions[1].name = "kleiner";
+    protocol.blocks[1].name = "One";
+    protocol.questionnaire[2].name = "Hand";
+    expect_errors(check_names(protocol), "block \"One\"", 1);
+    expect_errors(check_names(protocol), "question \"Hand\"", 1);
+    protocol.questionnaire[2].name = "Session_ID";
+    expect_errors(check_names(protocol), "question \"Session_ID\"", 1);
+}
+
+TEST(ProtocolCheck, FindsGridsThatKeepTheWindowWaiting) {
+    Protocol protocol = protocol_of(kPlainProtocol);
+    EXPECT_TRUE(check_choices(protocol).empty()) << "no grid";
+    QuestPlus method;
+    method.family.scale = Scale::logarithmic;
+    for (int i = 0; i < 50; ++i) {
+        method.levels.push_back(0.01 * (i + 1));
+    }
+    method.threshold = {{Scale::logarithmic, 0.05, 0.5}, 100};
+    method.slope = {{Scale::logarithmic, 0.7, 7.0}, 20};
+    method.guess = {{Scale::linear, 0.5, 0.5}, 1};
+    method.lapse = {{Scale::linear, 0.0, 0.06}, 5};
+    protocol.method = method; // 500,000 cells, of one condition at a time
+    ASSERT_EQ(validate(protocol), "");
+    EXPECT_TRUE(check_choices(protocol).empty());
+    protocol.blocks = {{"both", {0, 1}}};
+    expect_errors(check_choices(protocol), "of 2 conditions", 1);
+    method.lapse.points = 6;
+    protocol.blocks = {{"one", {0}}};
+    protocol.method = method;
+    expect_errors(check_choices(protocol), "of 1 condition,", 1);
+    // It is said before studies are simulated with it, which would take minutes.
+    const ProtocolFindings all =
+        check_protocol(protocol, testing::folders(), {.simulates = false}).findings;
+    expect_errors(all, "points of its grid", 1);
+    EXPECT_EQ(count(all, Severity::note, "precision"), 0) << all_texts(all);
+}
+
 TEST(ProtocolCheck, TellsThePrecisionToBeExpected) {
     // With as many levels as unknown parameters or fewer, no number of trials tells lapses from a
     // flat slope, and the priors are felt for ever.

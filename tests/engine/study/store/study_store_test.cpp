@@ -314,12 +314,37 @@ TEST(StudyStore, TakesCodesOnly) {
              {{"Anna", 2, kStart}, "'Anna' is no participant's code"},
              {{"P01", 2, kStart}, "has a participant P01 already"},
              {{"P02", 1, kStart}, "has a participant of number 1 already: P01"},
+             {{"P1", 2, kStart}, "has a participant P01, for whom P1"},
+             {{"P001", 2, kStart}, "has a participant P01, for whom P001"},
              {{"P02", 0, kStart}, "participants are numbered from 1"}}) {
         const Participant &added = participant; // what a lambda captures
         EXPECT_EQ(error_text_of([&] { store.add(added); }).find(file.string() + ": " + part), 0U)
             << part;
     }
     EXPECT_EQ(read_study(file).participants.size(), 1U);
+}
+
+TEST(StudyStore, KnowsCodesThatDifferByZerosAlone) {
+    testing::Draws draws(50);
+    for (int i = 0; i < 500; ++i) {
+        const std::string letters(1 + draws.below(std::size_t{3}),
+                                  static_cast<char>('A' + draws.below(26)));
+        const int number = draws.below(draws.coin() ? 10000 : 100);
+        const std::string digits = std::to_string(number);
+        std::vector<std::string> codes;
+        for (std::size_t zeros = 0; zeros + digits.size() <= 4; ++zeros) {
+            codes.push_back(letters + std::string(zeros, '0') + digits);
+        }
+        for (const std::string &code : codes) {
+            EXPECT_EQ(validate_code(code), "");
+            for (const std::string &other : codes) {
+                EXPECT_EQ(is_mistaken_for(code, other), code != other) << code << ' ' << other;
+            }
+            EXPECT_FALSE(is_mistaken_for(code, letters + std::to_string(number + 1)));
+            EXPECT_FALSE(is_mistaken_for(code, (letters == "A" ? "B" : "A") + digits));
+            EXPECT_FALSE(is_mistaken_for(code, code + "0") && number != 0) << code;
+        }
+    }
 }
 
 TEST(StudyStore, RefusesTrialsThatCannotBe) {
