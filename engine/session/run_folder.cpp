@@ -1,6 +1,7 @@
 #include "engine/session/run_folder.h"
 
 #include "base/assertions.h"
+#include "base/for_persons.h"
 #include "base/input_error.h"
 #include "base/input_file.h"
 #include "base/new_file.h"
@@ -187,7 +188,7 @@ nlohmann::ordered_json json_of_device(const RunDevice &device, std::size_t numbe
     return {{"toml", name_of_device_file(number).string()},
             {"name", device.name},
             {"file", device.file},
-            {"seed", device.seed},
+            {"seed", std::to_string(device.seed)}, // whole: most readers keep 53 of 64 bits
             {"effects", effects},
             {"observes_resistance", device.observes_resistance}};
 }
@@ -346,8 +347,8 @@ void RunFolder::save(const RunFacts &facts) const {
     const control::Tuning &b = is_a ? facts.slots.other() : facts.slots.now();
     write_text(path_ / "slot_a.toml", tuning_text(a, "slot A"));
     write_text(path_ / "slot_b.toml", tuning_text(b, "slot B"));
-    write_text(path_ / "tuning_history.csv", journal_csv(facts.journal));
-    write_text(path_ / "events.csv", events_csv(facts.events));
+    write_text(path_ / "tuning_history.csv", csv_for_persons(journal_csv(facts.journal)));
+    write_text(path_ / "events.csv", csv_for_persons(events_csv(facts.events)));
     write_text(path_ / "notes.txt", facts.notes);
     write_text(path_ / "run.json", run_json(facts, path_));
 }

@@ -389,7 +389,7 @@ void write_files(const TypedAnalysis &typed, const study::Protocol &protocol,
                  const study::StudyResults &results, const std::vector<Chart> &pictures) {
     for (const study::ResultsTable &table : study::kResultsTables) {
         write_output((typed.out / table.file).string(),
-                     [&](std::ostream &out) { write_csv(out, table.make(protocol, results)); },
+                     [&](std::ostream &out) { table.write(out, table.make(protocol, results)); },
                      {typed.existing, Readers::owner});
     }
     ProgressLine line;

@@ -3,6 +3,7 @@
 #include "app/commands/output_files.h"
 #include "app/commands/study/observer_options.h"
 #include "app/commands/study/opened_study.h"
+#include "base/for_persons.h"
 #include "base/input_error.h"
 #include "base/print.h"
 #include "base/table.h"
@@ -151,6 +152,7 @@ struct TypedStudyExport {
     std::string csv;
     std::string answers;
     std::filesystem::path bids;
+    std::vector<std::string> authors; ///< of the dataset
     study::DeviceKind device = study::DeviceKind::usb;
     Existing existing = Existing::keep;
 };
@@ -171,6 +173,14 @@ void export_study(const TypedStudyExport &typed) {
         throw InputError("study export: what to? --csv FILE, --answers FILE, --bids FOLDER, or "
                          "more than one");
     }
+    if (!typed.authors.empty() && typed.bids.empty()) {
+        throw InputError("--author: is for --bids; add it, or omit --author");
+    }
+    for (const std::string &author : typed.authors) {
+        if (one_line(author).empty() || !is_utf8(author)) {
+            throw InputError("--author " + in_quotes(author) + ": is no name");
+        }
+    }
     const OpenedStudy opened = read_opened_study(typed.study);
     const study::StudyContents &contents = opened.contents;
     const std::vector<study::QuestionnaireItem> &questionnaire = opened.protocol.questionnaire;
@@ -183,24 +193,27 @@ void export_study(const TypedStudyExport &typed) {
     check_outputs({files_of_study(typed.study), {}, {typed.csv, typed.answers}}, typed.existing);
     if (!typed.bids.empty()) {
         study::write_bids(contents, typed.bids,
-                          {{typed.device}, SPRINGDRIVE_VERSION, questionnaire});
+                          {{typed.device}, SPRINGDRIVE_VERSION, questionnaire, typed.authors});
+        if (typed.authors.empty()) {
+            std::cerr << typed.bids.string()
+                      << "/dataset_description.json: names no authors, "
+                         "which whoever publishes it needs; --author adds "
+                         "one\n";
+        }
     }
-    if (!typed.answers.empty()) {
-        write_output(typed.answers,
+    const auto write = [&typed](const std::string &where, const Table &table) {
+        write_output(where,
                      [&](std::ostream &out) {
-                         write_csv(out,
-                                   study::answer_table(contents, questionnaire, {typed.device}));
+                         (where == "-" ? write_csv : write_csv_for_persons)(out, table);
                      },
                      {typed.existing, Readers::owner});
+    };
+    if (!typed.answers.empty()) {
+        write(typed.answers, study::answer_table(contents, questionnaire, {typed.device}));
     }
     if (!typed.csv.empty()) {
-        write_output(
-            typed.csv,
-            [&](std::ostream &out) {
-                write_csv(out, study::table_of(study::trial_columns(contents),
-                                               study::trials_in_study(contents, {typed.device})));
-            },
-            {typed.existing, Readers::owner});
+        write(typed.csv, study::table_of(study::trial_columns(contents),
+                                         study::trials_in_study(contents, {typed.device})));
     }
     if (const std::string text = left_out_text(contents, typed.device, typed.study);
         !text.empty()) {
@@ -221,6 +234,10 @@ void add_study_export_command(Command &study) {
         .add_option("--bids", typed->bids,
                     "a new folder for a dataset of the Brain Imaging Data Structure, behaviour")
         .type_name("DIR");
+    command
+        .add_option("--author", typed->authors,
+                    "with --bids, of the dataset, as in \"Ada Lovelace\"; may be repeated")
+        .type_name("NAME");
     add_device_kind_option(command, typed->device);
     add_force_option(command, typed->existing);
     command.callback([typed] { export_study(*typed); });

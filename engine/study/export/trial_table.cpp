@@ -106,7 +106,9 @@ void add_stimulus_and_response(Columns &to) {
            [](Row row) { return row.trial.is_presented_again; });
     to.add("counts", "1 for the analysis: no practice, no catch trial, no mark",
            [](Row row) { return counts(row.trial); });
-    to.add("seed", "key of everything random in the trial", [](Row row) { return row.trial.seed; });
+    // As a text: of a number of 64 bits Excel, R and JavaScript keep 53. R takes 0x… for a number.
+    to.add("seed", "key of everything random in the trial: x and 64 bits in hexadecimal",
+           [](Row row) { return fmt::format("x{:016x}", row.trial.seed); });
     to.add("level_name", "the variable under test, with its unit",
            [](Row row) { return row.trial.level_name; });
     to.add("level", "its value", [](Row row) { return row.trial.level; });
@@ -391,11 +393,13 @@ private:
 };
 
 Json dataset_description(const StudyContents &contents, const BidsOptions &options) {
-    return {
-        {"Name", contents.facts.title},
-        {"BIDSVersion", kBidsVersion},
-        {"DatasetType", "raw"},
-        {"GeneratedBy", Json::array({{{"Name", "springdrive"}, {"Version", options.software}}})}};
+    Json json{
+        {"Name", contents.facts.title}, {"BIDSVersion", kBidsVersion}, {"DatasetType", "raw"}};
+    if (!options.authors.empty()) { // an empty list would be as wrong as one with nobody in it
+        json["Authors"] = options.authors;
+    }
+    json["GeneratedBy"] = Json::array({{{"Name", "springdrive"}, {"Version", options.software}}});
+    return json;
 }
 
 std::string readme(const StudyContents &contents, const BidsOptions &options) {
@@ -531,7 +535,8 @@ void write_bids(const StudyContents &contents, const std::filesystem::path &fold
     const NewFolder created(folder);
     created.write("dataset_description.json", dataset_description(contents, options));
     created.write("README", readme(contents, options));
-    Json sidecar{{"TaskName", contents.facts.title}, {kOnset.name, description_of(kOnset)}};
+    // No TaskName, which is of recordings' sidecars: the validator takes it for a column here.
+    Json sidecar{{kOnset.name, description_of(kOnset)}};
     for (const TrialColumn &column : columns) {
         sidecar[column.name] = description_of(column);
     }

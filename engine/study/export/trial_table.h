@@ -79,6 +79,7 @@ struct BidsOptions {
     std::vector<DeviceKind> devices{DeviceKind::usb};  ///< only trials on these
     std::string software = {};                         ///< version of the exporting program
     std::vector<QuestionnaireItem> questionnaire = {}; ///< of the study's protocol
+    std::vector<std::string> authors = {};             ///< of the dataset
 };
 
 /// The folder appears when it is complete.

@@ -1,6 +1,7 @@
 // What a study's trials say: series, their fits and traces, and groups.
 #pragma once
 
+#include "base/for_persons.h"
 #include "base/table.h"
 #include "engine/study/analysis/maximum_likelihood.h"
 #include "engine/study/analysis/posterior.h"
@@ -12,6 +13,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -183,14 +185,15 @@ using ResultsProgress = std::function<void(double)>;
 struct ResultsTable {
     std::string_view file; ///< its name
     Table (*make)(const Protocol &, const StudyResults &);
+    void (*write)(std::ostream &, const Table &); ///< the others are for programs, to draw
 };
 
 inline constexpr std::array<ResultsTable, 5> kResultsTables{{
-    {"thresholds.csv", thresholds_table},
-    {"group.csv", group_table},
-    {"levels.csv", levels_table},
-    {"functions.csv", functions_table},
-    {"traces.csv", traces_table},
+    {"thresholds.csv", thresholds_table, write_csv_for_persons},
+    {"group.csv", group_table, write_csv_for_persons},
+    {"levels.csv", levels_table, write_csv},
+    {"functions.csv", functions_table, write_csv},
+    {"traces.csv", traces_table, write_csv},
 }};
 
 } // namespace springdrive::study

@@ -154,9 +154,13 @@ TEST_F(StudyRun, ExportsNobodysDataOnlyIfAskedTo) {
     }
 
     ASSERT_EQ(study({"export", study_file, "--csv", file("t.csv"), "--bids", file("bids"),
-                     "--device", "simulated"})
+                     "--device", "simulated", "--author", "Ada Lovelace", "--author", "J. Doe"})
                   .exit_status,
               0);
+    EXPECT_NE(testing::contents_of(file("bids/dataset_description.json")).find("\"J. Doe\""),
+              std::string::npos);
+    testing::expect_refused(study({"export", study_file, "--csv", file("u.csv"), "--author", "J"}),
+                            "--author");
     const std::string csv = testing::contents_of(file("t.csv"));
     EXPECT_EQ(testing::parsed_csv(csv).size(), 1 + trials);
     EXPECT_TRUE(fs::exists(file("bids/dataset_description.json")));

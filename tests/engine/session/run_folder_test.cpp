@@ -68,7 +68,8 @@ RunFacts some_facts() {
     facts.delay_periods = 0.7;
     facts.devices.push_back(
         {"PHANTOM", "a/b.toml", "first = 1\n", 7, simulated::PlantEffects::none(), false});
-    facts.devices.push_back({"another", "c.toml", "second = 2\n", 0, {}, true});
+    constexpr std::uint64_t kSeed = 18'446'744'073'709'551'557U; // as a double ...552
+    facts.devices.push_back({"another", "c.toml", "second = 2\n", kSeed, {}, true});
     facts.scene = {"/scenes/plate.gltf", "0123abcd", 12};
     facts.slots = TuningSlots(hard_tuning(1.0));
     facts.slots.toggle();
@@ -88,14 +89,14 @@ const std::string kRunJson =
     R"({"format":"springdriverun1","software":"0.1.0","started_utc":"2024-05-31T12:34:56Z",)"
     R"("kept_utc":"2024-05-31T12:36:36Z","until_s":0.30000000000000004,"servo_hz":4000.0,)"
     R"("delay_periods":0.7,"devices":[{"toml":"device.toml","name":"PHANTOM","file":"a/b.toml",)"
-    R"("seed":7,"effects":{"gravity":false,"viscous_friction":false,"coulomb_friction":false,)"
+    R"("seed":"7","effects":{"gravity":false,"viscous_friction":false,"coulomb_friction":false,)"
     R"("joint_limits":false,"amplifier_limits":false,"winding_heat":false,)"
     R"("commutation_ripple":false,"structural_compliance":false,"cable_compliance":false,)"
     R"("magnet_heat":false,)"
     R"("motor_tolerances":false,"commutator_phase":false,"current_sensing":false,)"
     R"("brush_voltage":false,"torque_ripple":false},"observes_resistance":false},)"
     R"({"toml":"device-2.toml","name":"another","file":"c.toml",)"
-    R"("seed":0,"effects":{"gravity":true,"viscous_friction":true,"coulomb_friction":true,)"
+    R"("seed":"18446744073709551557","effects":{"gravity":true,"viscous_friction":true,"coulomb_friction":true,)"
     R"("joint_limits":true,"amplifier_limits":true,"winding_heat":true,)"
     R"("commutation_ripple":true,"structural_compliance":false,"cable_compliance":false,)"
     R"("magnet_heat":true,)"
@@ -218,6 +219,7 @@ TEST(RunFolder, IsReadableForPeopleAndSpreadsheets) {
     facts.events = {{0.25, "reset"}};
     folder.save(facts);
     EXPECT_EQ(contents_of(folder.path() / "tuning_history.csv"),
+              "\xEF\xBB\xBF" // the arrow is not ASCII
               "began_s,time_s,what,dR_Ohm,K_P_V_per_rad,K_D_Vs_per_rad,lambda_rad_per_s,"
               "alpha_rad2_per_m2,eta,map,alpha_mode\n"
               "0,1.5,\"K_P 6 → 8, \"\"by hand\"\"\",0.5,6,0.01,1000,3000,0,transpose,on_the_fly\n");
