@@ -93,6 +93,20 @@ Json stall_json(const rig::Stall &stall, double servo_hz) {
             {"first_step", stall.first}};
 }
 
+Json holds_json(const std::vector<rig::Hold> &holds) {
+    Json all = Json::array();
+    for (std::size_t i = 0; i < std::min(holds.size(), kNamedSteps); ++i) {
+        const rig::Hold &hold = holds[i];
+        all.push_back({{"first_step", hold.steps.first},
+                       {"steps", hold.steps.steps},
+                       {"x_m", hold.place_m.x()},
+                       {"y_m", hold.place_m.y()},
+                       {"z_m", hold.place_m.z()},
+                       {"direction_error_deg", kDegreesPerRadian * hold.max_error_rad}});
+    }
+    return all;
+}
+
 Json value_json(const rig::Maximum &maximum, double factor) {
     return maximum.step ? Json(maximum.value * factor) : Json(nullptr);
 }
@@ -147,6 +161,15 @@ void print_steps(std::ostream &out, const char *what, const std::vector<std::siz
         print(out, " {}", steps[i]);
     }
     out << (steps.size() > kNamedSteps ? " ...\n" : "\n");
+}
+
+void print_holds(std::ostream &out, const rig::TouchFindings &found) {
+    print(out, "held, a hop leads on   {:>8}   of {} places where it stood", found.holds.size(),
+          found.stands);
+    if (found.stands_unchecked > 0) {
+        print(out, ", {} of which were not checked", found.stands_unchecked);
+    }
+    out << '\n';
 }
 
 /// A header and a row for each step. SI units, but for the time of an update in nanoseconds.
@@ -210,6 +233,10 @@ void write_touch_json(std::ostream &out, const TouchReport &report) {
     json["rate_not_excluded"] = found.rate_not_excluded();
     json["longest_standstill"] = stall_json(found.stall, report.servo_hz);
     json["longest_standstill_that_lags"] = stall_json(found.stuck_for, report.servo_hz);
+    json["places_stood_at"] = found.stands;
+    json["places_stood_at_unchecked"] = found.stands_unchecked;
+    json["holds"] = found.holds.size();
+    json["held_at"] = holds_json(found.holds);
     json["steps_suspicious"] = found.suspicious;
     json["steps_suspicious_unchecked"] = found.suspicious_unchecked;
     json["steps_with_friction"] = found.with_friction;
@@ -272,6 +299,7 @@ void write_touch_table(std::ostream &out, const TouchReport &report) {
     print_rate(out, found);
     print_stall(out, "longest standstill, s", found.stall, report.servo_hz);
     print_stall(out, "  while lagging, s", found.stuck_for, report.servo_hz);
+    print_holds(out, found);
     print(out, "direction error, °     {:>8.3f}\n",
           kDegreesPerRadian * found.direction_error_rad.value);
     if (report.sphere_error_rad) {
@@ -289,6 +317,14 @@ void write_touch_table(std::ostream &out, const TouchReport &report) {
     print_steps(out, "stuck", found.stuck);
     print_steps(out, "unsettled", found.unsettled);
     print_steps(out, "lag over 1 µm", found.lagging);
+    for (std::size_t i = 0; i < std::min(found.holds.size(), kNamedSteps); ++i) {
+        const rig::Hold &hold = found.holds[i];
+        print(out,
+              "held for {} steps from step {} at {:.9g}, {:.9g}, {:.9g} m, direction off by "
+              "{:.0f}°\n",
+              hold.steps.steps, hold.steps.first, hold.place_m.x(), hold.place_m.y(),
+              hold.place_m.z(), kDegreesPerRadian * hold.max_error_rad);
+    }
 }
 
 constexpr int kMaxSteps = 1'000'000;
@@ -431,9 +467,10 @@ void run(const TypedTouch &typed) {
                   {typed.json, [&](std::ostream &out) { write_touch_json(out, report); }}},
                  typed.existing);
     const rig::TouchFindings &found = report.findings;
-    if (typed.is_strict && !(found.pop_throughs.empty() && found.stuck.empty())) {
-        std::cerr << "springdrive: " << found.pop_throughs.size() << " pop-throughs and "
-                  << found.stuck.size() << " stuck steps\n";
+    if (typed.is_strict &&
+        !(found.pop_throughs.empty() && found.stuck.empty() && found.holds.empty())) {
+        std::cerr << "springdrive: " << found.pop_throughs.size() << " pop-throughs, "
+                  << found.stuck.size() << " stuck steps and " << found.holds.size() << " holds\n";
         end_with_status(EXIT_FAILURE);
     }
 }
@@ -488,7 +525,7 @@ void add_touch_command(Command &app) {
     add_output_option(touch, "--json", typed->json, "the results");
     add_force_option(touch, typed->existing);
     touch.add_flag("--strict", typed->is_strict,
-                   "exit with 1 if there was a pop-through or a stuck step");
+                   "exit with 1 if there was a pop-through, a stuck step or a hold");
     touch.footer("Times are of the first of three identical runs; the best of all three shows the "
                  "influence of\nother load.");
     touch.callback([typed] { run(*typed); });

@@ -1,11 +1,14 @@
 #include "tests/support/hard_meshes.h"
 
+#include "engine/lab/rig/scenario/test_surfaces.h"
 #include "tests/support/configurations.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace springdrive::testing {
@@ -87,6 +90,54 @@ TriangleSoup height_fields(Random &random, int layers, double apart_m) {
             soup.vertices_m.emplace_back(point - layer * apart_m * Vector3::UnitY());
         }
         add_grid(soup, random, first, side, side, hole_share);
+    }
+    return complete(std::move(soup));
+}
+
+Eigen::Isometry3d any_place(Random &random, double within_m) {
+    const Vector3 axis = random_direction(random);
+    Eigen::Isometry3d place(Eigen::AngleAxisd(between(random, 0.0, kTurn), axis));
+    place.pretranslate(random_vector(random, within_m));
+    return place;
+}
+
+/// What comes out of a file with coordinates in 32 bits.
+TriangleSoup rounded(TriangleSoup soup) {
+    for (Vector3 &vertex_m : soup.vertices_m) {
+        vertex_m = vertex_m.cast<float>().cast<double>();
+    }
+    return soup;
+}
+
+void add(TriangleSoup &soup, const TriangleSoup &other, const Eigen::Isometry3d &place) {
+    const auto first = number(static_cast<int>(soup.vertices_m.size()));
+    for (const Vector3 &vertex_m : other.vertices_m) {
+        soup.vertices_m.emplace_back(place * vertex_m);
+    }
+    for (const auto &[a, b, c] : other.triangles) {
+        soup.triangles.push_back({first + a, first + b, first + c});
+    }
+}
+
+/// Each triangle divided into four at the middles of its edges.
+TriangleSoup divided(const TriangleSoup &whole) {
+    TriangleSoup soup;
+    soup.vertices_m = whole.vertices_m;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+        const auto next = static_cast<std::uint32_t>(soup.vertices_m.size());
+        const auto [entry, is_new] = middles.try_emplace(std::minmax(a, b), next);
+        if (is_new) {
+            soup.vertices_m.emplace_back(0.5 * (whole.vertices_m[a] + whole.vertices_m[b]));
+        }
+        return entry->second;
+    };
+    for (const auto &[a, b, c] : whole.triangles) {
+        const std::uint32_t ab = middle(a, b);
+        const std::uint32_t bc = middle(b, c);
+        const std::uint32_t ca = middle(c, a);
+        soup.triangles.insert(soup.triangles.end(),
+                              {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
     }
     return complete(std::move(soup));
 }
@@ -231,6 +282,53 @@ TriangleSoup tangle(Random &random) {
                                          between(random, 0.0, size_m) * random_direction(random));
         }
         soup.triangles.push_back({number(3 * i), number(3 * i + 1), number(3 * i + 2)});
+    }
+    return complete(std::move(soup));
+}
+
+TriangleSoup machined_part(Random &random) {
+    TriangleSoup soup =
+        rig::machined_surface(static_cast<std::size_t>(of_any_size(random, 1e3, 6e3)));
+    Vector3 stretch = Vector3::Ones() + random_vector(random, 0.4);
+    stretch *= of_any_size(random, 0.05, 1.0);
+    for (Vector3 &vertex_m : soup.vertices_m) {
+        vertex_m = vertex_m.cwiseProduct(stretch);
+    }
+    return rounded(complete(std::move(soup)));
+}
+
+TriangleSoup subdivided_scan(Random &random) {
+    const TriangleSoup soup = divided(scan(random));
+    return rounded(soup.triangles.size() < 1500 && one_in(random, 2) ? divided(soup) : soup);
+}
+
+TriangleSoup in_32_bits(Random &random) {
+    constexpr std::array kKinds{scan, fillet, fan, book, open_ball, tangle};
+    TriangleSoup soup;
+    const TriangleSoup part = kKinds[random() % kKinds.size()](random);
+    add(soup, part, any_place(random, 0.3));
+    return rounded(complete(std::move(soup)));
+}
+
+TriangleSoup crossing_fields(Random &random) {
+    TriangleSoup soup;
+    for (int i = integer(random, 2, 3); i > 0; --i) {
+        const TriangleSoup field = scan(random);
+        add(soup, field, any_place(random, 1e-3));
+    }
+    return complete(std::move(soup));
+}
+
+TriangleSoup crossing_bodies(Random &random) {
+    TriangleSoup soup;
+    const double size_m = of_any_size(random, 1e-3, 2e-2);
+    for (int i = integer(random, 2, 5); i > 0; --i) {
+        Vector3 half_m = Vector3::Ones() + random_vector(random, 0.5);
+        half_m *= size_m * of_any_size(random, 0.2, 1.0);
+        const TriangleSoup body = one_in(random, 2)
+                                      ? rig::solid_box(-half_m, half_m)
+                                      : rig::icosphere(integer(random, 0, 2), half_m.x());
+        add(soup, body, any_place(random, 0.6 * size_m));
     }
     return complete(std::move(soup));
 }

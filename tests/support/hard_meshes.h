@@ -40,7 +40,18 @@ struct HardMeshKind {
 /// Triangles of all sizes that intersect each other at random.
 [[nodiscard]] contact::TriangleSoup tangle(std::mt19937_64 &random);
 
-inline constexpr std::array<HardMeshKind, 7> kHardMeshKinds{{
+/// A block with rounded edges and a shaft on it, as a CAD system exports it, stretched at random.
+[[nodiscard]] contact::TriangleSoup machined_part(std::mt19937_64 &random);
+/// A scan whose triangles are divided once or twice: flat but for the rounding of their corners.
+[[nodiscard]] contact::TriangleSoup subdivided_scan(std::mt19937_64 &random);
+/// One of the kinds above up to half a metre away, its coordinates in 32 bits.
+[[nodiscard]] contact::TriangleSoup in_32_bits(std::mt19937_64 &random);
+/// Two or three height fields that intersect at any angle.
+[[nodiscard]] contact::TriangleSoup crossing_fields(std::mt19937_64 &random);
+/// Boxes and balls that intersect.
+[[nodiscard]] contact::TriangleSoup crossing_bodies(std::mt19937_64 &random);
+
+inline constexpr std::array<HardMeshKind, 12> kHardMeshKinds{{
     {"scan", scan},
     {"fillet", fillet},
     {"fan", fan},
@@ -48,6 +59,11 @@ inline constexpr std::array<HardMeshKind, 7> kHardMeshKinds{{
     {"thin_shell", thin_shell},
     {"open_ball", open_ball},
     {"tangle", tangle},
+    {"machined_part", machined_part},
+    {"subdivided_scan", subdivided_scan},
+    {"in_32_bits", in_32_bits},
+    {"crossing_fields", crossing_fields},
+    {"crossing_bodies", crossing_bodies},
 }};
 
 /// One of a kind: with shared vertices or torn into separate triangles, touched from one side, from

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 namespace springdrive::rig {
@@ -413,6 +414,30 @@ BruteForceProxy::End BruteForceProxy::walk(const Vector3 &from_m, const Vector3 
         }
     }
     return end;
+}
+
+std::optional<Vector3> BruteForceProxy::hop(const Vector3 &from_m, const Vector3 &target_m,
+                                            double reach_m) const {
+    constexpr int kDirections = 32;
+    const std::vector<std::size_t> listed = within(from_m, 2.0 * kHop_m + reach_m);
+    const Vector3 up = (from_m - target_m).normalized();
+    const Vector3 across = up.unitOrthogonal();
+    const Vector3 above_m = from_m + free_way(listed, from_m, up, kHop_m, reach_m).length_m * up;
+    std::optional<Vector3> nearest_m;
+    double min_m = (from_m - target_m).norm() - kHop_m;
+    for (int i = 0; i < kDirections; ++i) {
+        const Eigen::AngleAxisd turn(2.0 * std::numbers::pi * i / kDirections, up);
+        const Vector3 sideways = turn * across;
+        if (free_way(listed, above_m, sideways, kHop_m, reach_m).blocked_by) {
+            continue;
+        }
+        const Vector3 end_m = walk(above_m + kHop_m * sideways, target_m, reach_m).point_m;
+        if (const double distance_m = (end_m - target_m).norm(); distance_m < min_m) {
+            min_m = distance_m;
+            nearest_m = end_m;
+        }
+    }
+    return nearest_m;
 }
 
 } // namespace springdrive::rig

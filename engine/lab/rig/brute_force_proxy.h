@@ -103,6 +103,9 @@ private:
 /// this do not stop it.
 inline constexpr double kMinSlack_m = 2e-12;
 
+/// Ridges lower than this must not hold a proxy [m]: a hundredth of what the device resolves.
+inline constexpr double kHop_m = 3e-7;
+
 class BruteForceProxy {
 public:
     /// Triangles and shapes must outlive this.
@@ -130,6 +133,14 @@ public:
     /// Ends where less than 1 nm, or 0.2 µrad seen from the target, remains.
     /// @param reach_m  distance to keep from all of them; what starts closer comes no closer
     [[nodiscard]] End walk(const Vector3 &from_m, const Vector3 &target_m, double reach_m) const;
+
+    /// Where a hop leads on: away from the target by up to kHop_m, as far as that is free, then
+    /// sideways by kHop_m, in 32 directions, and from there as `walk` does; all of it at the full
+    /// reach, but for the slack. The nearest end, if it is nearer than `from_m` by more than
+    /// kHop_m.
+    /// @pre `from_m` is not the target
+    [[nodiscard]] std::optional<Vector3> hop(const Vector3 &from_m, const Vector3 &target_m,
+                                             double reach_m) const;
 
 private:
     /// Of a straight motion: how far it may go, and what stops it.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 namespace springdrive::rig {
 
@@ -44,6 +45,9 @@ double probability_of_at_most(std::size_t failures, std::size_t trials, double r
 
 constexpr double kStuckShare = 0.01;
 
+/// Fewer steps are no hold: as long as this a hand feels no wrong force.
+constexpr std::size_t kHoldSteps = 3;
+
 /// A tip that moves along the surface by less than this stands still [m].
 constexpr double kStandsStill_m = 1e-8;
 
@@ -67,11 +71,12 @@ std::vector<std::size_t> pop_throughs(const TouchRun &run, const NearbyTriangles
 }
 
 /// Evenly spread elements of a list, first and last included.
-std::vector<std::size_t> spread(const std::vector<std::size_t> &all, std::size_t count) {
+template <typename Element>
+std::vector<Element> spread(const std::vector<Element> &all, std::size_t count) {
     if (all.size() <= count) {
         return all;
     }
-    std::vector<std::size_t> some;
+    std::vector<Element> some;
     for (std::size_t i = 0; i < count; ++i) {
         some.push_back(all[count == 1 ? 0 : i * (all.size() - 1) / (count - 1)]);
     }
@@ -96,26 +101,68 @@ CheckedStep check_step(const TouchStep &step, const BruteForceProxy &brute_force
     return checked;
 }
 
-/// In parts, between which progress is told.
-std::vector<CheckedStep> check_steps(const TouchRun &run, const std::vector<std::size_t> &steps,
-                                     const BruteForceProxy &brute_force,
-                                     const TouchCheckOptions &options) {
-    constexpr std::size_t kParts = 100;
-    std::vector<CheckedStep> checked(steps.size());
-    if (steps.empty()) {
-        return checked;
-    }
+/// Calls `work(i)` for each i below `count`, in parts, between which progress is told: the first
+/// half of it, or the second.
+template <typename Work>
+void in_parts(std::size_t count, double progress, const TouchCheckOptions &options,
+              const Work &work) {
+    constexpr std::size_t kParts = 50;
     for (std::size_t part = 0; part < kParts; ++part) {
-        options.progress(static_cast<double>(part) / kParts);
-        const std::size_t first = steps.size() * part / kParts;
-        const std::size_t last = steps.size() * (part + 1) / kParts;
-        for_each_in_parallel(last - first, all_processors(), [&](std::size_t i) {
-            checked[first + i] =
-                check_step(run.steps[steps[first + i]], brute_force, options.reach_m);
-        });
+        options.progress(progress + 0.5 * static_cast<double>(part) / kParts);
+        const std::size_t first = count * part / kParts;
+        const std::size_t last = count * (part + 1) / kParts;
+        for_each_in_parallel(last - first, all_processors(),
+                             [&](std::size_t i) { work(first + i); });
     }
-    options.progress(1.0);
-    return checked;
+}
+
+/// How far the force of a step is from where a hop leads on; 0 if none does.
+double hold_error_rad(const TouchStep &step, const BruteForceProxy &brute_force, double reach_m) {
+    if ((step.proxy_m - step.tip_m).norm() <= kMinGap_m) {
+        return 0.0; // too near to tell a direction
+    }
+    const std::optional<Vector3> end_m = brute_force.hop(step.proxy_m, step.tip_m, reach_m);
+    if (!end_m) {
+        return 0.0;
+    }
+    const Vector3 force = *end_m - step.tip_m;
+    return force.norm() > kMinGap_m ? angle_rad(step.normal, force) : std::numbers::pi;
+}
+
+/// Of the steps of one stand. Any hold has one of every three steps, so only these are checked
+/// first, and what is beside them where a hop leads on.
+std::vector<Hold> holds_in(const TouchRun &run, const Stall &stand,
+                           const BruteForceProxy &brute_force, double reach_m) {
+    std::vector<Hold> found;
+    const auto error_rad = [&](std::size_t step) {
+        return hold_error_rad(run.steps[step], brute_force, reach_m);
+    };
+    std::size_t first = stand.first;
+    for (std::size_t i = first + kHoldSteps - 1; i < stand.end(); i += kHoldSteps) {
+        Hold hold{{1, i}, run.steps[i].proxy_m, error_rad(i)};
+        if (hold.max_error_rad <= kHoldError_rad) {
+            continue;
+        }
+        const auto extend = [&](std::size_t to) {
+            const double other_rad = error_rad(to);
+            const bool holds = other_rad > kHoldError_rad;
+            hold.steps.steps += holds ? 1 : 0;
+            hold.max_error_rad = std::max(hold.max_error_rad, other_rad);
+            return holds;
+        };
+        while (hold.steps.first > first && extend(hold.steps.first - 1)) {
+            --hold.steps.first;
+            hold.place_m = run.steps[hold.steps.first].proxy_m;
+        }
+        while (hold.steps.end() < stand.end() && extend(hold.steps.end())) {
+        }
+        if (hold.steps.steps >= kHoldSteps) {
+            found.push_back(hold);
+        }
+        i = hold.steps.end(); // which holds no more
+        first = i + 1;
+    }
+    return found;
 }
 
 void note(const TouchRun &run, std::size_t index, const CheckedStep &checked,
@@ -235,6 +282,28 @@ bool looks_stuck(const TouchStep &before, const TouchStep &step) {
            (step.proxy_m - before.proxy_m).norm() < kStuckShare * along_m;
 }
 
+std::vector<Stall> stands(const TouchRun &run) {
+    std::vector<Stall> found;
+    Stall now;
+    const auto keep = [&] {
+        if (now.steps >= kHoldSteps) {
+            found.push_back(now);
+        }
+    };
+    for (std::size_t i = 0; i < run.steps.size(); ++i) {
+        const TouchStep &step = run.steps[i];
+        const bool rests = step.constraints > 1 && step.settled && !step.has_friction;
+        if (rests && now.steps > 0 && (step.proxy_m - run.steps[i - 1].proxy_m).norm() <= kHop_m) {
+            ++now.steps;
+            continue;
+        }
+        keep();
+        now = {rests ? 1U : 0U, i};
+    }
+    keep();
+    return found;
+}
+
 TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
                           const TouchCheckOptions &options) {
     const BruteForceProxy brute_force(surface.triangles, surface.shapes, options.slack_m);
@@ -274,7 +343,10 @@ TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
     std::ranges::sort(to_check);
     to_check.erase(std::unique(to_check.begin(), to_check.end()), to_check.end());
 
-    const std::vector<CheckedStep> checked = check_steps(run, to_check, brute_force, options);
+    std::vector<CheckedStep> checked(to_check.size());
+    in_parts(to_check.size(), 0.0, options, [&](std::size_t i) {
+        checked[i] = check_step(run.steps[to_check[i]], brute_force, options.reach_m);
+    });
     findings.lag_of_step_m.resize(run.steps.size());
     for (std::size_t i = 0; i < to_check.size(); ++i) {
         note(run, to_check[i], checked[i], findings);
@@ -285,6 +357,18 @@ TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
         suspicious, [&](std::size_t step) { return !findings.lag_of_step_m[step]; }));
     findings.stall = longest_of(suspicious);
     findings.stuck_for = longest_of(findings.stuck);
+    const std::vector<Stall> all_stands = stands(run);
+    const std::vector<Stall> to_try = spread(all_stands, options.max_suspicious);
+    std::vector<std::vector<Hold>> holds(to_try.size());
+    in_parts(to_try.size(), 0.5, options, [&](std::size_t i) {
+        holds[i] = holds_in(run, to_try[i], brute_force, options.reach_m);
+    });
+    for (const std::vector<Hold> &some : holds) {
+        findings.holds.insert(findings.holds.end(), some.begin(), some.end());
+    }
+    findings.stands = all_stands.size();
+    findings.stands_unchecked = all_stands.size() - to_try.size();
+    options.progress(1.0);
     return findings;
 }
 

@@ -2,6 +2,7 @@
 // means that share nothing with it.
 #pragma once
 
+#include "base/degrees.h"
 #include "base/vector.h"
 #include "engine/contact/proxy/analytic_shape.h"
 #include "engine/contact/proxy/haptic_surface.h"
@@ -90,7 +91,8 @@ inline constexpr std::size_t kAllSteps = std::numeric_limits<std::size_t>::max()
 struct TouchCheckOptions {
     /// Steps in contact to check, spread evenly over all of them; kAllSteps for every one.
     std::size_t checks = default_checks();
-    /// Steps to check beside these, of each kind of suspicion.
+    /// Steps to check beside these, of each kind of suspicion; and the places at which the proxy
+    /// stood, to check for holds.
     std::size_t max_suspicious = default_checks();
     double reach_m = 0.0;         ///< what the proxy keeps from every surface
     double slack_m = kMinSlack_m; ///< see Downhill: lower ridges do not excuse a lag
@@ -119,6 +121,18 @@ struct Stall {
     [[nodiscard]] std::size_t end() const { return first + steps; }
 };
 
+/// A force this far from where a hop leads is wrong [rad].
+inline constexpr double kHoldError_rad = 10.0 * kRadiansPerDegree;
+
+/// A place that held a settled proxy for three steps or more, although in each of them a hop led
+/// on to where the force has another direction, by more than kHoldError_rad: see
+/// BruteForceProxy::hop.
+struct Hold {
+    Stall steps;
+    Vector3 place_m{Vector3::Zero()}; ///< of the proxy, in the first
+    double max_error_rad = 0.0;       ///< half a turn where the tip is free
+};
+
 /// What was touched, as the check sees it.
 struct TouchedSurface {
     std::vector<PlainTriangle> triangles;
@@ -142,8 +156,11 @@ struct TouchFindings {
     Maximum unsettled_lag_m;              ///< of the others
     Maximum direction_error_rad;
     std::vector<std::optional<double>> lag_of_step_m; ///< of those checked
-    Stall stall;     ///< the longest, right or wrong: at a corner it may be right
-    Stall stuck_for; ///< the longest of steps that lag
+    Stall stall;            ///< the longest, right or wrong: at a corner it may be right
+    Stall stuck_for;        ///< the longest of steps that lag
+    std::size_t stands = 0; ///< places at which it stood for three steps or more
+    std::size_t stands_unchecked = 0;
+    std::vector<Hold> holds; ///< in ascending order of their steps
 
     /// The rate of lagging steps that the sample does not exclude, with kConfidence.
     [[nodiscard]] double rate_not_excluded() const;
@@ -153,11 +170,17 @@ struct TouchFindings {
 /// and the proxy by less than 1 % of that. A proxy in a corner does so correctly.
 [[nodiscard]] bool looks_stuck(const TouchStep &before, const TouchStep &step);
 
+/// Runs of three steps or more, settled at an edge or vertex without friction, after the first of
+/// which the proxy moves by no more than a hop in a step. On a face the tip's foot is right, also
+/// beside a rim, and a lag says where it is not.
+[[nodiscard]] std::vector<Stall> stands(const TouchRun &run);
+
 /// Every step's path is checked against all triangles, but not against shapes. Of those in contact
 /// without friction, some are checked for lag: how far down the distance to the tip the proxy could
 /// still get from where it is. The same steps are checked for the angle between the contact's
 /// normal and that from the tip to where it could get. Beside these, those that look stuck, those
-/// that did not settle, and those that are free but not at the tip.
+/// that did not settle, and those that are free but not at the tip. Where the proxy stands, hops
+/// are tried.
 /// Uses all processors; the result does not depend on their number.
 [[nodiscard]] TouchFindings check_touch(const TouchRun &run, const TouchedSurface &surface,
                                         const TouchCheckOptions &options);

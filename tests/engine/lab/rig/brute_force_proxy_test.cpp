@@ -353,6 +353,29 @@ TEST(BruteForceProxy, IsHeldByRidgesHigherThanTheSlack) {
     }
 }
 
+TEST(BruteForceProxy, HopsOverRidgesLowerThanAHop) {
+    // The same rib, and a tip far enough beyond it, or on this side: there a hop leads nowhere.
+    for (const double height_m : {2e-9, 8e-9, 1e-7, 2.8e-7, 3.2e-7, 1e-5}) {
+        for (const double tip_x_m : {0.0033, 0.0027, 0.00301}) {
+            contact::TriangleSoup soup = testing::sheet(4, 0.02);
+            testing::add_triangle(soup,
+                                  {Vector3(0.003, height_m, -0.01), Vector3(0.003, height_m, 0.01),
+                                   Vector3(0.003, -0.001, 0)});
+            const std::vector<PlainTriangle> triangles = triangles_of(soup);
+            const BruteForceProxy brute_force(triangles);
+            const Vector3 tip(tip_x_m, -1e-3, 0.001);
+            const Vector3 held_m =
+                brute_force.walk(Vector3(0.002, kReach_m, 0.001), tip, kReach_m).point_m;
+            const std::optional<Vector3> end_m = brute_force.hop(held_m, tip, kReach_m);
+            const bool leads_on = height_m < kHop_m && tip_x_m == 0.0033;
+            ASSERT_EQ(end_m.has_value(), leads_on) << height_m << ' ' << tip_x_m;
+            if (leads_on) {
+                EXPECT_LT((*end_m - Vector3(tip.x(), kReach_m, tip.z())).norm(), 3e-9);
+            }
+        }
+    }
+}
+
 TEST(BruteForceProxy, KnowsShapes) {
     const std::vector<contact::AnalyticShape> shapes{
         contact::AnalyticShape(contact::Sphere{0.05}, Eigen::Isometry3d::Identity(), 0)};

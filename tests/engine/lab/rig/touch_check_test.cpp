@@ -334,6 +334,47 @@ TEST(TouchCheck, TellsTheLongestStall) {
     EXPECT_EQ(findings_of({}).stall.steps, 0U);
 }
 
+TEST(TouchCheck, FindsHoldsOfThreeStepsAndMoreThanTenDegrees) {
+    // On a sheet nothing holds the proxy, which stands still while the tip is beside it.
+    for (const std::size_t count : {1U, 2U, 3U, 4U, 11U}) {
+        for (const double error_deg : {9.0, 11.0, 60.0}) {
+            for (std::size_t before = 1; before < 5; ++before) {
+                TouchStep start = on_sheet(0.0, 0.0);
+                start.constraints = 3;
+                std::vector<TouchStep> steps(before, start);
+                const double beside_m = kDepth_m * std::tan(error_deg * kRadiansPerDegree);
+                for (std::size_t i = 0; i < count; ++i) {
+                    TouchStep held = start;
+                    held.tip_m.x() = beside_m;
+                    held.normal = (held.proxy_m - held.tip_m).normalized();
+                    steps.push_back(held);
+                }
+                steps.insert(steps.end(), 2, start);
+                const TouchFindings found = findings_of(steps, 0);
+                const bool is_hold = count >= 3 && error_deg > 10.0;
+                ASSERT_EQ(found.holds.size(), is_hold ? 1U : 0U) << count << ' ' << error_deg;
+                EXPECT_EQ(found.stands, 1U);
+                if (is_hold) {
+                    EXPECT_EQ(found.holds[0].steps.first, before);
+                    EXPECT_EQ(found.holds[0].steps.steps, count);
+                    EXPECT_EQ(found.holds[0].place_m, steps[0].proxy_m);
+                    EXPECT_NEAR(found.holds[0].max_error_rad, error_deg * kRadiansPerDegree, 1e-4);
+                }
+                // Not with friction, and not on a face.
+                for (TouchStep &step : steps) {
+                    step.has_friction = true;
+                }
+                EXPECT_TRUE(findings_of(steps, 0).holds.empty());
+                for (TouchStep &step : steps) {
+                    step.has_friction = false;
+                    step.constraints = 1;
+                }
+                EXPECT_TRUE(findings_of(steps, 0).holds.empty());
+            }
+        }
+    }
+}
+
 TEST(TouchCheck, FindsPopThroughsInEveryPieceOfAWay) {
     TouchStep below = on_sheet(1e-4, 1e-4);
     below.proxy_m.y() = -contact::kClearance_m;
