@@ -53,6 +53,13 @@ static_assert(kShortDetourRadius_m > std::numbers::sqrt2 * kShortDetour_m + kCle
 /// Facets within this belong to the vertex [m].
 constexpr double kVertex_m = 3.0 * kClearance_m;
 
+/// A pit is searched again for ways out that facets' ends leave once the tip has moved by more than
+/// this multiple of its distance: the force has turned by a degree.
+constexpr double kTurned = 0.02;
+
+/// Normals with a smaller sine between them share no line with a reliable direction.
+constexpr double kMinSine = 1e-6;
+
 /// Of an update after many that could not move.
 constexpr int kMaxEffort = 100 * SolverBudget::kEffort;
 
@@ -180,6 +187,7 @@ void Proxy::reset(const Vector3 &tip_m) noexcept {
         rest_ = {tip_m, {}};
         sticks_ = slides_ = false;
         last_tip_m_ = tip_m;
+        pit_m_.setConstant(NAN);
         effort_ = SolverBudget::kEffort;
     }
 }
@@ -301,12 +309,18 @@ bool Proxy::leave_along(const Vector3 &motion_m, const Vector3 &above_m, const P
     if (solver.first_stop(above_m, beside_m)) {
         return false;
     }
+    // In a pit of the mesh most motions end over its slopes, from where it would slide back; to
+    // solve for each would take the whole budget amid hundreds of facets.
+    const double max_m = (rest_.point_m - tip_m).norm() - kNearer_m;
+    const std::optional<SurfaceStop> landing = solver.first_stop(beside_m, tip_m);
+    if (landing && (1.0 - landing->stop.fraction) * (beside_m - tip_m).norm() >= max_m) {
+        return false;
+    }
     const std::size_t before = path_.size();
     path_.add(above_m);
     path_.add(beside_m);
     Rest there{beside_m, {}};
-    if (!solver.solve(there, tip_m) ||
-        (there.point_m - tip_m).norm() >= (rest_.point_m - tip_m).norm() - kNearer_m) {
+    if (!solver.solve(there, tip_m) || (there.point_m - tip_m).norm() >= max_m) {
         path_.cut(before);
         return false;
     }
@@ -331,16 +345,37 @@ bool Proxy::leave_vertex(const ProxySolver &solver, const HapticSurface &surface
         }
         detour_m = kShortDetour_m;
     }
-    const Vector3 above_m = rest_.point_m + detour_m / from_tip_m.norm() * from_tip_m;
-    const DownhillDirections directions =
-        downhill_directions(surface, near_, rest_.point_m, tip_m, kVertex_m,
-                            MotionsAbove(rest_.held_by, above_m, detour_m));
-    if (directions.begin() == directions.end() || solver.first_stop(rest_.point_m, above_m)) {
-        return false;
+    const Vector3 high_m = rest_.point_m + detour_m / from_tip_m.norm() * from_tip_m;
+    const bool is_searched =
+        rest_.point_m == pit_m_ &&
+        (tip_m - pit_tip_m_).squaredNorm() <= kTurned * kTurned * from_tip_m.squaredNorm();
+    const MotionsAbove motions(surface, rest_.held_by, high_m, detour_m, is_searched);
+    DownhillDirections directions =
+        downhill_directions(surface, near_, rest_.point_m, tip_m, kVertex_m, motions);
+    // Where surfaces cross, what leads on may be no facet and no edge, but a line between planes.
+    for (std::size_t i = 0; i < 3 && !is_searched; ++i) {
+        const Vector3 line = rest_.held_by[i].normal.cross(rest_.held_by[(i + 1) % 3].normal);
+        const double sine = line.norm();
+        const Vector3 along = (line.dot(from_tip_m) < 0.0 ? 1.0 : -1.0) / sine * line;
+        if (sine > kMinSine && motions.contain(along)) {
+            directions.add(along);
+        }
     }
-    return std::ranges::any_of(directions, [&](const Vector3 &direction) {
-        return leave_along(detour_m * direction, above_m, solver, tip_m);
-    });
+    if (directions.begin() != directions.end()) {
+        const std::optional<SurfaceStop> stop = solver.first_stop(rest_.point_m, high_m);
+        const Vector3 above_m =
+            stop ? Vector3(rest_.point_m + stop->stop.fraction * (high_m - rest_.point_m)) : high_m;
+        if (std::ranges::any_of(directions, [&](const Vector3 &direction) {
+                return leave_along(detour_m * direction, above_m, solver, tip_m);
+            })) {
+            return true;
+        }
+    }
+    if (!is_searched && budget.has_any_left()) {
+        pit_m_ = rest_.point_m;
+        pit_tip_m_ = tip_m;
+    }
+    return false;
 }
 
 bool Proxy::move_to_rest(const ProxySolver &solver, const HapticSurface &surface,
@@ -396,6 +431,7 @@ Contact Proxy::update(const HapticSurface &surface, const Vector3 &tip_m) noexce
     if (surface.serial() != surface_serial_) {
         surface_serial_ = surface.serial();
         rest_.held_by = ContactPlanes(); // planes of another surface do not apply here
+        pit_m_.setConstant(NAN);
         sticks_ = slides_ = false;
     }
     SolverBudget budget;

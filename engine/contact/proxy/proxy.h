@@ -24,6 +24,7 @@
 #include "engine/contact/proxy/haptic_surface.h"
 #include "engine/contact/proxy/proxy_solver.h"
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -75,6 +76,8 @@ private:
     bool sticks_ = false; ///< friction holds it
     bool slides_ = false; ///< against dynamic friction
     Vector3 last_tip_m_{Vector3::Zero()};
+    Vector3 pit_m_{Vector3::Constant(NAN)};     ///< where a search for all ways out found none
+    Vector3 pit_tip_m_{Vector3::Constant(NAN)}; ///< the tip then
     Neighbourhood near_;
     double search_radius_m_;             ///< radius of the next neighbourhood
     int effort_ = SolverBudget::kEffort; ///< of the next update; see SearchBudget

@@ -199,7 +199,7 @@ namespace {
 
 /// A point no farther than this from an edge lies on it [m]: at a vertex of several facets, the one
 /// nearest to the proxy need not be an end of the edge that leads on.
-constexpr double kOnEdge_m = kClearance_m;
+constexpr double kOnEdge_m = 3.0 * kClearance_m;
 
 /// A projection shorter than this has no reliable direction [m].
 constexpr double kMinLength_m = 1e-9;

@@ -141,21 +141,29 @@ private:
     std::size_t size_ = 0;
 };
 
-/// Straight motions of one length from one place, and whether they end above some planes. At a
-/// corner few do, so this is tried before the facets are.
+/// Straight motions of one length from one place, and whether they meet some facets, each where its
+/// plane touches: these end, and so does what they forbid, unless their planes are taken as
+/// endless, which costs little. At a corner most motions do, so this is tried before other facets
+/// are.
 class MotionsAbove {
 public:
-    MotionsAbove(const ContactPlanes &planes, const Vector3 &from_m, double length_m) noexcept
-        : planes_(planes), length_m_(length_m) {
+    MotionsAbove(const HapticSurface &surface, const ContactPlanes &planes, const Vector3 &from_m,
+                 double length_m, bool are_endless) noexcept
+        : surface_(surface), planes_(planes), from_m_(from_m), length_m_(length_m),
+          are_endless_(are_endless) {
         for (std::size_t i = 0; i < planes_.size(); ++i) {
             heights_m_[i] = planes_[i].height_m(from_m);
         }
     }
 
-    /// Whether the motion in that direction is one of them.
+    /// Whether the motion in that direction meets none of them.
     [[nodiscard]] bool contain(const Vector3 &direction) const noexcept {
         for (std::size_t i = 0; i < planes_.size(); ++i) {
-            if (heights_m_[i] + length_m_ * planes_[i].normal.dot(direction) < 0.0) {
+            const double slope = planes_[i].normal.dot(direction);
+            if (heights_m_[i] + length_m_ * slope < 0.0 &&
+                (are_endless_ || surface_.shape(planes_[i].obstacle) != nullptr ||
+                 surface_.facet(planes_[i].obstacle)
+                     .is_over(from_m_ - heights_m_[i] / slope * direction))) {
                 return false;
             }
         }
@@ -165,9 +173,12 @@ public:
     [[nodiscard]] double length_m() const noexcept { return length_m_; }
 
 private:
+    const HapticSurface &surface_;
     const ContactPlanes &planes_;
+    const Vector3 &from_m_;
     std::array<double, ContactPlanes::kCapacity> heights_m_{};
     double length_m_;
+    bool are_endless_;
 };
 
 /// Of the facets of `near` that come within `within_m` of a point: where their planes lead towards

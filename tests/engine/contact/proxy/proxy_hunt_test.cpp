@@ -208,7 +208,9 @@ TEST_P(ProxyHolds, AreRare) {
                 std::string(GetParam().name).c_str(), in_contact, static_cast<int>(seed - 1), held,
                 holds, longest, worst_rad * kDegreesPerRadian, through);
     EXPECT_EQ(through, 0U);
-    EXPECT_LE(held, in_contact / 20);
+    // Where hundreds of facets meet within a micrometre, hops need more effort than an update has.
+    const bool has_large_fans = GetParam().name == "fan" || GetParam().name == "in_32_bits";
+    EXPECT_LE(held, in_contact / (has_large_fans ? 200 : 1000));
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, ProxyHolds, ::testing::ValuesIn(testing::kHardMeshKinds),
