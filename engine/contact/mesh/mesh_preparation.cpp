@@ -1,6 +1,7 @@
 #include "engine/contact/mesh/mesh_preparation.h"
 
 #include "base/cancellation.h"
+#include "base/input_error.h"
 #include "base/parallel.h"
 #include "engine/contact/mesh/fan_grading.h"
 #include "engine/contact/mesh/mesh_repair.h"
@@ -9,9 +10,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace springdrive::contact {
@@ -151,6 +154,18 @@ void require_consistent(const TriangleSoup &soup) {
     if (soup.material_of_triangle.size() != soup.triangles.size() ||
         !std::ranges::all_of(soup.material_of_triangle, has_material)) {
         throw std::invalid_argument("prepare_mesh: a triangle lacks its material");
+    }
+}
+
+/// A proxy far away would never touch, and never say why.
+void require_near(const TriangleSoup &soup) {
+    for (const Vector3 &vertex_m : soup.vertices_m) {
+        if (vertex_m.allFinite() && vertex_m.cwiseAbs().maxCoeff() >= kFarthest_m) {
+            const auto index = &vertex_m - soup.vertices_m.data();
+            throw InputError("vertex " + std::to_string(index) + " has a coordinate of " +
+                             std::to_string(std::lround(kFarthest_m)) +
+                             " m or more, where nothing can be touched; move or scale the surface");
+        }
     }
 }
 
@@ -328,6 +343,7 @@ private:
 
 PreparedMesh prepare_mesh(const TriangleSoup &soup, unsigned threads) {
     require_consistent(soup);
+    require_near(soup);
     require_few(soup.triangles.size());
     Preparation preparation(soup, useful_threads(threads, soup.triangles.size()));
     preparation.drop_repeated();

@@ -47,6 +47,10 @@ slivers_to_leave_out(const std::vector<MeshTriangle> &triangles, const EdgeTable
 /// metres, and far below what a hand perceives.
 inline constexpr double kCrackTolerance_m = 5e-6;
 
+/// Nothing can be touched at a coordinate beyond this [m]. No device reaches there, and round-off
+/// would exceed what the proxy counts on.
+inline constexpr double kFarthest_m = 1e3;
+
 struct PreparedMesh {
     std::vector<FacetSource> facets;
     MeshReport report;
@@ -55,7 +59,8 @@ struct PreparedMesh {
 /// @param threads the maximum number used; the facets are the same for any number
 /// @throw std::invalid_argument if an index of the soup is out of range or it lacks materials: a
 ///        mistake of the program, since readers of files check this first.
-/// @throw InputError if that needs more steps than a PreparationAllowance has.
+/// @throw InputError if that needs more steps than a PreparationAllowance has, or a vertex has a
+///        finite coordinate of kFarthest_m or more.
 /// @throw std::length_error if there are more than kMaxTriangles.
 [[nodiscard]] PreparedMesh prepare_mesh(const TriangleSoup &soup,
                                         unsigned threads = all_processors());

@@ -1,5 +1,6 @@
 #include "engine/contact/proxy/proxy.h"
 
+#include "engine/contact/mesh/mesh_preparation.h"
 #include "engine/contact/proxy/proxy_solver.h"
 
 #include <algorithm>
@@ -13,9 +14,6 @@
 namespace springdrive::contact {
 
 namespace {
-
-/// No tip can be farther away than this [m]: such values are rejected.
-constexpr double kFarthestTip_m = 1e3;
 
 /// On a step to a nearer place of rest, the proxy may move away from the tip by up to this [m]: a
 /// third of what the device resolves. Facets of a smooth shape leave such low ridges between them,
@@ -72,7 +70,7 @@ constexpr double kMaxSearchRadius_m = 0.5;
 constexpr double kRetryGrowth = 1.1;
 
 [[nodiscard]] bool is_usable(const Vector3 &tip_m) noexcept {
-    return tip_m.allFinite() && tip_m.cwiseAbs().maxCoeff() < kFarthestTip_m;
+    return tip_m.allFinite() && tip_m.cwiseAbs().maxCoeff() < kFarthest_m;
 }
 
 // Coulomb friction for a proxy: how far along its frictionless path it moves.
