@@ -124,8 +124,8 @@ double port_damping_Nms_per_rad(const StabilityCase &which) {
 
 using OfDrive = LeastAtPort(const SpringDrive &, double);
 
-/// The least of the motors', each of those that differ by itself.
-LeastAtPort least_of_motors(const StabilityCase &which, OfDrive *of_drive) {
+/// Of the worst motor; each of those that differ is taken by itself.
+LeastAtPort worst_of_motors(const StabilityCase &which, OfDrive *of_drive) {
     const double b = port_damping_Nms_per_rad(which);
     const std::size_t first = which.rotor ? 1 : 0; // the one that members have
     const SpringDrive drive = drive_of(which, first);
@@ -208,10 +208,10 @@ LeastAtPort stability_with_linear_hands(const SpringDrive &drive, double damping
                  std::array{1.0, 0.9, 0.75, 0.5, 0.25, 0.1, 0.03, 0.0}, 100);
 }
 
-LeastAtPort passivity(const StabilityCase &which) { return least_of_motors(which, passivity); }
+LeastAtPort passivity(const StabilityCase &which) { return worst_of_motors(which, passivity); }
 
 LeastAtPort stability_with_linear_hands(const StabilityCase &which) {
-    return least_of_motors(which, stability_with_linear_hands);
+    return worst_of_motors(which, stability_with_linear_hands);
 }
 
 std::string port_text(const LeastAtPort &passive, const LeastAtPort &linear_hands) {

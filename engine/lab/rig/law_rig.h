@@ -34,9 +34,8 @@ public:
 /// A simulated device: exact angles at the start, its encoders' counts from then on.
 class PhantomPlant final : public Plant {
 public:
-    /// @param has_counts  false: exact angles always. Even fine counts sustain a motion of about
-    /// one
-    ///                    of them where a gain is within a quarter of its limit.
+    /// @param has_counts  false: exact angles always, for near a limit even fine counts sustain a
+    ///                    motion of about one of them
     explicit PhantomPlant(simulated::SimulatedPhantom &phantom, bool has_counts = true);
 
     void advance(const simulated::PlantCommand &command) override;

@@ -72,9 +72,8 @@ public:
     /// All that is stored; to resume, among others.
     [[nodiscard]] StudyContents contents() const;
 
-    /// @throw InputError for what is no code, and for a code or number that is taken, or a code
-    /// that
-    ///        is another's but for zeros.
+    /// @throw InputError for what is no code, for a code or number that is taken, and for a code
+    ///        that is another's but for zeros.
     void add(const Participant &participant);
 
     /// Begins a session; its `id`, `ended` and `ending` are ignored.

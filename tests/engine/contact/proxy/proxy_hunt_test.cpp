@@ -208,6 +208,7 @@ TEST_P(ProxyHolds, AreRare) {
                 std::string(GetParam().name).c_str(), in_contact, static_cast<int>(seed - 1), held,
                 holds, longest, worst_rad * kDegreesPerRadian, through);
     EXPECT_EQ(through, 0U);
+    // What is reached, not what is right, which is none: 0.71 in 1000 of a million steps on scans.
     // Where hundreds of facets meet within a micrometre, hops need more effort than an update has.
     const bool has_large_fans = GetParam().name == "fan" || GetParam().name == "in_32_bits";
     EXPECT_LE(held, in_contact / (has_large_fans ? 200 : 1000));
